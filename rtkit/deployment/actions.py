@@ -1,0 +1,128 @@
+"""What a manager can be asked to do, as data: the one vocabulary of plans, batches and dry runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtkit import errors
+from rtkit.deployment.facts import ComponentPattern
+from rtkit.rtc.enums import ReturnCode, Transition
+from rtkit.rtc.profiles import ConnectorProfile
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """Load a module and call its init function."""
+
+    path: str
+    init: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Unload:
+    """Forget a module; components already made stay."""
+
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Create:
+    """Make a component from a create string (commands §20), or from a pattern.
+
+    With a pattern the create string only tells the instance name, the place and the properties.
+    """
+
+    create: str
+    names: tuple[str, ...] = ()
+    pattern: ComponentPattern | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Delete:
+    """Finalise a component and forget it, with its connections and names."""
+
+    instance: str
+
+
+@dataclass(frozen=True, slots=True)
+class Connect:
+    """Make a connection."""
+
+    connector: ConnectorProfile
+
+
+@dataclass(frozen=True, slots=True)
+class Disconnect:
+    """Remove the connection of that id."""
+
+    connector_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameters:
+    """Change parameters of one configuration set, all or none."""
+
+    instance: str
+    set_id: str
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class ActivateSet:
+    """Make a configuration set the active one."""
+
+    instance: str
+    set_id: str
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeState:
+    """Activate, deactivate or reset a component in one of its execution contexts.
+
+    The answer comes when the transition is done, refused or failed; with `wait` false at once.
+    """
+
+    instance: str
+    context: str
+    transition: Transition
+    wait: bool = True
+
+
+Action = (
+    Load
+    | Unload
+    | Create
+    | Delete
+    | Connect
+    | Disconnect
+    | SetParameters
+    | ActivateSet
+    | ChangeState
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """Outcome of one action.
+
+    Attributes:
+        kind: Kind of the error (see `rtkit.errors`); empty on success.
+        why: One line for the user; empty on success.
+        value: What was made: the instance name of a created component.
+    """
+
+    code: ReturnCode = ReturnCode.OK
+    kind: str = ""
+    why: str = ""
+    value: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether the action was done."""
+        return self.code is ReturnCode.OK
+
+    def raise_for_error(self) -> None:
+        """Raise the error that this result stands for, if any."""
+        if not self.ok:
+            raise errors.from_kind(self.kind, self.why)

@@ -1,0 +1,120 @@
+"""What is known of a live system: components, processes, connectors, names.
+
+The manager keeps these facts and sends them to clients as one snapshot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtkit.rtc.enums import ExecutionKind, merged_state
+from rtkit.rtc.profiles import (
+    ConnectorProfile,
+    ExecutionContextProfile,
+    ModuleProfile,
+    PortProfile,
+    TypeProfile,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class ContextPattern:
+    """An execution context that a component is to own; rate [Hz]."""
+
+    id: str = "0"
+    kind: ExecutionKind = ExecutionKind.PERIODIC
+    rate: float = 1000.0
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentPattern:
+    """A component type described by data instead of code: what a stand-in is generated from.
+
+    Attributes:
+        script: Values that each out port transmits one after another while active, as JSON text.
+    """
+
+    type: TypeProfile
+    ports: tuple[PortProfile, ...] = ()
+    sets: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    active_set: str = ""
+    contexts: tuple[ContextPattern, ...] = ()
+    script: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentFacts:
+    """One component as its process last reported it.
+
+    Attributes:
+        process: Name of the manager or slave process that holds it.
+        sets: Configuration sets: set name to parameter name to text.
+        names: Paths under which it is registered, ``localhost/dir.host_cxt/Motor0.rtc``.
+        create: Create string that makes it again; empty for a stand-in.
+        module: ``PATH:INIT`` of its module when one was loaded for it.
+        is_stand_in: Generated from data, no code of its own.
+        cause: The exception that put it into Error, one line with file:line.
+        zombie: Why nobody is behind the entry any more (``signal 9``); empty while it lives.
+        trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
+    """
+
+    instance: str
+    type: TypeProfile
+    process: str
+    ports: tuple[PortProfile, ...] = ()
+    sets: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    active_set: str = ""
+    contexts: tuple[ExecutionContextProfile, ...] = ()
+    names: tuple[str, ...] = ()
+    create: str = ""
+    module: str = ""
+    is_stand_in: bool = False
+    cause: str = ""
+    zombie: str = ""
+    trouble: str = ""
+    properties: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def state(self) -> str:
+        """Merged life-cycle state over all contexts, ``Unknown`` without any."""
+        return merged_state([context.state for context in self.contexts])
+
+    def port(self, name: str) -> PortProfile | None:
+        """Return the port of that name, or None."""
+        return next((port for port in self.ports if port.name == name), None)
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessFacts:
+    """The manager or a slave.
+
+    Attributes:
+        state: ``starting``, ``up``, ``stopped`` or ``lost``.
+        reason: Why it is lost or stopped.
+    """
+
+    name: str
+    is_slave: bool
+    pid: int
+    state: str
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """Everything one manager knows at one moment."""
+
+    host: str
+    manager: str
+    pid: int
+    version: str
+    processes: tuple[ProcessFacts, ...] = ()
+    components: tuple[ComponentFacts, ...] = ()
+    connectors: tuple[ConnectorProfile, ...] = ()
+    modules: tuple[ModuleProfile, ...] = ()
+    properties: Mapping[str, str] = field(default_factory=dict)
+
+    def component(self, instance: str) -> ComponentFacts | None:
+        """Return the component of that instance name, or None."""
+        return next((c for c in self.components if c.instance == instance), None)

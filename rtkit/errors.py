@@ -1,0 +1,87 @@
+"""Every error that rtkit raises, its kind and its exit status.
+
+Nothing is printed here: messages are shown by the command line, logged by the daemon.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+BUG_EXIT = 70
+
+
+class RtkitError(Exception):
+    """What went wrong, told in one line: what, where (as the user typed it), what would help."""
+
+    kind = "error"
+    exit_code = 1
+    detail = 1
+
+
+class UsageProblem(RtkitError):
+    """The option parser rejected the command line."""
+
+    kind = "usage"
+    exit_code = 2
+    detail = 2
+
+
+class Malformed(RtkitError, ValueError):
+    """A path, value or argument that cannot be read."""
+
+    kind = "malformed"
+    detail = 2
+
+
+class Refused(RtkitError):
+    """A precondition is not met, a deviation was found, or a required action failed."""
+
+    kind = "refused"
+    detail = 1
+
+
+class InvalidDocument(RtkitError):
+    """A document is not well-formed or violates its schema."""
+
+    kind = "invalid"
+    detail = 3
+
+
+class NotFound(RtkitError, LookupError):
+    """No such manager, component, port, property or module."""
+
+    kind = "not-found"
+    detail = 4
+
+
+class Unreachable(RtkitError, OSError):
+    """No answer, time-out, or a lost link."""
+
+    kind = "unreachable"
+    detail = 5
+
+
+class Partial(RtkitError):
+    """Some actions were done and some failed.
+
+    Attributes:
+        failures: The error of each failed item, by the item's name as the user typed it.
+    """
+
+    kind = "partial"
+    detail = 6
+
+    def __init__(self, message: str, failures: Sequence[tuple[str, RtkitError]]) -> None:
+        super().__init__(message)
+        self.failures = tuple(failures)
+
+
+_BY_KIND: dict[str, type[RtkitError]] = {
+    error.kind: error
+    for error in (UsageProblem, Malformed, Refused, InvalidDocument, NotFound, Unreachable)
+}
+
+
+def from_kind(kind: str, message: str) -> RtkitError:
+    """Rebuild an error that travelled as (kind, message)."""
+    return _BY_KIND.get(kind, RtkitError)(message)

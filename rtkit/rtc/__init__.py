@@ -1,0 +1,1 @@
+"""The vocabulary of the OMG RTC specification: enumerations, profile records, names, paths."""

@@ -1,0 +1,105 @@
+"""The profile records of the OMG RTC specification, as plain facts.
+
+They describe what exists; the XML documents (RTC Profile, RTS Profile) have models of their own
+in `rtkit.profile`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Polarity, PortType
+
+NOTHING: Mapping[str, str] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class PortInterfaceProfile:
+    """One interface of a service port."""
+
+    instance_name: str
+    type_name: str
+    polarity: Polarity
+
+
+@dataclass(frozen=True, slots=True)
+class PortProfile:
+    """A port: its name within the component, its type, properties and interfaces."""
+
+    name: str
+    port_type: PortType
+    properties: Mapping[str, str] = field(default_factory=dict)
+    interfaces: tuple[PortInterfaceProfile, ...] = ()
+
+    @property
+    def data_type(self) -> str:
+        """Name of the data type, ``IDL:RTC/TimedLong:1.0``; empty for service ports."""
+        return self.properties.get("dataport.data_type", "")
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class PortRef:
+    """A port by the name of its component instance and its own name."""
+
+    instance: str
+    port: str
+
+    def __str__(self) -> str:
+        return f"{self.instance}.{self.port}"
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectorProfile:
+    """A made connection. A data connector names its out port first."""
+
+    connector_id: str
+    name: str
+    ports: tuple[PortRef, ...]
+    properties: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutionContextProfile:
+    """An execution context as one participant sees it.
+
+    Attributes:
+        id: Its name within the component; ``"0"`` for the first.
+        rate: [Hz]; 0 where the kind has none.
+        state: Life-cycle state of the component in this context.
+    """
+
+    id: str
+    kind: ExecutionKind
+    rate: float
+    owner: str
+    is_running: bool = True
+    state: LifeCycleState = LifeCycleState.INACTIVE
+    participants: tuple[str, ...] = ()
+    properties: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class TypeProfile:
+    """Identity of a component type; what a factory offers."""
+
+    type_name: str
+    vendor: str = ""
+    category: str = ""
+    version: str = ""
+    description: str = ""
+    language: str = "Python"
+
+    @property
+    def id(self) -> str:
+        """``RTC:vendor:category:type_name:version``, the form that system profiles use."""
+        return f"RTC:{self.vendor}:{self.category}:{self.type_name}:{self.version}"
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleProfile:
+    """A loaded module and the component types its factories make."""
+
+    path: str
+    init: str
+    types: tuple[TypeProfile, ...] = ()
