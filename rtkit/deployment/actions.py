@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rtkit import errors
-from rtkit.deployment.facts import ComponentPattern
 from rtkit.rtc.enums import ReturnCode, Transition
+from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from rtkit.rtc.enums import ExecutionKind, merged_state
+from rtkit.rtc.enums import merged_state
 from rtkit.rtc.profiles import (
     ConnectorProfile,
     ExecutionContextProfile,
@@ -16,31 +16,6 @@ from rtkit.rtc.profiles import (
     PortProfile,
     TypeProfile,
 )
-
-
-@dataclass(frozen=True, slots=True)
-class ContextPattern:
-    """An execution context that a component is to own; rate [Hz]."""
-
-    id: str = "0"
-    kind: ExecutionKind = ExecutionKind.PERIODIC
-    rate: float = 1000.0
-
-
-@dataclass(frozen=True, slots=True)
-class ComponentPattern:
-    """A component type described by data instead of code: what a stand-in is generated from.
-
-    Attributes:
-        script: Values that each out port transmits one after another while active, as JSON text.
-    """
-
-    type: TypeProfile
-    ports: tuple[PortProfile, ...] = ()
-    sets: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
-    active_set: str = ""
-    contexts: tuple[ContextPattern, ...] = ()
-    script: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
