@@ -1,0 +1,96 @@
+"""A batch of actions, and its results, as the text that a manager's ``batch`` property takes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from rtkit.deployment.actions import Action, Result
+from rtkit.errors import Malformed
+from rtkit.rtc.plain import decode, encode
+
+_NAMES: dict[type, str] = {cls: cls.__name__ for cls in get_args(Action)}
+_TYPES: dict[str, type] = {name: cls for cls, name in _NAMES.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Actions for one manager.
+
+    Attributes:
+        is_ordered: One after the other, stop at the first failure; else all at once.
+        timeout_s: Bound on each action [s].
+    """
+
+    actions: tuple[Action, ...]
+    is_ordered: bool = True
+    timeout_s: float = 10.0
+
+
+def action_to_plain(action: Action) -> dict[str, Any]:
+    """Return an action as plain data, its name under ``do``."""
+    return {"do": _NAMES[type(action)], **encode(action)}
+
+
+def action_from_plain(data: object) -> Action:
+    """Rebuild an action.
+
+    Raises:
+        Malformed: The data is no action that is known here.
+    """
+    if not isinstance(data, Mapping):
+        raise Malformed("an action is a table")
+    cls = _TYPES.get(data.get("do", ""))
+    if cls is None:
+        raise Malformed(f"unknown action: {data.get('do')!r}")
+    action: Action = decode(cls, {key: value for key, value in data.items() if key != "do"})
+    return action
+
+
+def batch_to_text(batch: Batch) -> str:
+    """Return a batch as text."""
+    actions = [action_to_plain(action) for action in batch.actions]
+    return json.dumps(
+        {"actions": actions, "ordered": batch.is_ordered, "timeout": batch.timeout_s},
+        separators=(",", ":"),
+    )
+
+
+def batch_from_text(text: str) -> Batch:
+    """Rebuild a batch.
+
+    Raises:
+        Malformed: The text is no batch.
+    """
+    data = _load(text)
+    try:
+        actions = tuple(action_from_plain(item) for item in data["actions"])
+        return Batch(actions, bool(data["ordered"]), float(data["timeout"]))
+    except (KeyError, TypeError, ValueError) as error:
+        raise Malformed(f"not a batch: {error}") from error
+
+
+def results_to_text(results: Sequence[Result]) -> str:
+    """Return the results of a batch as text."""
+    return json.dumps([encode(result) for result in results], separators=(",", ":"))
+
+
+def results_from_text(text: str) -> tuple[Result, ...]:
+    """Rebuild the results of a batch.
+
+    Raises:
+        Malformed: The text is no list of results.
+    """
+    data = _load(text)
+    if not isinstance(data, list):
+        raise Malformed("not a list of results")
+    return tuple(decode(Result, item) for item in data)
+
+
+def _load(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise Malformed(f"not JSON: {error}") from error

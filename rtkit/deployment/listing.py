@@ -1,0 +1,112 @@
+"""The short form of a snapshot: one row a component, which is all that a listing needs.
+
+The manager answers with it in one small reply; clients rebuild it from a full snapshot.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.errors import Malformed
+from rtkit.rtc.enums import PortType
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import ComponentFacts, Snapshot
+    from rtkit.rtc.profiles import ConnectorProfile
+
+
+class Row(NamedTuple):
+    """One component; ``ins`` … ``services_connected`` count ports."""
+
+    instance: str
+    state: str
+    ins: int
+    ins_connected: int
+    outs: int
+    outs_connected: int
+    services: int
+    services_connected: int
+    process: str
+    zombie: str
+    trouble: str
+    is_stand_in: bool
+    names: tuple[str, ...]
+
+
+class Listing(NamedTuple):
+    """What a manager tells about itself in one short answer.
+
+    Attributes:
+        slaves: Name, state and reason of each slave process.
+    """
+
+    host: str
+    manager: str
+    pid: int
+    slaves: tuple[tuple[str, str, str], ...]
+    rows: tuple[Row, ...]
+
+
+def listing_of(snapshot: Snapshot) -> Listing:
+    """Return the short form of a snapshot."""
+    slaves = tuple((p.name, p.state, p.reason) for p in snapshot.processes if p.is_slave)
+    connected = connected_ports(snapshot.connectors)
+    rows = tuple(row_of(component, connected) for component in snapshot.components)
+    return Listing(snapshot.host, snapshot.manager, snapshot.pid, slaves, rows)
+
+
+def connected_ports(connectors: Iterable[ConnectorProfile]) -> Counter[tuple[str, str]]:
+    """Count the connections of each (instance, port)."""
+    return Counter((end.instance, end.port) for wire in connectors for end in wire.ports)
+
+
+def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Row:
+    """Return one component's row."""
+    made = dict.fromkeys(PortType, 0)
+    wired = dict.fromkeys(PortType, 0)
+    for port in component.ports:
+        made[port.port_type] += 1
+        wired[port.port_type] += (component.instance, port.name) in connected
+    return Row(
+        component.instance,
+        component.state,
+        made[PortType.IN],
+        wired[PortType.IN],
+        made[PortType.OUT],
+        wired[PortType.OUT],
+        made[PortType.SERVICE],
+        wired[PortType.SERVICE],
+        component.process,
+        component.zombie,
+        component.trouble,
+        component.is_stand_in,
+        component.names,
+    )
+
+
+def listing_to_text(listing: Listing) -> str:
+    """Return a listing as the text that travels."""
+    return json.dumps(listing, separators=(",", ":"))
+
+
+def listing_from_text(text: str) -> Listing:
+    """Rebuild a listing.
+
+    Raises:
+        Malformed: The text is no listing.
+    """
+    try:
+        host, manager, pid, slaves, rows = json.loads(text)
+        width = len(Row._fields) - 1
+        return Listing(
+            str(host),
+            str(manager),
+            int(pid),
+            tuple((str(name), str(state), str(why)) for name, state, why in slaves),
+            tuple(Row._make([*row[:width], tuple(row[width])]) for row in rows),
+        )
+    except (ValueError, TypeError) as error:
+        raise Malformed(f"not a listing: {error}") from error

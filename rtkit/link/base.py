@@ -1,0 +1,28 @@
+"""What every transport offers; its makes are `rtkit.link.zenoh` and `rtkit.link.inproc`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from rtkit.property.exchange import Reply, Request
+
+
+class Link(Protocol):
+    """A way to reach services, and to offer one."""
+
+    def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
+        """GET (payload None) or SET the property at `key`, waiting at most `timeout_s` [s].
+
+        Raises:
+            Unreachable: Nobody answered in time.
+        """
+        ...
+
+    def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
+        """Offer a service; `enqueue` is called on the transport's threads and must only enqueue."""
+        ...
+
+    def close(self) -> None:
+        """Leave; nothing is served or reachable afterwards."""
+        ...

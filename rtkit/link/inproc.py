@@ -1,0 +1,50 @@
+"""A link inside one process: the fake for fast tests, and for tools that host a manager."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from rtkit.errors import Unreachable
+from rtkit.property.exchange import Reply, Request
+
+
+class InprocLink:
+    """Every service offered on this object is reachable through it."""
+
+    def __init__(self) -> None:
+        self._services: dict[str, Callable[[Request], object]] = {}
+
+    def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
+        """See `Link.call`."""
+        service_key, is_extension, name = _split(key)
+        enqueue = self._services.get(service_key)
+        if enqueue is None:
+            raise Unreachable(f"nobody serves {service_key}")
+        answered = threading.Event()
+        replies: list[Reply] = []
+
+        def answer(reply: Reply) -> None:
+            replies.append(reply)
+            answered.set()
+
+        enqueue(Request(name, payload, answer, is_extension=is_extension))
+        if not answered.wait(timeout_s):
+            raise Unreachable(f"no answer within {timeout_s:g} s")
+        return replies[0]
+
+    def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
+        """See `Link.serve`."""
+        self._services[service_key] = enqueue
+
+    def close(self) -> None:
+        """See `Link.close`."""
+        self._services.clear()
+
+
+def _split(key: str) -> tuple[str, bool, str]:
+    for mark, is_extension in (("/@x/", True), ("/@/", False)):
+        service_key, found, name = key.partition(mark)
+        if found:
+            return service_key, is_extension, name
+    raise ValueError(f"not a property key: {key}")

@@ -1,0 +1,55 @@
+"""Layout and escaping of keys: the only place that knows where things live on the wire.
+
+==================================================  =============================================
+``rt/<realm>/<host>/<manager>[/<instance>]/@/P``    property P of a manager or component
+``rt/<realm>/<host>/<manager>[/<instance>]/@x/…``   reserved extensions (snapshot, meta, gui)
+``rtd/<realm>/<host>/<connector id>``               data of one connector
+==================================================  =============================================
+
+Chunks that begin with ``@`` are matched by no wildcard, so the two spaces never mix.
+"""
+
+from __future__ import annotations
+
+import os
+
+_UNSAFE = "*$?#/%@"
+
+
+def escape(chunk: str) -> str:
+    """Return a name as one key chunk."""
+    if chunk and not any(c in _UNSAFE or ord(c) < 33 for c in chunk):
+        return chunk
+    return "".join(f"%{ord(c):02X}" if c in _UNSAFE or ord(c) < 33 else c for c in chunk) or "%"
+
+
+def unescape(chunk: str) -> str:
+    """Return the name that `escape` turned into this chunk."""
+    head, *rest = chunk.split("%")
+    return head + "".join(chr(int(part[:2], 16)) + part[2:] for part in rest if part)
+
+
+def realm() -> str:
+    """Return the realm: systems of different realms never meet (``RTKIT_REALM``)."""
+    return escape(os.environ.get("RTKIT_REALM") or "default")
+
+
+def service(host: str, manager: str, instance: str = "") -> str:
+    """Return the key of a manager, or of a component below it."""
+    base = f"rt/{realm()}/{escape(host)}/{escape(manager)}"
+    return f"{base}/{escape(instance)}" if instance else base
+
+
+def property_key(service_key: str, name: str) -> str:
+    """Return the key of a property of a service."""
+    return f"{service_key}/@/{name}"
+
+
+def extension_key(service_key: str, name: str) -> str:
+    """Return the key of a reserved extension of a service."""
+    return f"{service_key}/@x/{name}"
+
+
+def data(host: str, connector_id: str) -> str:
+    """Return the key on which one connector's data travel."""
+    return f"rtd/{realm()}/{escape(host)}/{escape(connector_id)}"

@@ -1,0 +1,89 @@
+"""Where sockets, locks and logs lie on this host, and that nobody else may reach them."""
+
+from __future__ import annotations
+
+import os
+import stat
+
+from rtkit.errors import Refused
+
+_MAX_SOCKET_PATH = 107
+
+
+def runtime_dir() -> str:
+    """Return the folder of sockets and locks: ``RTKIT_RUNTIME_DIR``, XDG, or below ``/tmp``."""
+    chosen = os.environ.get("RTKIT_RUNTIME_DIR")
+    if chosen:
+        return os.path.abspath(chosen)
+    base = os.environ.get("XDG_RUNTIME_DIR")
+    return os.path.join(base, "rtkit") if base else f"/tmp/rtkit-{os.getuid()}"
+
+
+def state_dir() -> str:
+    """Return the folder of logs: ``RTKIT_STATE_DIR``, or below the XDG state folder."""
+    chosen = os.environ.get("RTKIT_STATE_DIR")
+    if chosen:
+        return os.path.abspath(chosen)
+    base = os.environ.get("XDG_STATE_HOME") or os.path.expanduser("~/.local/state")
+    return os.path.join(base, "rtkit")
+
+
+def manager_socket(manager: str) -> str:
+    """Return the path of a manager's socket."""
+    return os.path.join(runtime_dir(), f"{manager}.sock")
+
+
+def manager_lock(manager: str) -> str:
+    """Return the path of the file whose lock makes a manager the only one of its name."""
+    return os.path.join(runtime_dir(), f"{manager}.lock")
+
+
+def control_socket(manager: str) -> str:
+    """Return the path of the socket on which slaves report to their manager."""
+    return os.path.join(runtime_dir(), f"{manager}.ctl")
+
+
+def data_socket(manager: str, pid: int) -> str:
+    """Return the path of the socket on which a process takes data for its in ports."""
+    return os.path.join(runtime_dir(), f"{manager}.{pid}.data")
+
+
+def log_file(manager: str) -> str:
+    """Return the path of a manager's log."""
+    return os.path.join(state_dir(), f"{manager}.log")
+
+
+def make_private(path: str) -> str:
+    """Make the folder `path` for this user alone, or check that it is so, and return it.
+
+    Raises:
+        Refused: It cannot be made, is not ours, or is open to others.
+    """
+    try:
+        os.makedirs(path, mode=0o700, exist_ok=True)
+        status = os.lstat(path)
+    except OSError as error:
+        raise Refused(f"cannot use folder {path}: {error.strerror}") from error
+    if not stat.S_ISDIR(status.st_mode):
+        raise Refused(f"not a folder: {path}")
+    if status.st_uid != os.getuid():
+        raise Refused(f"folder belongs to another user: {path}")
+    if status.st_mode & 0o077:
+        raise Refused(f"folder is open to other users (mode {status.st_mode & 0o777:o}): {path}")
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise Refused(f"no permission to write in folder: {path}")
+    return path
+
+
+def check_socket_length(path: str) -> str:
+    """Return `path` if the kernel takes it as a socket's.
+
+    Raises:
+        Refused: It is too long.
+    """
+    if len(os.fsencode(path)) > _MAX_SOCKET_PATH:
+        raise Refused(
+            f"socket path is longer than {_MAX_SOCKET_PATH} bytes,"
+            f" set RTKIT_RUNTIME_DIR to a shorter folder: {path}"
+        )
+    return path

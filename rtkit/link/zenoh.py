@@ -1,0 +1,139 @@
+"""The zenoh link: sessions, queries and replies. No other file of the control path knows zenoh.
+
+Rules kept here, each a hang or a loss that was measured otherwise: explicit endpoints and no
+scouting; bounded channels with consolidation off for every get; direct callbacks that only
+enqueue; queries dropped after their reply; sessions closed explicitly; nothing opened before a
+fork.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import zenoh
+
+from rtkit.errors import Unreachable
+from rtkit.property.exchange import Reply, Request
+
+_RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
+_ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
+
+
+def _config(mode: str, settings: dict[str, str]) -> zenoh.Config:
+    config = zenoh.Config()
+    common = {
+        "mode": f'"{mode}"',
+        "scouting/multicast/enabled": "false",
+        "scouting/gossip/enabled": "false",
+        "scouting/delay": "0",
+        "open/return_conditions/connect_scouted": "false",
+        "connect/retry": _RETRY,
+    }
+    for key, value in {**common, **settings}.items():
+        config.insert_json5(key, value)
+    return config
+
+
+def unix_endpoint(path: str) -> str:
+    """Return the endpoint of a unix socket."""
+    return f"unixsock-stream/{path}"
+
+
+def open_client(endpoint: str, timeout_s: float) -> zenoh.Session:
+    """Open a client session to one endpoint, or fail within `timeout_s` [s].
+
+    Raises:
+        Unreachable: Nobody listens there, or it does not answer.
+    """
+    timeout_ms = str(max(1, int(timeout_s * 1000)))
+    settings = {
+        "connect/endpoints": f'["{endpoint}"]',
+        "connect/timeout_ms": "0",
+        "connect/exit_on_failure": "true",
+        "transport/unicast/open_timeout": timeout_ms,
+    }
+    try:
+        return zenoh.open(_config("client", settings))
+    except zenoh.ZError as error:
+        raise Unreachable(f"cannot reach {endpoint}") from error
+
+
+def open_listener(endpoint: str, mode: str = "router") -> zenoh.Session:
+    """Open a session that listens on one endpoint.
+
+    Raises:
+        Unreachable: The endpoint is taken or cannot be made.
+    """
+    settings = {"listen/endpoints": f'["{endpoint}"]'}
+    try:
+        return zenoh.open(_config(mode, settings))
+    except zenoh.ZError as error:
+        raise Unreachable(f"cannot listen on {endpoint}: {error}") from error
+
+
+class ZenohLink:
+    """A `Link` over one zenoh session."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._session = session
+        self._declared: list[zenoh.Queryable[None]] = []
+
+    def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
+        """See `Link.call`."""
+        replies = self._session.get(
+            key,
+            payload=payload,
+            timeout=timeout_s,
+            handler=zenoh.handlers.FifoChannel(16),
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+        for reply in replies:
+            if reply.ok is not None:
+                return Reply(reply.ok.payload.to_string())
+            if reply.err is not None:
+                return _error_reply(reply.err, timeout_s)
+        raise Unreachable("nobody answers for it")
+
+    def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
+        """See `Link.serve`."""
+        for mark, is_extension in (("@", False), ("@x", True)):
+            prefix = f"{service_key}/{mark}/"
+            handler = zenoh.handlers.Callback(
+                _receiver(prefix, is_extension, enqueue), indirect=False
+            )
+            self._declared.append(self._session.declare_queryable(prefix + "**", handler))
+
+    def close(self) -> None:
+        """See `Link.close`."""
+        self._session.close()  # type: ignore[no-untyped-call]
+
+
+def _receiver(
+    prefix: str, is_extension: bool, enqueue: Callable[[Request], object]
+) -> Callable[[zenoh.Query], None]:
+    def receive(query: zenoh.Query) -> None:
+        key = str(query.key_expr)
+
+        def answer(reply: Reply) -> None:
+            if reply.error:
+                query.reply_err(f"{reply.error} {reply.text}", encoding=_ERROR_ENCODING)
+            else:
+                query.reply(key, reply.text)
+            query.drop()  # type: ignore[no-untyped-call]
+
+        try:
+            payload = query.payload.to_string() if query.payload is not None else None
+        except UnicodeDecodeError:
+            answer(Reply("payload is not UTF-8 text", "malformed"))
+            return
+        enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension))
+
+    return receive
+
+
+def _error_reply(error: zenoh.ReplyError, timeout_s: float) -> Reply:
+    text = error.payload.to_string()
+    if error.encoding != _ERROR_ENCODING:
+        raise Unreachable(f"no answer within {timeout_s:g} s")
+    kind, _, message = text.partition(" ")
+    return Reply(message, kind)

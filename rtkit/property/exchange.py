@@ -1,0 +1,53 @@
+"""Requests and replies of the Property Service: GET and SET of text, answered once.
+
+Source: Tikanmäki and Röning, "Property Service Architecture for Distributed Robotic and Sensor
+Systems". How they travel is the business of `rtkit.link`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rtkit import errors
+
+
+class Reply(NamedTuple):
+    """Answer to one request: the value in force, or the kind and text of an error."""
+
+    text: str
+    error: str = ""
+
+    def value(self) -> str:
+        """Return the value.
+
+        Raises:
+            RtkitError: The owner answered with an error.
+        """
+        if self.error:
+            raise errors.from_kind(self.error, self.text)
+        return self.text
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """One GET (no payload) or SET (with payload) as its owner receives it.
+
+    Attributes:
+        name: The property below the service, chunks joined with ``/``.
+        is_extension: The name lies in the reserved space (snapshots, meta data).
+        answer: To be called exactly once, from any thread.
+    """
+
+    name: str
+    payload: str | None
+    answer: Callable[[Reply], None]
+    is_extension: bool = False
+
+
+def failure(error: BaseException) -> Reply:
+    """Return the reply that stands for an error."""
+    if isinstance(error, errors.RtkitError):
+        return Reply(str(error), error.kind)
+    return Reply(f"{type(error).__name__}: {error}", "error")

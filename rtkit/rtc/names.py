@@ -1,0 +1,96 @@
+"""Names and paths in the tree of live properties.
+
+A path is ``/host/dir/…/name.rtc``; the first element is a host (or ``host:port``), a port follows
+the last element after a colon: ``/localhost/Motor0.rtc:velocity``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rtkit.errors import Malformed
+
+LOCAL = "localhost"
+COMPONENT_SUFFIX = ".rtc"
+MANAGER_SUFFIX = ".mgr"
+_MAX_NAME = 255
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """A path made absolute, with what the user typed kept for messages.
+
+    Attributes:
+        elements: Names below the root; none for the root itself.
+        port: The port after the colon, None when none was given.
+        is_directory: A trailing slash was typed.
+    """
+
+    typed: str
+    elements: tuple[str, ...]
+    port: str | None = None
+    is_directory: bool = False
+
+    def __str__(self) -> str:
+        text = "/" + "/".join(self.elements)
+        return text if self.port is None else f"{text}:{self.port}"
+
+
+def parse_path(typed: str, cwd: str = "/") -> Path:
+    """Read a path as typed, relative to the working directory `cwd`.
+
+    Raises:
+        Malformed: A second colon in the last element, or an unusable character.
+    """
+    if any(ord(c) < 32 or ord(c) == 127 for c in typed):
+        raise Malformed(f"Bad path: {typed!r}")
+    whole = typed if typed.startswith("/") else f"{cwd.rstrip('/')}/{typed}"
+    steps = whole.split("/")
+    last = steps.pop()
+    elements: list[str] = []
+    for step in steps:
+        _walk(elements, step)
+    port = None
+    name, colon, tail = last.partition(":")
+    is_host = not elements and tail.isdigit()
+    if colon and not is_host:
+        if ":" in tail or not tail:
+            raise Malformed(f"Bad path: {typed}")
+        last, port = name, tail
+    is_directory = last in ("", ".", "..")
+    _walk(elements, last)
+    return Path(typed, tuple(elements), port, is_directory)
+
+
+def _walk(elements: list[str], step: str) -> None:
+    if step in ("", "."):
+        return
+    if step == "..":
+        if elements:
+            elements.pop()
+        return
+    elements.append(step)
+
+
+def check_instance_name(name: str) -> str:
+    """Return `name` if a component may bear it.
+
+    Raises:
+        Malformed: Names the rule that it breaks.
+    """
+    if not name or name != name.strip():
+        raise Malformed(f"instance name is empty or begins or ends with a blank: {name!r}")
+    if len(name.encode("utf-8", "replace")) > _MAX_NAME:
+        raise Malformed(f"instance name is longer than {_MAX_NAME} bytes: {name[:40]}…")
+    bad = sorted({c for c in name if c in "/:?&=,@" or not c.isprintable()})
+    if bad:
+        raise Malformed(f"instance name {name!r} has characters that are not allowed: {bad}")
+    if name in (".", ".."):
+        raise Malformed(f"instance name is reserved: {name}")
+    return name
+
+
+def is_local_host(host: str, hostname: str) -> bool:
+    """Whether `host` (with or without ``:port``) means the machine named `hostname`."""
+    name = host.rpartition(":")[0] if host.rpartition(":")[2].isdigit() else host
+    return (name or host) in (LOCAL, "127.0.0.1", "::1", "[::1]", hostname, hostname.split(".")[0])

@@ -1,0 +1,149 @@
+"""Calls to a manager: one round trip for what is known, one for what is to be done."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from rtkit.deployment.listing import Listing, listing_from_text
+from rtkit.errors import Malformed, Unreachable
+from rtkit.link import keys
+from rtkit.link.base import Link
+from rtkit.link.places import manager_socket
+
+if TYPE_CHECKING:
+    from rtkit.deployment.actions import Action, Result
+    from rtkit.deployment.facts import Snapshot
+
+DEFAULT_TIMEOUT_S = 10.0
+DEFAULT_MANAGER = "manager"
+_GRACE_S = 1.0
+
+
+class Tree:
+    """A connection to one manager, through which everything it knows is read and changed.
+
+    Attributes:
+        host: Host name of the manager.
+        manager: Its name.
+        timeout_s: Bound on every call [s].
+    """
+
+    def __init__(
+        self, link: Link, host: str, manager: str, timeout_s: float = DEFAULT_TIMEOUT_S
+    ) -> None:
+        self._link = link
+        self.host = host
+        self.manager = manager
+        self.timeout_s = timeout_s
+        self._service = keys.service(host, manager)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the connection."""
+        self._link.close()
+
+    def listing(self) -> Listing:
+        """Return the short list of components.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        return listing_from_text(self._ask(keys.extension_key(self._service, "listing")))
+
+    def snapshot(self) -> Snapshot:
+        """Return everything that the manager knows.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        import json
+
+        from rtkit.deployment.facts import Snapshot
+        from rtkit.rtc.plain import decode
+
+        text = self._ask(keys.extension_key(self._service, "snapshot"))
+        try:
+            return decode(Snapshot, json.loads(text))
+        except ValueError as error:
+            raise Malformed(f"the manager's snapshot cannot be read: {error}") from error
+
+    def apply(
+        self,
+        actions: Sequence[Action],
+        *,
+        is_ordered: bool = True,
+        timeout_s: float | None = None,
+    ) -> tuple[Result, ...]:
+        """Have the manager perform a batch and return the result of each action.
+
+        In order, what follows a failure is not done and has no result; else all are tried at once.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
+
+        bound = self.timeout_s if timeout_s is None else timeout_s
+        batch = Batch(tuple(actions), is_ordered, bound)
+        rounds = len(batch.actions) if is_ordered else 1
+        key = keys.property_key(self._service, "batch")
+        return results_from_text(self._ask(key, batch_to_text(batch), bound * rounds))
+
+    def perform(self, action: Action, *, timeout_s: float | None = None) -> str:
+        """Perform one action and return what it made.
+
+        Raises:
+            RtkitError: The action failed; the class tells how.
+        """
+        (result,) = self.apply((action,), timeout_s=timeout_s)
+        result.raise_for_error()
+        return result.value
+
+    def get(self, name: str) -> str:
+        """Return the value of a property of the manager."""
+        return self._ask(keys.property_key(self._service, name))
+
+    def set(self, name: str, value: str, *, timeout_s: float | None = None) -> str:
+        """Set a property of the manager and return its answer."""
+        return self._ask(keys.property_key(self._service, name), value, timeout_s)
+
+    def _ask(self, key: str, payload: str | None = None, timeout_s: float | None = None) -> str:
+        bound = (self.timeout_s if timeout_s is None else timeout_s) + _GRACE_S * (
+            payload is not None
+        )
+        try:
+            return self._link.call(key, payload, bound).value()
+        except Unreachable as error:
+            raise Unreachable(f"{self.manager} on {self.host}: {error}") from error
+
+
+def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
+    """Connect to a manager of this host, by default the one named ``manager``.
+
+    Raises:
+        Unreachable: It does not run, or does not answer within `timeout_s` [s].
+    """
+    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
+
+    name = manager or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    path = manager_socket(name)
+    if not os.path.exists(path):
+        raise Unreachable(f"manager {name!r} is not running (start it with: rtmgr start)")
+    try:
+        session = open_client(unix_endpoint(path), timeout_s)
+    except Unreachable as error:
+        raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
+    return Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
