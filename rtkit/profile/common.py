@@ -1,0 +1,61 @@
+"""What both profile models share: properties, kept foreign content, and the result of reading."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+P = TypeVar("P")
+
+
+@dataclass(frozen=True, slots=True)
+class Property:
+    """An extension property (``rtsExt:Properties``, ``rtcExt:Properties``)."""
+
+    name: str
+    value: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ForeignElement:
+    """An element that no profile schema knows, kept for the round trip.
+
+    Attributes:
+        name: ``{namespace}local``.
+        attributes: Sorted pairs of ``{namespace}local`` and value.
+        text: Text before the first child; None where there is nothing but layout.
+        tail: Text after the element, inside its foreign parent.
+    """
+
+    name: str
+    attributes: tuple[tuple[str, str], ...] = ()
+    text: str | None = None
+    children: tuple[ForeignElement, ...] = ()
+    tail: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Foreign:
+    """Attributes and elements of other namespaces found on one element of a profile."""
+
+    attributes: tuple[tuple[str, str], ...] = ()
+    elements: tuple[ForeignElement, ...] = ()
+
+
+NO_FOREIGN = Foreign()
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Note:
+    """One thing that was repaired or is worth knowing, with the line it was found at."""
+
+    line: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Reading(Generic[P]):
+    """A profile as read, with what had to be repaired on the way."""
+
+    profile: P
+    notes: tuple[Note, ...] = ()
