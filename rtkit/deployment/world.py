@@ -1,0 +1,329 @@
+"""A pure fake of a manager: it holds facts and performs actions on them with a manager's refusals.
+
+For tests of plans and commands, and to foresee what a plan would come to. No process, no time.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
+from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode, Transition
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, check_instance_name
+from rtkit.rtc.pattern import ComponentPattern, ContextPattern
+from rtkit.rtc.profiles import (
+    ConnectorProfile,
+    ExecutionContextProfile,
+    ModuleProfile,
+)
+
+_TRANSITIONS = {
+    (LifeCycleState.INACTIVE, Transition.ACTIVATE): LifeCycleState.ACTIVE,
+    (LifeCycleState.ACTIVE, Transition.ACTIVATE): LifeCycleState.ACTIVE,
+    (LifeCycleState.ACTIVE, Transition.DEACTIVATE): LifeCycleState.INACTIVE,
+    (LifeCycleState.INACTIVE, Transition.DEACTIVATE): LifeCycleState.INACTIVE,
+    (LifeCycleState.ERROR, Transition.RESET): LifeCycleState.INACTIVE,
+    (LifeCycleState.INACTIVE, Transition.RESET): LifeCycleState.INACTIVE,
+}
+_MASTER_PID = 1000
+
+
+class World:
+    """One manager with its slaves, components and connectors, as facts.
+
+    Attributes:
+        types: What can be created, by implementation id.
+        modules: What a module offers once it is loaded, by path.
+        fault: Called before each action; a returned result is its outcome (to make it fail).
+        performed: Every action performed, in order.
+    """
+
+    def __init__(
+        self,
+        types: Iterable[ComponentPattern] = (),
+        *,
+        host: str = "box",
+        manager: str = "manager",
+        modules: Mapping[str, Iterable[ComponentPattern]] | None = None,
+    ) -> None:
+        self.host = host
+        self.manager = manager
+        self.types = {pattern.type.type_name: pattern for pattern in types}
+        self.modules = {path: tuple(made) for path, made in (modules or {}).items()}
+        self.loaded: dict[str, ModuleProfile] = {}
+        self.processes: dict[str, ProcessFacts] = {
+            manager: ProcessFacts(manager, False, _MASTER_PID, "up")
+        }
+        self.components: dict[str, ComponentFacts] = {}
+        self.connectors: dict[str, ConnectorProfile] = {}
+        self.properties: dict[str, str] = {}
+        self.fault: Callable[[Action], Result | None] = _no_fault
+        self.performed: list[Action] = []
+        self._pids = itertools.count(_MASTER_PID + 1)
+
+    def snapshot(self) -> Snapshot:
+        """Return everything that is known, as a manager would."""
+        return Snapshot(
+            self.host,
+            self.manager,
+            _MASTER_PID,
+            "fake",
+            tuple(self.processes.values()),
+            tuple(self.components.values()),
+            tuple(self.connectors.values()),
+            tuple(self.loaded.values()),
+            dict(self.properties),
+        )
+
+    def perform(self, action: Action) -> Result:
+        """Perform one action and return its outcome."""
+        self.performed.append(action)
+        planned = self.fault(action)
+        if planned is not None:
+            return planned
+        try:
+            return Result(value=self._do(action))
+        except RtkitError as error:
+            is_bad = isinstance(error, (ValueError, LookupError))
+            code = ReturnCode.BAD_PARAMETER if is_bad else ReturnCode.PRECONDITION_NOT_MET
+            return Result(code, error.kind, str(error))
+
+    def batch(self, actions: Iterable[Action], is_ordered: bool = True) -> list[Result]:
+        """Perform actions; in order, the first failure ends the batch."""
+        results = []
+        for action in actions:
+            results.append(self.perform(action))
+            if is_ordered and not results[-1].ok:
+                break
+        return results
+
+    def kill(self, process: str, reason: str = "signal 9") -> None:
+        """End a slave as the kernel would: its components become zombies without connectors."""
+        self.processes[process] = replace(self.processes[process], state="lost", reason=reason)
+        for component in [c for c in self.components.values() if c.process == process]:
+            self.update(component.instance, zombie=reason)
+            self._unwire(component.instance)
+
+    def update(self, instance: str, **changes: object) -> None:
+        """Replace facts of a component."""
+        changed = replace(self.components[instance], **changes)  # type: ignore[arg-type]
+        self.components[instance] = changed
+
+    def state_of(self, instance: str) -> str:
+        """Return the merged state of a component."""
+        return self.components[instance].state
+
+    def set_state(self, instance: str, state: LifeCycleState, cause: str = "") -> None:
+        """Put a component into a state, as if something had happened to it."""
+        contexts = self.components[instance].contexts
+        self.update(
+            instance, contexts=tuple(replace(c, state=state) for c in contexts), cause=cause
+        )
+
+    def _do(self, action: Action) -> str:
+        match action:
+            case act.Load():
+                return self._load(action)
+            case act.Unload(path):
+                if self.loaded.pop(path, None) is None:
+                    raise NotFound(f"module is not loaded: {path}")
+            case act.Create():
+                return self._create(action)
+            case act.Delete(instance):
+                self._delete(instance)
+            case act.Connect(connector):
+                return self._connect(connector)
+            case act.Disconnect(connector_id):
+                if self.connectors.pop(connector_id, None) is None:
+                    raise NotFound(f"no connection with id {connector_id}")
+            case act.SetParameters():
+                self._set(action)
+            case act.ActivateSet(instance, set_id):
+                self._activate_set(instance, set_id)
+            case act.ChangeState():
+                self._change_state(action)
+        return ""
+
+    def _load(self, action: act.Load) -> str:
+        made = self.modules.get(action.path)
+        if made is None:
+            raise NotFound(f"no module at {action.path}")
+        self.types.update((pattern.type.type_name, pattern) for pattern in made)
+        types = tuple(pattern.type for pattern in made)
+        self.loaded[action.path] = ModuleProfile(action.path, action.init, types)
+        return action.path
+
+    def _create(self, action: act.Create) -> str:
+        create = parse_create(action.create)
+        known = self.components.get(create.instance_name)
+        if known is not None and not known.zombie:
+            return known.instance
+        pattern = action.pattern or self._type(create)
+        names = action.names or (known.names if known is not None else ())
+        instance = create.instance_name or self._fresh_name(pattern.type.type_name)
+        check_instance_name(instance)
+        for other in self.components.values():
+            taken = [name for name in names if name in other.names and other.instance != instance]
+            if taken:
+                raise Refused(f"name /{taken[0]} is taken by {other.instance}")
+        if known is not None:
+            del self.components[instance]
+            self._retire(known.process)
+        process = self._place(create.place)
+        made = create.with_options(
+            instance_name=instance, manager_name=process if create.place else ""
+        )
+        self.components[instance] = component_from(
+            pattern,
+            instance,
+            process,
+            names=names or (f"{LOCAL}/{instance}{COMPONENT_SUFFIX}",),
+            create=str(made),
+            is_stand_in=action.pattern is not None,
+        )
+        return instance
+
+    def _type(self, create: CreateString) -> ComponentPattern:
+        pattern = self.types.get(create.implementation_id)
+        if pattern is None:
+            raise NotFound(f"no component type {create.implementation_id}")
+        for field in ("vendor", "category", "version"):
+            wanted = getattr(create, field)
+            if wanted and wanted != getattr(pattern.type, field):
+                raise NotFound(f"no component type {create.implementation_id} of {field} {wanted}")
+        return pattern
+
+    def _fresh_name(self, base: str) -> str:
+        return next(
+            name for n in itertools.count() if (name := f"{base}{n}") not in self.components
+        )
+
+    def _place(self, place: str) -> str:
+        if place in ("", self.manager):
+            return self.manager
+        pid = next(self._pids)
+        name = place.replace("%p", str(pid)) if place == FRESH_SLAVE else check_instance_name(place)
+        process = self.processes.get(name)
+        if process is None or process.state == "lost":
+            self.processes[name] = ProcessFacts(name, True, pid, "up")
+        return name
+
+    def _retire(self, process: str) -> None:
+        facts = self.processes[process]
+        if facts.is_slave and not any(c.process == process for c in self.components.values()):
+            del self.processes[process]
+
+    def _delete(self, instance: str) -> None:
+        known = self.components.pop(instance, None)
+        if known is None:
+            raise NotFound(f"no component named {instance}")
+        self._unwire(instance)
+        self._retire(known.process)
+
+    def _unwire(self, instance: str) -> None:
+        self.connectors = {
+            key: wire
+            for key, wire in self.connectors.items()
+            if all(end.instance != instance for end in wire.ports)
+        }
+
+    def _living(self, instance: str) -> ComponentFacts:
+        known = self.components.get(instance)
+        if known is None:
+            raise NotFound(f"no component named {instance}")
+        if known.zombie:
+            raise Refused(f"zombie ({known.zombie}): {instance}")
+        return known
+
+    def _connect(self, wire: ConnectorProfile) -> str:
+        known = self.connectors.get(wire.connector_id)
+        if known is not None:
+            _check_same(known, wire)
+            return wire.connector_id
+        if len(wire.ports) != 2:
+            raise Malformed(f"a connection joins two ports, not {len(wire.ports)}")
+        types = []
+        for end in wire.ports:
+            port = self._living(end.instance).port(end.port)
+            if port is None:
+                raise NotFound(f"Port not found: {end}")
+            types.append(port.port_type)
+        if types not in ([PortType.OUT, PortType.IN], [PortType.SERVICE, PortType.SERVICE]):
+            raise Refused("Wrong port type.")
+        self.connectors[wire.connector_id] = wire
+        return wire.connector_id
+
+    def _set(self, action: act.SetParameters) -> None:
+        known = self._living(action.instance)
+        present = known.sets.get(action.set_id)
+        if present is None:
+            raise NotFound(f"No such configuration set: {action.set_id}")
+        for name in action.values:
+            if name not in present:
+                raise NotFound(f"No such configuration parameter: {name}")
+        changed = {**present, **action.values}
+        self.update(action.instance, sets={**known.sets, action.set_id: changed})
+
+    def _activate_set(self, instance: str, set_id: str) -> None:
+        known = self._living(instance)
+        if not set_id or set_id.startswith("_"):
+            raise Refused(f"configuration set {set_id or repr('')} cannot be activated")
+        if set_id not in known.sets:
+            raise NotFound(f"No such configuration set: {set_id}")
+        self.update(instance, active_set=set_id)
+
+    def _change_state(self, action: act.ChangeState) -> None:
+        known = self._living(action.instance)
+        context = next((c for c in known.contexts if c.id == action.context), None)
+        if context is None:
+            raise NotFound(f"{action.instance} has no execution context {action.context}")
+        after = _TRANSITIONS.get((context.state, action.transition))
+        if after is None:
+            raise Refused(f"precondition not met (state is {context.state})")
+        contexts = tuple(replace(c, state=after) if c is context else c for c in known.contexts)
+        self.update(action.instance, contexts=contexts, cause="")
+
+
+def component_from(
+    pattern: ComponentPattern,
+    instance: str,
+    process: str,
+    *,
+    names: tuple[str, ...] = (),
+    create: str = "",
+    is_stand_in: bool = False,
+) -> ComponentFacts:
+    """Return the facts of a component just made from a pattern."""
+    contexts = pattern.contexts or (ContextPattern(),)
+    return ComponentFacts(
+        instance,
+        pattern.type,
+        process,
+        pattern.ports,
+        {"default": {}, **{name: dict(values) for name, values in pattern.sets.items()}},
+        pattern.active_set or "default",
+        tuple(ExecutionContextProfile(c.id, c.kind, c.rate, instance) for c in contexts),
+        names,
+        create,
+        is_stand_in=is_stand_in,
+    )
+
+
+def _check_same(known: ConnectorProfile, wire: ConnectorProfile) -> None:
+    if set(known.ports) != set(wire.ports):
+        ends = " and ".join(map(str, known.ports))
+        raise Refused(f"connector id {wire.connector_id} is in use between {ends}")
+    changed = [key for key, value in wire.properties.items() if known.properties.get(key) != value]
+    if changed:
+        names = ", ".join(sorted(changed))
+        raise Refused(f"connection {wire.connector_id} exists with another {names}")
+
+
+def _no_fault(_action: Action) -> Result | None:
+    return None

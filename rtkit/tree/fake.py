@@ -1,0 +1,49 @@
+"""A tree over a fake world: what commands see of a manager, without one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+
+from rtkit.deployment.batch import batch_from_text, results_to_text
+from rtkit.deployment.listing import listing_of, listing_to_text
+from rtkit.deployment.world import World
+from rtkit.errors import NotFound, RtkitError
+from rtkit.link import keys
+from rtkit.link.inproc import InprocLink
+from rtkit.property.exchange import Reply, Request, failure
+from rtkit.rtc.plain import encode
+from rtkit.tree.client import Tree
+
+
+def fake_tree(world: World, timeout_s: float = 1.0) -> Tree:
+    """Return the real client of a fake manager that keeps its facts in `world`."""
+    link = InprocLink()
+    link.serve(keys.service(world.host, world.manager), _server(world))
+    return Tree(link, world.host, world.manager, timeout_s)
+
+
+def _server(world: World) -> Callable[[Request], None]:
+    def serve(request: Request) -> None:
+        try:
+            reply = Reply(_answer(world, request))
+        except RtkitError as error:
+            reply = failure(error)
+        request.answer(reply)
+
+    return serve
+
+
+def _answer(world: World, request: Request) -> str:
+    if request.is_extension and request.name == "listing":
+        return listing_to_text(listing_of(world.snapshot()))
+    if request.is_extension and request.name == "snapshot":
+        return json.dumps(encode(world.snapshot()))
+    if request.name == "batch" and request.payload is not None:
+        batch = batch_from_text(request.payload)
+        return results_to_text(world.batch(batch.actions, batch.is_ordered))
+    if request.payload is not None:
+        world.properties[request.name] = request.payload
+    if request.name not in world.properties:
+        raise NotFound(f"No such property: {request.name}")
+    return world.properties[request.name]

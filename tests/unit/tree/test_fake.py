@@ -1,0 +1,31 @@
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.world import World
+from rtkit.errors import NotFound
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import TypeProfile
+from rtkit.tree.fake import fake_tree
+
+
+def test_the_real_client_sees_the_world():
+    world = World([ComponentPattern(TypeProfile("Sink"))])
+    tree = fake_tree(world)
+    assert tree.perform(act.Create("Sink?manager_name=s")) == "Sink0"
+    assert [row.instance for row in tree.listing().rows] == ["Sink0"]
+    assert tree.snapshot() == world.snapshot()
+
+
+def test_errors_travel():
+    tree = fake_tree(World())
+    with pytest.raises(NotFound, match="no component type Sink"):
+        tree.perform(act.Create("Sink"))
+    with pytest.raises(NotFound):
+        tree.get("nothing")
+
+
+def test_an_ordered_batch_ends_at_its_first_failure():
+    world = World([ComponentPattern(TypeProfile("Sink"))])
+    actions = [act.Create("Sink"), act.Create("Nobody"), act.Create("Sink")]
+    assert [r.ok for r in fake_tree(world).apply(actions)] == [True, False]
+    assert [r.ok for r in fake_tree(world).apply(actions, is_ordered=False)] == [True, False, True]
