@@ -1,0 +1,188 @@
+"""Components after the OMG RTC specification: what authors derive from and declare.
+
+Importing a name from here loads only what that name needs.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from rtkit.rtc.enums import Polarity, ReturnCode
+from rtkit.rtc.profiles import PortInterfaceProfile
+
+if TYPE_CHECKING:
+    from rtkit.component.base import Component as Component
+    from rtkit.component.geometry import Acceleration2D as Acceleration2D
+    from rtkit.component.geometry import Acceleration3D as Acceleration3D
+    from rtkit.component.geometry import AngularAcceleration3D as AngularAcceleration3D
+    from rtkit.component.geometry import AngularVelocity3D as AngularVelocity3D
+    from rtkit.component.geometry import Orientation3D as Orientation3D
+    from rtkit.component.geometry import Point2D as Point2D
+    from rtkit.component.geometry import Point3D as Point3D
+    from rtkit.component.geometry import Pose2D as Pose2D
+    from rtkit.component.geometry import Pose3D as Pose3D
+    from rtkit.component.geometry import PoseVel2D as PoseVel2D
+    from rtkit.component.geometry import PoseVel3D as PoseVel3D
+    from rtkit.component.geometry import RGBColour as RGBColour
+    from rtkit.component.geometry import Size2D as Size2D
+    from rtkit.component.geometry import Size3D as Size3D
+    from rtkit.component.geometry import SpeedHeading2D as SpeedHeading2D
+    from rtkit.component.geometry import TimedAcceleration2D as TimedAcceleration2D
+    from rtkit.component.geometry import TimedAcceleration3D as TimedAcceleration3D
+    from rtkit.component.geometry import TimedAngularAcceleration3D as TimedAngularAcceleration3D
+    from rtkit.component.geometry import TimedAngularVelocity3D as TimedAngularVelocity3D
+    from rtkit.component.geometry import TimedOrientation3D as TimedOrientation3D
+    from rtkit.component.geometry import TimedPoint2D as TimedPoint2D
+    from rtkit.component.geometry import TimedPoint3D as TimedPoint3D
+    from rtkit.component.geometry import TimedPose2D as TimedPose2D
+    from rtkit.component.geometry import TimedPose3D as TimedPose3D
+    from rtkit.component.geometry import TimedPoseVel2D as TimedPoseVel2D
+    from rtkit.component.geometry import TimedPoseVel3D as TimedPoseVel3D
+    from rtkit.component.geometry import TimedRGBColour as TimedRGBColour
+    from rtkit.component.geometry import TimedSize2D as TimedSize2D
+    from rtkit.component.geometry import TimedSize3D as TimedSize3D
+    from rtkit.component.geometry import TimedSpeedHeading2D as TimedSpeedHeading2D
+    from rtkit.component.geometry import TimedVector2D as TimedVector2D
+    from rtkit.component.geometry import TimedVector3D as TimedVector3D
+    from rtkit.component.geometry import TimedVelocity2D as TimedVelocity2D
+    from rtkit.component.geometry import TimedVelocity3D as TimedVelocity3D
+    from rtkit.component.geometry import Vector2D as Vector2D
+    from rtkit.component.geometry import Vector3D as Vector3D
+    from rtkit.component.geometry import Velocity2D as Velocity2D
+    from rtkit.component.geometry import Velocity3D as Velocity3D
+    from rtkit.component.options import PortStatus as PortStatus
+    from rtkit.component.parameter import Parameter as Parameter
+    from rtkit.component.port import InPort as InPort
+    from rtkit.component.port import OutPort as OutPort
+    from rtkit.component.port import ServicePort as ServicePort
+    from rtkit.component.types import Char as Char
+    from rtkit.component.types import Double as Double
+    from rtkit.component.types import Float as Float
+    from rtkit.component.types import Long as Long
+    from rtkit.component.types import LongLong as LongLong
+    from rtkit.component.types import Octet as Octet
+    from rtkit.component.types import Short as Short
+    from rtkit.component.types import Time as Time
+    from rtkit.component.types import TimedBoolean as TimedBoolean
+    from rtkit.component.types import TimedBooleanSeq as TimedBooleanSeq
+    from rtkit.component.types import TimedChar as TimedChar
+    from rtkit.component.types import TimedCharSeq as TimedCharSeq
+    from rtkit.component.types import TimedDouble as TimedDouble
+    from rtkit.component.types import TimedDoubleSeq as TimedDoubleSeq
+    from rtkit.component.types import TimedFloat as TimedFloat
+    from rtkit.component.types import TimedFloatSeq as TimedFloatSeq
+    from rtkit.component.types import TimedLong as TimedLong
+    from rtkit.component.types import TimedLongSeq as TimedLongSeq
+    from rtkit.component.types import TimedOctet as TimedOctet
+    from rtkit.component.types import TimedOctetSeq as TimedOctetSeq
+    from rtkit.component.types import TimedShort as TimedShort
+    from rtkit.component.types import TimedShortSeq as TimedShortSeq
+    from rtkit.component.types import TimedState as TimedState
+    from rtkit.component.types import TimedString as TimedString
+    from rtkit.component.types import TimedStringSeq as TimedStringSeq
+    from rtkit.component.types import TimedULong as TimedULong
+    from rtkit.component.types import TimedULongSeq as TimedULongSeq
+    from rtkit.component.types import TimedUShort as TimedUShort
+    from rtkit.component.types import TimedUShortSeq as TimedUShortSeq
+    from rtkit.component.types import TimedWString as TimedWString
+    from rtkit.component.types import TimedWStringSeq as TimedWStringSeq
+    from rtkit.component.types import ULong as ULong
+    from rtkit.component.types import ULongLong as ULongLong
+    from rtkit.component.types import UShort as UShort
+    from rtkit.component.types import WString as WString
+
+_HOME = {
+    "base": ("Component",),
+    "parameter": ("Parameter",),
+    "port": (
+        "InPort",
+        "OutPort",
+        "ServicePort",
+    ),
+    "options": ("PortStatus",),
+    "types": (
+        "Char",
+        "Double",
+        "Float",
+        "Long",
+        "LongLong",
+        "Octet",
+        "Short",
+        "Time",
+        "TimedBoolean",
+        "TimedBooleanSeq",
+        "TimedChar",
+        "TimedCharSeq",
+        "TimedDouble",
+        "TimedDoubleSeq",
+        "TimedFloat",
+        "TimedFloatSeq",
+        "TimedLong",
+        "TimedLongSeq",
+        "TimedOctet",
+        "TimedOctetSeq",
+        "TimedShort",
+        "TimedShortSeq",
+        "TimedState",
+        "TimedString",
+        "TimedStringSeq",
+        "TimedULong",
+        "TimedULongSeq",
+        "TimedUShort",
+        "TimedUShortSeq",
+        "TimedWString",
+        "TimedWStringSeq",
+        "ULong",
+        "ULongLong",
+        "UShort",
+        "WString",
+    ),
+    "geometry": (
+        "Acceleration2D",
+        "Acceleration3D",
+        "AngularAcceleration3D",
+        "AngularVelocity3D",
+        "Orientation3D",
+        "Point2D",
+        "Point3D",
+        "Pose2D",
+        "Pose3D",
+        "PoseVel2D",
+        "PoseVel3D",
+        "RGBColour",
+        "Size2D",
+        "Size3D",
+        "SpeedHeading2D",
+        "TimedAcceleration2D",
+        "TimedAcceleration3D",
+        "TimedAngularAcceleration3D",
+        "TimedAngularVelocity3D",
+        "TimedOrientation3D",
+        "TimedPoint2D",
+        "TimedPoint3D",
+        "TimedPose2D",
+        "TimedPose3D",
+        "TimedPoseVel2D",
+        "TimedPoseVel3D",
+        "TimedRGBColour",
+        "TimedSize2D",
+        "TimedSize3D",
+        "TimedSpeedHeading2D",
+        "TimedVector2D",
+        "TimedVector3D",
+        "TimedVelocity2D",
+        "TimedVelocity3D",
+        "Vector2D",
+        "Vector3D",
+        "Velocity2D",
+        "Velocity3D",
+    ),
+}
+_MODULE = {name: module for module, names in _HOME.items() for name in names}
+
+__all__ = ["PortInterfaceProfile", "Polarity", "ReturnCode", *_MODULE]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_MODULE[name]}"), name)

@@ -1,0 +1,230 @@
+"""The base class of components."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from rtkit.component.callbacks import Callbacks, attempt
+from rtkit.component.config import DEFAULT, Configuration
+from rtkit.component.context import ExecutionContext
+from rtkit.component.contexts import wanted_contexts
+from rtkit.component.parameter import Parameter
+from rtkit.component.port import InPort, OutPort, Port, ServicePort
+from rtkit.errors import Refused
+from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.pattern import ContextPattern
+from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
+
+if TYPE_CHECKING:
+    from logging import Logger
+
+T = TypeVar("T")
+AnyPort = TypeVar("AnyPort", bound=Port)
+_PORT_KINDS = ("inport", "outport", "service")
+
+
+class Component(Callbacks):
+    """A component: ports, configuration and callbacks, driven by execution contexts.
+
+    Derive from it, declare ports and parameters as class attributes, override callbacks. The
+    docstring of the class is its description.
+
+    Attributes:
+        vendor: Who made the type.
+        category: What group of types it belongs to.
+        version: Version of the type.
+        type_name: Name of the type; the name of the class when empty.
+        rate: Of the periodic execution context it owns when nothing else is asked for [Hz].
+        instance: Its name.
+        type: Identity of its type.
+        ports: Its ports by name, in order of declaration.
+        configuration: Its configuration sets.
+        contexts: The execution contexts it owns, by id.
+        participations: All contexts it takes part in, own ones first.
+        is_alive: Whether it is initialised and not yet finalised.
+        cause: The failure that put it into Error, one line; empty otherwise.
+        report: Called with one line about a failure that is survived; logs it by default.
+    """
+
+    vendor: ClassVar[str] = ""
+    category: ClassVar[str] = ""
+    version: ClassVar[str] = ""
+    type_name: ClassVar[str] = ""
+    rate: ClassVar[float] = 1000.0
+    _declared: ClassVar[Mapping[str, Port]] = {}
+    _parameters: ClassVar[Mapping[str, Parameter[Any]]] = {}
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        found = {
+            name: value
+            for ancestor in reversed(cls.__mro__)
+            for name, value in vars(ancestor).items()
+        }
+        cls._declared = {n: v for n, v in found.items() if isinstance(v, Port)}
+        cls._parameters = {n: v for n, v in found.items() if isinstance(v, Parameter)}
+
+    def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
+        self.instance = check_instance_name(instance)
+        self.options: Mapping[str, str] = dict(options or {})
+        self.type = self.type_profile()
+        self.ports: dict[str, Port] = {}
+        self.contexts: dict[str, ExecutionContext] = {}
+        self.participations: tuple[ExecutionContext, ...] = ()
+        self.is_alive = False
+        self.cause = ""
+        self.report: Callable[[str], None] = self._log
+        self.configuration = Configuration(lambda text: self.report(text))
+        for attribute, declared in self._declared.items():
+            setattr(self, attribute, self._add(declared.copy()))
+        self._configure()
+
+    @classmethod
+    def type_profile(cls) -> TypeProfile:
+        """Return the identity of this type."""
+        text = (cls.__doc__ or "").strip().partition("\n\n")[0]
+        return TypeProfile(
+            type_name=cls.type_name or cls.__name__,
+            vendor=cls.vendor,
+            category=cls.category,
+            version=cls.version,
+            description=" ".join(text.split()),
+        )
+
+    @property
+    def logger(self) -> Logger:
+        """A logger of this instance's name."""
+        import logging
+
+        return logging.getLogger(self.instance)
+
+    def add_in_port(
+        self, name: str, data_type: type[T], properties: Mapping[str, str] | None = None
+    ) -> InPort[T]:
+        """Add an in port.
+
+        Raises:
+            Refused: One of that name exists.
+        """
+        return self._add(InPort(data_type, name, properties))
+
+    def add_out_port(
+        self, name: str, data_type: type[T], properties: Mapping[str, str] | None = None
+    ) -> OutPort[T]:
+        """Add an out port.
+
+        Raises:
+            Refused: One of that name exists.
+        """
+        return self._add(OutPort(data_type, name, properties))
+
+    def add_service_port(
+        self,
+        name: str,
+        interfaces: tuple[PortInterfaceProfile, ...] = (),
+        properties: Mapping[str, str] | None = None,
+    ) -> ServicePort:
+        """Add a service port.
+
+        Raises:
+            Refused: One of that name exists.
+        """
+        return self._add(ServicePort(name, interfaces, properties))
+
+    def initialize(self) -> None:
+        """Come alive: on_initialize, then own contexts, which start.
+
+        Raises:
+            Refused: on_initialize failed; the message has the exception and the line.
+            Malformed: An option cannot be read.
+        """
+        if self.is_alive:
+            raise Refused(f"{self.instance} is initialised already")
+        wanted = self._wanted_contexts()
+        failure = attempt(self.on_initialize)
+        if failure:
+            raise Refused(f"{self.instance}: on_initialize failed: {failure}")
+        self.is_alive = True
+        for pattern in wanted:
+            context = ExecutionContext(pattern.id, pattern.kind, pattern.rate, self.instance)
+            self.contexts[pattern.id] = context
+            context.add_component(self)
+            context.start()
+
+    def finalize(self) -> None:
+        """Come to an end: deactivate, stop own contexts, leave all, on_finalize.
+
+        No context that drives this component may tick meanwhile. Failures are reported.
+        """
+        if not self.is_alive:
+            return
+        for context in self.participations:
+            if context is self.contexts.get(context.id):
+                context.deactivate_component(self)
+                context.stop()
+            context.remove_component(self)
+        failure = attempt(self.on_finalize)
+        if failure:
+            self.report(f"on_finalize failed: {failure}")
+        self.is_alive = False
+
+    def _wanted_contexts(self) -> tuple[ContextPattern, ...]:
+        return wanted_contexts(self.options, self.rate)
+
+    def _add(self, port: AnyPort) -> AnyPort:
+        if port.name in self.ports or not port.name:
+            reason = "exists already" if port.name else "needs a name"
+            raise Refused(f"{self.instance}: port {port.name or repr('')} {reason}")
+        self._merge_defaults(port)
+        self.ports[port.name] = port
+        return port
+
+    def _merge_defaults(self, port: Port) -> None:
+        is_service = isinstance(port, ServicePort)
+        kind = _PORT_KINDS[2 if is_service else isinstance(port, OutPort)]
+        for key, value in self.options.items():
+            head, _, tail = key.partition(".")
+            if head == "dataport" and not is_service:
+                port.properties[key] = value
+            elif head == "port":
+                group, _, rest = tail.partition(".")
+                if group not in _PORT_KINDS:
+                    port.properties[key] = value
+                elif group == kind:
+                    own = rest.removeprefix(f"{port.name}.")
+                    if own != rest or rest.startswith("dataport."):
+                        port.properties[own] = value
+
+    def _configure(self) -> None:
+        configuration = self.configuration
+        hints: dict[str, dict[str, str]] = {}
+        for parameter in self._parameters.values():
+            configuration.bind(parameter.name, parameter.default)
+            texts = {
+                "__widget__": parameter.widget,
+                "__constraints__": parameter.constraint,
+                "__description__": parameter.description,
+            }
+            for set_id, text in texts.items():
+                if text:
+                    hints.setdefault(set_id, {})[parameter.name] = text
+        for set_id, values in hints.items():
+            configuration.declare(set_id, values)
+        self._declare_sets()
+        active = self.options.get("configuration.active_config", "") or self._first_set()
+        configuration.activate(active)
+        configuration.update()
+
+    def _declare_sets(self) -> None:
+        for key, value in self.options.items():
+            if key.startswith("conf."):
+                set_id, _, name = key.removeprefix("conf.").partition(".")
+                if set_id and name:
+                    self.configuration.declare(set_id, {name: value})
+
+    def _first_set(self) -> str:
+        return DEFAULT
+
+    def _log(self, text: str) -> None:
+        self.logger.warning(text)

@@ -1,0 +1,176 @@
+"""Ring buffers of connectors: bounded, written by one thread and read by another.
+
+`Ring` drops the oldest and never waits: its write is one append to a bounded deque. `GuardedRing`
+takes a lock, for the policies that refuse or wait.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from threading import Condition
+from typing import Generic, Protocol, TypeVar
+
+from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
+
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+Sink = Callable[[T], PortStatus | None]
+"""Takes one value; returns None when it did, else why not."""
+Source = Callable[[], T | None]
+"""Gives the next value, or None when there is none."""
+
+
+class Buffer(Protocol[T_co]):
+    """What a port reads from."""
+
+    def take(self) -> T_co | None:
+        """Remove and return the oldest value, None when empty; never wait."""
+
+    def wait(self) -> T_co | None:
+        """Do the same, and wait for a value if the policy says so."""
+
+    def close(self) -> None:
+        """Accept no more values and wake whoever waits."""
+
+    def __len__(self) -> int: ...
+
+
+class Ring(Generic[T]):
+    """A ring buffer that drops the oldest value when it is full.
+
+    Attributes:
+        write: Take one value; a bound `deque.append`, so as cheap as can be.
+    """
+
+    __slots__ = ("_items", "write")
+
+    def __init__(self, length: int) -> None:
+        self._items: deque[T] = deque(maxlen=length)
+        self.write: Sink[T] = self._items.append
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def take(self) -> T | None:
+        """Remove and return the oldest value, None when empty."""
+        try:
+            return self._items.popleft()
+        except IndexError:
+            return None
+
+    def wait(self) -> T | None:
+        """Remove and return the oldest value, None when empty; this kind never waits."""
+        return self.take()
+
+    def close(self) -> None:
+        """Do nothing: nobody waits here."""
+
+
+class GuardedRing(Generic[T]):
+    """A ring buffer that may refuse values, or make writer or reader wait.
+
+    Attributes:
+        lost: Values that were dropped or refused.
+    """
+
+    def __init__(self, options: BufferOptions) -> None:
+        self._options = options
+        self._items: deque[T] = deque()
+        self._changed = Condition()
+        self._is_closed = False
+        self.lost = 0
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def write(self, value: T) -> PortStatus | None:
+        """Take one value if the policy allows; return why not otherwise."""
+        with self._changed:
+            if len(self._items) >= self._options.length:
+                refused = self._make_room()
+                if refused is not None:
+                    self.lost += 1
+                    return refused
+            if self._is_closed:
+                return PortStatus.CONNECTION_LOST
+            self._items.append(value)
+            self._changed.notify_all()
+            return None
+
+    def take(self) -> T | None:
+        """Remove and return the oldest value, None when empty."""
+        with self._changed:
+            return self._pop()
+
+    def wait(self) -> T | None:
+        """Remove and return the oldest value, after waiting for one if the policy is block."""
+        with self._changed:
+            if self._options.empty_policy is EmptyPolicy.BLOCK:
+                self._changed.wait_for(
+                    lambda: self._items or self._is_closed, self._options.read_timeout
+                )
+            return self._pop()
+
+    def close(self) -> None:
+        """Accept no more values and wake whoever waits."""
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify_all()
+
+    def _pop(self) -> T | None:
+        if not self._items:
+            return None
+        value = self._items.popleft()
+        self._changed.notify_all()
+        return value
+
+    def _make_room(self) -> PortStatus | None:
+        policy = self._options.full_policy
+        if policy is FullPolicy.OVERWRITE:
+            self._items.popleft()
+            self.lost += 1
+            return None
+        if policy is FullPolicy.DO_NOTHING:
+            return PortStatus.FULL
+        has_room = self._changed.wait_for(
+            lambda: len(self._items) < self._options.length or self._is_closed,
+            self._options.write_timeout,
+        )
+        return None if has_room else PortStatus.TIMEOUT
+
+
+class Pulled(Generic[T]):
+    """Stands for the buffer at the other end of a pull connector: asks for values when read."""
+
+    def __init__(self, source: Source[T]) -> None:
+        self._source = source
+        self._fetched: T | None = None
+
+    def __len__(self) -> int:
+        if self._fetched is None:
+            self._fetched = self._source()
+        return 0 if self._fetched is None else 1
+
+    def take(self) -> T | None:
+        """Return the next value that the other end gives, None when it has none."""
+        value, self._fetched = self._fetched, None
+        return self._source() if value is None else value
+
+    def wait(self) -> T | None:
+        """Do the same: any waiting is done at the other end."""
+        return None
+
+    def close(self) -> None:
+        """Forget a value that was fetched."""
+        self._fetched = None
+
+
+def make_ring(options: BufferOptions) -> Ring[T] | GuardedRing[T]:
+    """Return the cheapest buffer that does what the options ask."""
+    if (
+        options.full_policy is FullPolicy.OVERWRITE
+        and options.empty_policy is not EmptyPolicy.BLOCK
+    ):
+        return Ring(options.length)
+    return GuardedRing(options)

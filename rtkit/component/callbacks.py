@@ -1,0 +1,108 @@
+"""The callbacks of a component, and how one is run so that its failure stays its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+from rtkit.rtc.enums import ReturnCode
+
+_MAX_TEXT = 300
+
+
+class Callbacks:
+    """The twelve actions of the OMG RTC specification; the defaults do nothing.
+
+    Each returns a `ReturnCode` or None, which means RTC_OK. Another code, or any exception, is
+    a failure of this component and of nothing else. `context` is the id of the execution context
+    that calls, on the thread that drives it; the two without it are called by the thread that
+    makes or deletes the component.
+    """
+
+    def on_initialize(self) -> ReturnCode | None:
+        """Prepare: called once, before any other. A failure means that it is not created."""
+
+    def on_finalize(self) -> ReturnCode | None:
+        """Clean up: called once, last. A failure is reported."""
+
+    def on_startup(self, context: str) -> ReturnCode | None:
+        """React to the start of an execution context. A failure is reported."""
+
+    def on_shutdown(self, context: str) -> ReturnCode | None:
+        """React to the stop of an execution context. A failure is reported."""
+
+    def on_activated(self, context: str) -> ReturnCode | None:
+        """Go from Inactive to Active: called once. A failure leads to Error."""
+
+    def on_deactivated(self, context: str) -> ReturnCode | None:
+        """Go from Active to Inactive: called once. A failure is reported."""
+
+    def on_aborting(self, context: str) -> ReturnCode | None:
+        """Enter Error: called once, after the failure. A failure here is reported."""
+
+    def on_error(self, context: str) -> ReturnCode | None:
+        """Wait in Error: called every period. A failure is reported when its text is new."""
+
+    def on_reset(self, context: str) -> ReturnCode | None:
+        """Go from Error to Inactive: called once. A failure leaves it in Error."""
+
+    def on_execute(self, context: str) -> ReturnCode | None:
+        """Do the work of one period while Active. A failure leads to Error."""
+
+    def on_state_update(self, context: str) -> ReturnCode | None:
+        """Publish new state, after all participants executed. A failure leads to Error."""
+
+    def on_rate_changed(self, context: str) -> ReturnCode | None:
+        """React to a new rate of the execution context. A failure leads to Error."""
+
+
+def overrides(component: Callbacks, name: str) -> bool:
+    """Whether `component` has a callback of its own for `name`."""
+    callback = getattr(component, name)
+    return getattr(callback, "__func__", callback) is not getattr(Callbacks, name)
+
+
+def attempt(callback: Callable[..., Any], *arguments: str) -> str:
+    """Run a callback; return "" when it did well, else the reason in one line.
+
+    Nothing that the callback raises gets out: not SystemExit, not KeyboardInterrupt either,
+    because one component must not end the process that it shares with others.
+    """
+    try:
+        code = callback(*arguments)
+        if code is None or code == ReturnCode.OK:
+            return ""
+        return f"returned {code} ({_place(None, callback)})"
+    except BaseException as error:
+        return describe_failure(error, callback)
+
+
+def describe_failure(error: BaseException, callback: Callable[..., Any]) -> str:
+    """Return ``ValueError: text (file.py:12 in on_execute)`` on one line.
+
+    The place is the innermost line of the file that defines the callback, so that a mistake in
+    a call to a library is shown where its author can mend it.
+    """
+    place = _place(error.__traceback__, callback)
+    try:
+        text = " ".join(str(error).split())
+    except BaseException:
+        text = "(its text cannot be shown)"
+    if len(text) > _MAX_TEXT:
+        text = text[: _MAX_TEXT - 1] + "…"
+    kind = type(error).__name__
+    return f"{kind}: {text} ({place})" if text else f"{kind} ({place})"
+
+
+def _place(traceback: TracebackType | None, callback: Callable[..., Any]) -> str:
+    code = getattr(getattr(callback, "__func__", callback), "__code__", None)
+    file, line, name = "", 0, repr(callback)
+    if code:
+        file, line, name = code.co_filename, code.co_firstlineno, code.co_name
+    while traceback is not None:
+        frame = traceback.tb_frame.f_code
+        if frame.co_filename == file or not code:
+            file, line, name = frame.co_filename, traceback.tb_lineno, frame.co_name
+        traceback = traceback.tb_next
+    return f"{file.rpartition('/')[2]}:{line} in {name}"

@@ -1,0 +1,171 @@
+"""Configuration sets: named sets of text parameters, of which one is active.
+
+Writing a set changes text only. What a component sees changes when a set was activated and its
+execution context comes to the next state update, never in the middle of a cycle.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any, cast
+
+from rtkit.component.parameter import Kind, Value, kind_of
+from rtkit.errors import Malformed, NotFound, Refused
+
+DEFAULT = "default"
+
+
+def is_hidden(set_id: str) -> bool:
+    """Whether a set is kept out of listings: two underscores before and after its name."""
+    return len(set_id) > 4 and set_id.startswith("__") and set_id.endswith("__")
+
+
+def nobody(change: str, name: str) -> None:
+    """Hear of a change and do nothing."""
+
+
+class Configuration:
+    """The configuration sets of one component and the parameters bound to them.
+
+    `set`, `activate`, `add_set` and `remove_set` may be called by one thread while another,
+    which drives the component, calls `update`: sets are replaced, never changed in place.
+
+    Attributes:
+        values: What the component sees, by parameter name.
+        report: Called with one line when text could not be converted.
+        changed: Called with the kind of change (``set_updated``, ``set_added``, ``set_removed``,
+            ``set_activated``, ``parameter_updated``) and the name of what changed.
+    """
+
+    def __init__(self, report: Callable[[str], None]) -> None:
+        self._sets: dict[str, dict[str, str]] = {DEFAULT: {}}
+        self._added: set[str] = set()
+        self._kinds: dict[str, tuple[Kind, Value]] = {}
+        self._pending: deque[tuple[str, dict[str, str]]] = deque(maxlen=1)
+        self._active_set = DEFAULT
+        self.values: dict[str, Any] = {}
+        self.report = report
+        self.changed: Callable[[str, str], None] = nobody
+
+    @property
+    def sets(self) -> Mapping[str, Mapping[str, str]]:
+        """Every set with its text parameters, hidden ones too."""
+        return dict(self._sets)
+
+    @property
+    def active_set(self) -> str:
+        """The set whose values the component sees."""
+        return self._active_set
+
+    @property
+    def is_pending(self) -> bool:
+        """Whether an activation waits for the next state update."""
+        return bool(self._pending)
+
+    def bind(self, name: str, default: Value) -> None:
+        """Declare a parameter: its kind is that of its default value."""
+        kind = kind_of(default)
+        self._kinds[name] = (kind, default)
+        self.values[name] = default
+        self._sets[DEFAULT] = {name: kind.write(default), **self._sets[DEFAULT]}
+
+    def declare(self, set_id: str, values: Mapping[str, str]) -> None:
+        """Give initial text to a set, which then is one of those that cannot be removed."""
+        if not set_id:
+            raise Malformed("a configuration set needs a name")
+        self._sets[set_id] = {**self._sets.get(set_id, {}), **values}
+
+    def set(self, set_id: str, values: Mapping[str, str]) -> None:
+        """Change the text of some parameters of one set, all or none.
+
+        Raises:
+            NotFound: No such set, or no such parameter in it.
+        """
+        present = self._find(set_id)
+        for name in values:
+            if name not in present:
+                raise NotFound(f"No such configuration parameter: {name}")
+        self._sets[set_id] = {**present, **values}
+        for name in values:
+            self.changed("parameter_updated", f"{set_id}.{name}")
+        self.changed("set_updated", set_id)
+
+    def add_set(self, set_id: str, values: Mapping[str, str]) -> None:
+        """Add a set at run time.
+
+        Raises:
+            Refused: One of that name exists, or the name is empty.
+        """
+        if not set_id or set_id in self._sets:
+            reason = "exists already" if set_id else "needs a name"
+            raise Refused(f"configuration set {set_id or repr('')} {reason}")
+        self._sets[set_id] = dict(values)
+        self._added.add(set_id)
+        self.changed("set_added", set_id)
+
+    def remove_set(self, set_id: str) -> None:
+        """Remove a set that was added at run time.
+
+        Raises:
+            NotFound: No such set.
+            Refused: It came with the component, or it is the active one.
+        """
+        self._find(set_id)
+        if set_id not in self._added:
+            raise Refused(f"configuration set {set_id} was not added at run time")
+        if set_id in (self._active_set, *(waiting for waiting, _ in self._pending)):
+            raise Refused(f"configuration set {set_id} is the active one")
+        del self._sets[set_id]
+        self._added.discard(set_id)
+        self.changed("set_removed", set_id)
+
+    def activate(self, set_id: str) -> None:
+        """Ask for a set to become the active one at the next state update.
+
+        Raises:
+            NotFound: No such set.
+            Refused: The name is empty or begins with an underscore.
+        """
+        if not set_id or set_id.startswith("_"):
+            raise Refused(f"configuration set {set_id or repr('')} cannot be activated")
+        self._pending.append((set_id, self._find(set_id)))
+
+    def update(self) -> bool:
+        """Take over a pending activation; return whether there was one.
+
+        Called by whatever drives the component, between two cycles.
+        """
+        try:
+            set_id, texts = self._pending.pop()
+        except IndexError:
+            return False
+        self.apply(set_id, texts)
+        self.changed("set_activated", set_id)
+        return True
+
+    def apply(self, set_id: str, texts: Mapping[str, str]) -> None:
+        """Make the component see these texts; a parameter that they do not name keeps its value."""
+        values = dict(self.values)
+        for name, text in texts.items():
+            if name in self._kinds:
+                values[name] = self._convert(set_id, name, text)
+        self.values = values
+        self._active_set = set_id
+
+    def _convert(self, set_id: str, name: str, text: str) -> Value:
+        kind, default = self._kinds[name]
+        try:
+            return cast(Value, kind.read(text))
+        except Malformed as error:
+            self.report(
+                f"configuration parameter {set_id}.{name}: {error}; the default"
+                f" {kind.write(default)} is used"
+            )
+            return default
+
+    def _find(self, set_id: str) -> dict[str, str]:
+        found = self._sets.get(set_id)
+        if found is None:
+            raise NotFound(f"No such configuration set: {set_id}")
+        return found

@@ -1,0 +1,337 @@
+"""The execution context: what drives components, as a state machine without a thread.
+
+A pacer calls `tick` at the rate; `request` may come from any thread. Everything that runs
+component code here runs in the thread that ticks. For `start`, `stop`, `add_component` and
+`remove_component` no tick may be under way.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.component.callbacks import attempt, overrides
+from rtkit.component.lifecycle import (
+    ACTIVE,
+    CALLBACK,
+    ERROR,
+    INACTIVE,
+    TARGET,
+    Event,
+    next_state,
+    refusal,
+)
+from rtkit.component.period import check_rate
+from rtkit.errors import Malformed, NotFound
+from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode, Transition
+from rtkit.rtc.profiles import ExecutionContextProfile
+
+if TYPE_CHECKING:
+    from rtkit.component.base import Component
+
+Done = Callable[[ReturnCode, str], None]
+_OK = (ReturnCode.OK, "")
+
+
+class _Request(NamedTuple):
+    component: Component
+    transition: Transition
+    done: Done
+
+
+class _Participant:
+    """One component in one context."""
+
+    __slots__ = ("component", "executes", "handles_error", "reported", "state", "updates")
+
+    def __init__(self, component: Component) -> None:
+        self.component = component
+        self.state: LifeCycleState = INACTIVE
+        self.reported = ""
+        self.executes = overrides(component, "on_execute")
+        self.updates = overrides(component, "on_state_update")
+        self.handles_error = overrides(component, "on_error")
+
+    @property
+    def has_work(self) -> bool:
+        if self.state is ACTIVE:
+            return self.executes or self.updates
+        return self.state is ERROR and self.handles_error
+
+
+def nothing() -> None:
+    """Do nothing."""
+
+
+def ignore(component: Component) -> None:
+    """Hear of a change and do nothing."""
+
+
+class ExecutionContext:
+    """Drives its participants: life cycle, two passes per period, configuration.
+
+    Attributes:
+        id: Its name within the component that owns it.
+        owner: Instance name of that component.
+        is_running: Whether ticks do anything.
+        wake: Called after a request was queued, by the thread that asked.
+        changed: Called by the ticking thread after each change of state or active set.
+        watch: Called with instance and callback name before each callback, with two empty texts
+            after it; None while nobody watches.
+    """
+
+    def __init__(self, id: str, kind: ExecutionKind, rate: float, owner: str) -> None:
+        self.id = id
+        self.kind = kind
+        self.owner = owner
+        self.is_running = False
+        self.wake: Callable[[], None] = nothing
+        self.changed: Callable[[Component], None] = ignore
+        self.watch: Callable[[str, str], None] | None = None
+        self._rate = check_rate(rate) if kind is ExecutionKind.PERIODIC else rate
+        self._participants: tuple[_Participant, ...] = ()
+        self._requests: deque[_Request] = deque()
+        self._has_new_rate = False
+
+    @property
+    def rate(self) -> float:
+        """Ticks per second [Hz]; 0 where the kind has none."""
+        return self._rate
+
+    @property
+    def participants(self) -> tuple[Component, ...]:
+        """The components that it drives, in the order of their execution."""
+        return tuple(each.component for each in self._participants)
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether a tick would do nothing at all, so that the pacer may rest until `wake`."""
+        if self._requests:
+            return False
+        if not self.is_running:
+            return True
+        if self._has_new_rate:
+            return False
+        is_driven = self.kind is ExecutionKind.PERIODIC
+        return not any(
+            (is_driven and each.has_work) or self._has_new_settings(each.component)
+            for each in self._participants
+        )
+
+    def state_of(self, component: Component) -> LifeCycleState:
+        """Return the state of a participant.
+
+        Raises:
+            NotFound: It takes no part in this context.
+        """
+        return self._find(component).state
+
+    def profile_for(self, component: Component) -> ExecutionContextProfile:
+        """Describe this context as one participant sees it.
+
+        Raises:
+            NotFound: It takes no part in this context.
+        """
+        return ExecutionContextProfile(
+            id=self.id,
+            kind=self.kind,
+            rate=self._rate,
+            owner=self.owner,
+            is_running=self.is_running,
+            state=self.state_of(component),
+            participants=tuple(
+                each.component.instance
+                for each in self._participants
+                if each.component.instance != self.owner
+            ),
+        )
+
+    def start(self) -> ReturnCode:
+        """Begin to tick, after on_startup of every participant."""
+        if self.is_running:
+            return ReturnCode.PRECONDITION_NOT_MET
+        for each in self._participants:
+            self._report(each, "on_startup")
+        self.is_running = True
+        self.wake()
+        return ReturnCode.OK
+
+    def stop(self) -> ReturnCode:
+        """Cease to tick, then on_shutdown of every participant; states stay as they are."""
+        if not self.is_running:
+            return ReturnCode.PRECONDITION_NOT_MET
+        self.is_running = False
+        self._serve_requests()
+        for each in self._participants:
+            self._report(each, "on_shutdown")
+        return ReturnCode.OK
+
+    def set_rate(self, hz: float) -> ReturnCode:
+        """Change the rate [Hz]; on_rate_changed of every participant follows at the next tick."""
+        try:
+            self._rate = check_rate(hz)
+        except Malformed:
+            return ReturnCode.BAD_PARAMETER
+        self._has_new_rate = True
+        self.wake()
+        return ReturnCode.OK
+
+    def add_component(self, component: Component) -> ReturnCode:
+        """Take a living component in, Inactive."""
+        if any(each.component is component for each in self._participants):
+            return ReturnCode.PRECONDITION_NOT_MET
+        if not component.is_alive:
+            return ReturnCode.PRECONDITION_NOT_MET
+        self._participants = (*self._participants, _Participant(component))
+        component.participations = (*component.participations, self)
+        return ReturnCode.OK
+
+    def remove_component(self, component: Component) -> ReturnCode:
+        """Let a component go, after it was deactivated if it was Active."""
+        try:
+            each = self._find(component)
+        except NotFound:
+            return ReturnCode.BAD_PARAMETER
+        if each.state is ACTIVE:
+            self._apply(each, Transition.DEACTIVATE)
+        self._participants = tuple(other for other in self._participants if other is not each)
+        component.participations = tuple(
+            context for context in component.participations if context is not self
+        )
+        return ReturnCode.OK
+
+    def activate_component(self, component: Component) -> ReturnCode:
+        """Activate now; only for the ticking thread, others use `request`."""
+        return self._perform(component, Transition.ACTIVATE)[0]
+
+    def deactivate_component(self, component: Component) -> ReturnCode:
+        """Deactivate now; only for the ticking thread, others use `request`."""
+        return self._perform(component, Transition.DEACTIVATE)[0]
+
+    def reset_component(self, component: Component) -> ReturnCode:
+        """Reset now; only for the ticking thread, others use `request`."""
+        return self._perform(component, Transition.RESET)[0]
+
+    def request(self, component: Component, transition: Transition, done: Done) -> None:
+        """Ask for a transition, from any thread; `done` is called once, by the ticking thread."""
+        self._requests.append(_Request(component, transition, done))
+        self.wake()
+
+    def tick(self) -> None:
+        """Perform what was requested, then one period: all execute, then all update."""
+        if self._requests:
+            self._serve_requests()
+        if not self.is_running:
+            return
+        participants = self._participants
+        if self._has_new_rate:
+            self._announce_rate(participants)
+        for each in participants:
+            if each.state is ACTIVE:
+                if each.executes:
+                    self._work(each, "on_execute")
+            elif each.state is ERROR and each.handles_error:
+                self._endure(each)
+        for each in participants:
+            if each.state is ACTIVE and each.updates:
+                self._work(each, "on_state_update")
+            if self._has_new_settings(each.component):
+                each.component.configuration.update()
+                self.changed(each.component)
+
+    def _serve_requests(self) -> None:
+        for _ in range(len(self._requests)):
+            component, transition, done = self._requests.popleft()
+            code, why = self._perform(component, transition)
+            done(code, why)
+
+    def _perform(self, component: Component, transition: Transition) -> tuple[ReturnCode, str]:
+        try:
+            each = self._find(component)
+        except NotFound as error:
+            return ReturnCode.BAD_PARAMETER, str(error)
+        if not self.is_running:
+            return (
+                ReturnCode.PRECONDITION_NOT_MET,
+                f"precondition not met (execution context {self.id} is not running)",
+            )
+        return self._apply(each, transition)
+
+    def _apply(self, each: _Participant, transition: Transition) -> tuple[ReturnCode, str]:
+        if each.state is TARGET[transition]:
+            return _OK
+        event = Event(transition.value)
+        target = next_state(each.state, event)
+        if target is None:
+            return ReturnCode.PRECONDITION_NOT_MET, refusal(each.state)
+        name = CALLBACK[event]
+        failure = self._call(each, name)
+        if failure and event is Event.ACTIVATE:
+            self._abort(each, failure)
+            return ReturnCode.ERROR, f"{name} failed: {failure}"
+        if failure and event is Event.RESET:
+            each.component.cause = failure
+            self.changed(each.component)
+            return ReturnCode.ERROR, f"{name} failed: {failure}"
+        if failure:
+            each.component.report(f"{name} failed: {failure}")
+        if event is Event.RESET:
+            each.component.cause = ""
+            each.reported = ""
+        each.state = target
+        self.changed(each.component)
+        return _OK
+
+    def _work(self, each: _Participant, name: str) -> None:
+        failure = self._call(each, name)
+        if failure:
+            self._abort(each, failure)
+
+    def _abort(self, each: _Participant, cause: str) -> None:
+        each.state = ERROR
+        each.component.cause = cause
+        self._report(each, CALLBACK[Event.FAIL])
+        self.changed(each.component)
+
+    def _endure(self, each: _Participant) -> None:
+        failure = self._call(each, "on_error")
+        if failure and failure != each.reported:
+            each.reported = failure
+            each.component.report(f"on_error failed: {failure}")
+
+    def _announce_rate(self, participants: tuple[_Participant, ...]) -> None:
+        self._has_new_rate = False
+        for each in participants:
+            failure = self._call(each, "on_rate_changed")
+            if failure and each.state is not ERROR:
+                self._abort(each, failure)
+            elif failure:
+                each.component.report(f"on_rate_changed failed: {failure}")
+
+    def _report(self, each: _Participant, name: str) -> None:
+        failure = self._call(each, name)
+        if failure:
+            each.component.report(f"{name} failed: {failure}")
+
+    def _call(self, each: _Participant, name: str) -> str:
+        callback = getattr(each.component, name)
+        if self.watch is None:
+            return attempt(callback, self.id)
+        self.watch(each.component.instance, name)
+        failure = attempt(callback, self.id)
+        self.watch("", "")
+        return failure
+
+    def _has_new_settings(self, component: Component) -> bool:
+        # One context only takes settings over, else another would see them change in its cycle.
+        if not component.configuration.is_pending:
+            return False
+        running = (context for context in component.participations if context.is_running)
+        return next(running, None) is self
+
+    def _find(self, component: Component) -> _Participant:
+        for each in self._participants:
+            if each.component is component:
+                return each
+        raise NotFound(f"{component.instance} takes no part in execution context {self.id}")

@@ -1,0 +1,205 @@
+"""The properties of a data connector, read into options.
+
+Values compare without regard to case; keys and values that nobody here knows are left to others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeVar
+
+from rtkit.errors import Malformed
+
+DEFAULT_LENGTH = 8
+MIN_LENGTH = 2
+MAX_LENGTH = 1_000_000
+DEFAULT_TIMEOUT_S = 1.0
+DEFAULT_PUSH_RATE = 1000.0
+
+
+class FullPolicy(StrEnum):
+    """What writing to a full buffer does: drop the oldest, drop the new value, wait."""
+
+    OVERWRITE = "overwrite"
+    DO_NOTHING = "do_nothing"
+    BLOCK = "block"
+
+
+class EmptyPolicy(StrEnum):
+    """What reading from an empty buffer does: give the last value again, nothing, wait."""
+
+    READBACK = "readback"
+    DO_NOTHING = "do_nothing"
+    BLOCK = "block"
+
+
+class PushPolicy(StrEnum):
+    """What a publisher sends of its buffer: newest, all, oldest, every (n+1)th."""
+
+    NEW = "new"
+    ALL = "all"
+    FIFO = "fifo"
+    SKIP = "skip"
+
+
+class PortStatus(StrEnum):
+    """Outcome of a write to, or a read from, a connector."""
+
+    OK = "ok"
+    ERROR = "error"
+    FULL = "full"
+    EMPTY = "empty"
+    TIMEOUT = "timeout"
+    CONNECTION_LOST = "connection lost"
+    PRECONDITION_NOT_MET = "precondition not met"
+
+
+@dataclass(frozen=True, slots=True)
+class BufferOptions:
+    """One ring buffer of a connector; time-outs [s] are for the policy ``block``."""
+
+    length: int = DEFAULT_LENGTH
+    full_policy: FullPolicy = FullPolicy.OVERWRITE
+    write_timeout: float = DEFAULT_TIMEOUT_S
+    empty_policy: EmptyPolicy = EmptyPolicy.READBACK
+    read_timeout: float = DEFAULT_TIMEOUT_S
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectorOptions:
+    """What the properties of a data connector say, defaults filled in.
+
+    Attributes:
+        interface: ``zenoh``, ``direct`` or another; old names of the default are ``zenoh``.
+        dataflow: ``push``, ``pull`` or another.
+        subscription: ``flush``, ``new`` or ``periodic``; unknown ones count as ``new``.
+        push_rate: Of subscription ``periodic`` [Hz].
+        outport: The buffer on the side of the out port.
+        inport: The buffer on the side of the in port.
+    """
+
+    data_type: str = ""
+    interface: str = "zenoh"
+    dataflow: str = "push"
+    subscription: str = "new"
+    push_policy: PushPolicy = PushPolicy.NEW
+    skip_count: int = 0
+    push_rate: float = DEFAULT_PUSH_RATE
+    outport: BufferOptions = BufferOptions()
+    inport: BufferOptions = BufferOptions()
+
+
+_ALIASES = {"corba_cdr": "zenoh", "data_service": "zenoh", "shared_memory": "shm"}
+_SUBSCRIPTIONS = ("flush", "new", "periodic")
+P = TypeVar("P", bound=StrEnum)
+
+
+def interface_name(text: str) -> str:
+    """Return the name by which rtkit knows an interface type."""
+    word = text.strip().lower()
+    return _ALIASES.get(word, word)
+
+
+def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
+    """Read the properties of a data connector.
+
+    Raises:
+        Malformed: A number or a policy that cannot be read; names the key.
+    """
+    subscription = _word(properties, "dataport.subscription_type", "new")
+    policy = _choice(PushPolicy, properties, "dataport.publisher.push_policy", PushPolicy.NEW)
+    skip_count = _integer(properties, "dataport.publisher.skip_count", 0)
+    if not 0 <= skip_count < MAX_LENGTH:
+        raise _bad(properties, "dataport.publisher.skip_count", f"0 to {MAX_LENGTH - 1}")
+    return ConnectorOptions(
+        data_type=properties.get("dataport.data_type", ""),
+        interface=interface_name(_word(properties, "dataport.interface_type", "zenoh")),
+        dataflow=_word(properties, "dataport.dataflow_type", "push"),
+        subscription=subscription if subscription in _SUBSCRIPTIONS else "new",
+        push_policy=policy,
+        skip_count=skip_count,
+        push_rate=_push_rate(properties),
+        # A group of skip_count + 1 values must fit, else none would ever be complete.
+        outport=_buffer(properties, "outport", skip_count + 1 if policy == "skip" else 0),
+        inport=_buffer(properties, "inport", 0),
+    )
+
+
+def _word(properties: Mapping[str, str], key: str, default: str) -> str:
+    return properties.get(key, "").strip().lower() or default
+
+
+def _push_rate(properties: Mapping[str, str]) -> float:
+    for key in ("dataport.publisher.push_rate", "dataport.push_rate"):
+        if properties.get(key, "").strip():
+            rate = _number(properties, key, DEFAULT_PUSH_RATE)
+            if rate <= 0:
+                raise _bad(properties, key, "a positive number of Hz")
+            return rate
+    return DEFAULT_PUSH_RATE
+
+
+def _buffer(properties: Mapping[str, str], side: str, least: int) -> BufferOptions:
+    def key(tail: str) -> str:
+        own = f"dataport.{side}.buffer.{tail}"
+        return own if own in properties else f"dataport.buffer.{tail}"
+
+    length = _integer(properties, key("length"), DEFAULT_LENGTH)
+    if length > MAX_LENGTH:
+        raise _bad(properties, key("length"), f"at most {MAX_LENGTH}")
+    return BufferOptions(
+        length=max(length, least, MIN_LENGTH),
+        full_policy=_choice(FullPolicy, properties, key("write.full_policy"), FullPolicy.OVERWRITE),
+        write_timeout=_timeout(properties, key("write.timeout")),
+        empty_policy=_choice(
+            EmptyPolicy, properties, key("read.empty_policy"), EmptyPolicy.READBACK
+        ),
+        read_timeout=_timeout(properties, key("read.timeout")),
+    )
+
+
+def _choice(kind: type[P], properties: Mapping[str, str], key: str, default: P) -> P:
+    text = properties.get(key, "").strip().lower()
+    if not text:
+        return default
+    try:
+        return kind(text)
+    except ValueError:
+        raise _bad(properties, key, "one of " + ", ".join(kind)) from None
+
+
+def _integer(properties: Mapping[str, str], key: str, default: int) -> int:
+    text = properties.get(key, "").strip()
+    if not text:
+        return default
+    digits = text[1:] if text[0] in "+-" else text
+    if not (digits.isascii() and digits.isdigit() and len(digits) < 20):
+        raise _bad(properties, key, "an integer")
+    return int(text)
+
+
+def _number(properties: Mapping[str, str], key: str, default: float) -> float:
+    text = properties.get(key, "").strip()
+    if not text:
+        return default
+    try:
+        value = float(text)
+    except ValueError:
+        raise _bad(properties, key, "a number") from None
+    if not math.isfinite(value):
+        raise _bad(properties, key, "a finite number")
+    return value
+
+
+def _timeout(properties: Mapping[str, str], key: str) -> float:
+    timeout = _number(properties, key, DEFAULT_TIMEOUT_S)
+    if timeout < 0:
+        raise _bad(properties, key, "a time-out of 0 s or more")
+    return timeout
+
+
+def _bad(properties: Mapping[str, str], key: str, wanted: str) -> Malformed:
+    return Malformed(f"{key}={properties.get(key, '')}: not {wanted}")

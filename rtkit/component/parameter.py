@@ -1,0 +1,175 @@
+"""Configuration parameters: their kinds as text, and the descriptor that authors declare."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast, overload
+
+from rtkit.errors import Malformed
+
+if TYPE_CHECKING:
+    from rtkit.component.base import Component
+
+Value = bool | int | float | str | tuple[float, ...] | tuple[int, ...]
+T = TypeVar("T")
+
+_TRUE = ("true", "yes", "on", "1")
+_FALSE = ("false", "no", "off", "0")
+_INTEGER = re.compile(r"[+-]?[0-9]{1,400}")
+_BRACKETS = {"(": ")", "[": "]", "{": "}"}
+
+
+class Kind(NamedTuple):
+    """How values of one kind are read from text and written as text."""
+
+    name: str
+    read: Callable[[str], Any]
+    write: Callable[[Any], str]
+
+
+def read_bool(text: str) -> bool:
+    """Read ``true yes on 1`` or ``false no off 0``, in any case.
+
+    Raises:
+        Malformed: Neither.
+    """
+    word = text.strip().lower()
+    if word in _TRUE:
+        return True
+    if word in _FALSE:
+        return False
+    raise Malformed(f"not a truth value: {text!r}")
+
+
+def read_int(text: str) -> int:
+    """Read a decimal integer.
+
+    Raises:
+        Malformed: Anything else.
+    """
+    if not _INTEGER.fullmatch(text.strip()):
+        raise Malformed(f"not an integer: {text!r}")
+    return int(text)
+
+
+def read_float(text: str) -> float:
+    """Read a decimal number, ``inf`` or ``nan``.
+
+    Raises:
+        Malformed: Anything else.
+    """
+    try:
+        if "_" in text or not text.isascii():
+            raise ValueError
+        return float(text)
+    except ValueError:
+        raise Malformed(f"not a number: {text!r}") from None
+
+
+def read_text(text: str) -> str:
+    """Return the text as it is."""
+    return text
+
+
+def _vector(item: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
+    def read_vector(text: str) -> tuple[Any, ...]:
+        inner = text.strip()
+        if inner and _BRACKETS.get(inner[0]) == inner[-1:]:
+            inner = inner[1:-1].strip()
+        if not inner:
+            return ()
+        separator = "," if "," in inner else None
+        return tuple(item(part) for part in inner.split(separator))
+
+    return read_vector
+
+
+def _write_bool(value: bool) -> str:
+    return "true" if value else "false"
+
+
+def _write_vector(value: tuple[float, ...]) -> str:
+    return ",".join(repr(item) for item in value)
+
+
+_KINDS = {
+    bool: Kind("bool", read_bool, _write_bool),
+    int: Kind("int", read_int, str),
+    float: Kind("double", read_float, repr),
+    str: Kind("string", read_text, str),
+}
+_INTEGERS = Kind("vector<int>", _vector(read_int), _write_vector)
+_NUMBERS = Kind("vector<double>", _vector(read_float), _write_vector)
+
+
+def kind_of(default: Value) -> Kind:
+    """Return the kind of a parameter by its default value.
+
+    Raises:
+        Malformed: A value of a type that a parameter cannot have.
+    """
+    known = _KINDS.get(type(default))
+    if known is not None:
+        return known
+    if isinstance(default, tuple) and all(type(item) in (int, float) for item in default):
+        whole = bool(default) and all(type(item) is int for item in default)
+        return _INTEGERS if whole else _NUMBERS
+    raise Malformed(f"a configuration parameter cannot be a {type(default).__name__}: {default!r}")
+
+
+class Parameter(Generic[T]):
+    """A configuration parameter, declared on a component class with its default value.
+
+    On an instance it reads as the value in force: bool, int, float, str or a tuple of numbers.
+    It is changed through configuration sets only.
+
+    Attributes:
+        default: Value while no set says otherwise, or when the text cannot be converted.
+        unit: Unit of the value, for documentation.
+        doc: One line for users.
+        constraint: Range in the words of RTC profiles, ``0<=x<=100`` or ``(a,b,c)``.
+        widget: How editors show it: ``text slider.0.1 spin radio checkbox``.
+    """
+
+    def __init__(
+        self,
+        default: T,
+        *,
+        unit: str = "",
+        doc: str = "",
+        constraint: str = "",
+        widget: str = "",
+        name: str = "",
+    ) -> None:
+        self.default: T = cast(T, tuple(default) if isinstance(default, list) else default)
+        self.unit = unit
+        self.doc = doc
+        self.constraint = constraint
+        self.widget = widget
+        self.name = name
+        kind_of(cast(Value, self.default))
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = self.name or name.rstrip("_")
+
+    @property
+    def description(self) -> str:
+        """The documentation with its unit."""
+        return f"{self.doc} [{self.unit}]".strip() if self.unit else self.doc
+
+    @overload
+    def __get__(self, component: None, owner: type) -> Parameter[T]: ...
+
+    @overload
+    def __get__(self, component: Component, owner: type) -> T: ...
+
+    def __get__(self, component: Component | None, owner: type) -> Parameter[T] | T:
+        if component is None:
+            return self
+        return cast(T, component.configuration.values[self.name])
+
+    def __set__(self, component: Component, value: T) -> None:
+        raise AttributeError(
+            f"{self.name} is a configuration parameter: change it in a configuration set"
+        )

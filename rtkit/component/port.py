@@ -1,0 +1,358 @@
+"""Ports: where components exchange values; the data path, used by several threads at once.
+
+Writing and reading are done by the thread that drives the component. Connectors are opened and
+closed by another thread, which replaces tuples and never changes one in place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from threading import Lock
+from typing import Generic, TypeVar
+
+from rtkit.component.buffer import Buffer, GuardedRing, Pulled, Ring, Sink, Source, make_ring
+from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, parse_options
+from rtkit.component.typenames import type_name
+from rtkit.errors import Malformed, Refused
+from rtkit.rtc.enums import PortType
+from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfile
+
+T = TypeVar("T")
+P = TypeVar("P", bound="Port")
+_UNLIMITED = -1
+
+
+class Port:
+    """What all ports have: a name, properties, and the ids of their connectors.
+
+    Declared on a component class a port is a pattern; each instance gets one of its own.
+    """
+
+    port_type: PortType
+    limit_key = "connection_limit"
+
+    def __init__(
+        self, name: str, properties: Mapping[str, str] | None = None, *, doc: str = ""
+    ) -> None:
+        self.name = name
+        self.properties: dict[str, str] = {"port.port_type": self.port_type.value}
+        if doc:
+            self.properties["description"] = doc
+        self.properties.update(properties or {})
+        self._lock = Lock()
+        self._connectors: tuple[str, ...] = ()
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = self.name or name.rstrip("_")
+
+    @property
+    def connectors(self) -> tuple[str, ...]:
+        """Ids of the connectors that are open."""
+        return self._connectors
+
+    @property
+    def profile(self) -> PortProfile:
+        """The port as others see it."""
+        return PortProfile(self.name, self.port_type, dict(self.properties))
+
+    def copy(self) -> Port:
+        """Return a port of the same kind without connectors, for another instance."""
+        return type(self)(self.name, self.properties)
+
+    def _admit(self, connector_id: str) -> None:
+        if connector_id in self._connectors:
+            raise Refused(f"port {self.name} has a connector of id {connector_id} already")
+        text = self.properties.get(self.limit_key, "").strip()
+        limit = int(text) if text.isascii() and text.isdigit() else _UNLIMITED
+        if 0 <= limit <= len(self._connectors):
+            raise Refused(f"port {self.name} takes no more than {limit} connectors")
+        self._connectors = (*self._connectors, connector_id)
+
+    def _dismiss(self, connector_id: str) -> None:
+        self._connectors = tuple(each for each in self._connectors if each != connector_id)
+
+
+class DataPort(Port, Generic[T]):
+    """A port that carries values of one type."""
+
+    def __init__(
+        self,
+        data_type: type[T],
+        name: str = "",
+        properties: Mapping[str, str] | None = None,
+        *,
+        doc: str = "",
+    ) -> None:
+        own = {
+            "dataport.data_type": type_name(data_type),
+            "dataport.interface_type": "zenoh,direct,corba_cdr,data_service",
+            "dataport.dataflow_type": "push,pull",
+            "dataport.subscription_type": "flush,new,periodic",
+        }
+        super().__init__(name, {**own, **(properties or {})}, doc=doc)
+        self.data_type = data_type
+
+    def copy(self) -> DataPort[T]:
+        """Return a port of the same kind without connectors, for another instance."""
+        return type(self)(self.data_type, self.name, self.properties)
+
+    def _options(self, connector: ConnectorProfile) -> ConnectorOptions:
+        defaults = {key: value for key, value in self.properties.items() if ".buffer." in key}
+        return parse_options({**defaults, **connector.properties})
+
+
+class InPort(DataPort[T]):
+    """A port that values arrive at.
+
+    Attributes:
+        read_count: Values that were read.
+    """
+
+    port_type = PortType.IN
+    limit_key = "dataport.fan_in"
+
+    def __init__(
+        self,
+        data_type: type[T],
+        name: str = "",
+        properties: Mapping[str, str] | None = None,
+        *,
+        doc: str = "",
+    ) -> None:
+        super().__init__(data_type, name, properties, doc=doc)
+        self._buffers: tuple[Buffer[T], ...] = ()
+        self._policies: dict[str, tuple[Buffer[T], EmptyPolicy]] = {}
+        self._waits = False
+        self._reads_back = True
+        self._turn = 0
+        self._last: T | None = None
+        self.read_count = 0
+
+    def is_new(self) -> bool:
+        """Whether a value is there that was not read yet."""
+        return any(len(buffer) for buffer in self._buffers)
+
+    def read(self) -> T | None:
+        """Return the oldest value not read yet.
+
+        When there is none: the last value again (policy ``readback``, the default), or None; or
+        the next one, after waiting (``block``). None while nothing has ever arrived.
+        """
+        buffers = self._buffers
+        value = buffers[0].take() if len(buffers) == 1 else self._take_in_turn(buffers)
+        if value is None and self._waits:
+            value = self._wait(buffers)
+        if value is None:
+            return self._last if self._reads_back else None
+        self.read_count += 1
+        self._last = value
+        return value
+
+    def read_all(self) -> list[T]:
+        """Return every value not read yet, those of one connector in order."""
+        values = []
+        for buffer in self._buffers:
+            for _ in range(len(buffer)):
+                value = buffer.take()
+                if value is not None:
+                    values.append(value)
+        if values:
+            self.read_count += len(values)
+            self._last = values[-1]
+        return values
+
+    def open(self, connector: ConnectorProfile) -> Sink[T]:
+        """Open a push connector; return what takes its values.
+
+        Raises:
+            Refused: It is open already, or the port takes no more.
+            Malformed: A property of the connector cannot be read.
+        """
+        options = self._options(connector).inport
+        ring: Ring[T] | GuardedRing[T] = make_ring(options)
+        self._add(connector.connector_id, ring, options.empty_policy)
+        return ring.write
+
+    def open_pull(self, connector: ConnectorProfile, source: Source[T]) -> None:
+        """Open a pull connector: reading asks `source`.
+
+        Raises:
+            Refused: It is open already, or the port takes no more.
+            Malformed: A property of the connector cannot be read.
+        """
+        options = self._options(connector).inport
+        # An in port that blocks leaves the waiting to the other end, which owns the buffer.
+        policy = options.empty_policy
+        self._add(
+            connector.connector_id,
+            Pulled(source),
+            policy if policy is not EmptyPolicy.BLOCK else EmptyPolicy.DO_NOTHING,
+        )
+
+    def close(self, connector_id: str) -> None:
+        """Close a connector; what it still held is lost, who waits is woken."""
+        with self._lock:
+            self._dismiss(connector_id)
+            closed = self._policies.pop(connector_id, None)
+            self._refresh()
+        if closed is not None:
+            closed[0].close()
+
+    def _add(self, connector_id: str, buffer: Buffer[T], policy: EmptyPolicy) -> None:
+        with self._lock:
+            self._admit(connector_id)
+            self._policies[connector_id] = (buffer, policy)
+            self._refresh()
+
+    def _refresh(self) -> None:
+        policies = [policy for _, policy in self._policies.values()]
+        self._buffers = tuple(buffer for buffer, _ in self._policies.values())
+        self._waits = EmptyPolicy.BLOCK in policies
+        self._reads_back = not policies or EmptyPolicy.READBACK in policies
+
+    def _take_in_turn(self, buffers: tuple[Buffer[T], ...]) -> T | None:
+        # After the one read last, so that a connector that floods does not starve the others.
+        count = len(buffers)
+        for step in range(count):
+            index = (self._turn + step) % count
+            value = buffers[index].take()
+            if value is not None:
+                self._turn = index + 1
+                return value
+        return None
+
+    def _wait(self, buffers: tuple[Buffer[T], ...]) -> T | None:
+        for buffer in buffers:
+            value = buffer.wait()
+            if value is not None:
+                return value
+        return None
+
+
+class OutPort(DataPort[T]):
+    """A port that values leave from.
+
+    Attributes:
+        written: Values that were written, whether or not anybody is connected.
+    """
+
+    port_type = PortType.OUT
+    limit_key = "dataport.fan_out"
+
+    def __init__(
+        self,
+        data_type: type[T],
+        name: str = "",
+        properties: Mapping[str, str] | None = None,
+        *,
+        doc: str = "",
+    ) -> None:
+        super().__init__(data_type, name, properties, doc=doc)
+        self._sinks: tuple[Sink[T], ...] = ()
+        self._by_id: dict[str, Sink[T]] = {}
+        self._pulled: dict[str, Buffer[T]] = {}
+        self.written = 0
+
+    def write(self, value: T) -> PortStatus:
+        """Send a value to all connectors; return the last outcome that is not OK, else OK.
+
+        Raises:
+            Malformed: The value is not of the port's type.
+        """
+        if value.__class__ is not self.data_type and not isinstance(value, self.data_type):
+            raise Malformed(
+                f"port {self.name} carries {self.data_type.__name__}, not {type(value).__name__}"
+            )
+        status = PortStatus.OK
+        failure: Exception | None = None
+        for sink in self._sinks:
+            try:
+                refused = sink(value)
+            except Exception as error:
+                failure = error
+            else:
+                if refused is not None:
+                    status = refused
+        self.written += 1
+        if failure is not None:
+            raise failure
+        return status
+
+    def attach(self, connector_id: str, sink: Sink[T]) -> None:
+        """Open a push connector: each value written is given to `sink`.
+
+        Raises:
+            Refused: It is open already, or the port takes no more.
+        """
+        with self._lock:
+            self._admit(connector_id)
+            self._by_id[connector_id] = sink
+            self._sinks = tuple(self._by_id.values())
+
+    def detach(self, connector_id: str) -> None:
+        """Close a connector; a write that is under way may still reach it once."""
+        with self._lock:
+            self._dismiss(connector_id)
+            self._by_id.pop(connector_id, None)
+            self._sinks = tuple(self._by_id.values())
+            pulled = self._pulled.pop(connector_id, None)
+        if pulled is not None:
+            pulled.close()
+
+    def open_pull(self, connector: ConnectorProfile) -> Source[T]:
+        """Open a pull connector; return what gives its values, waiting if the policy says so.
+
+        Raises:
+            Refused: It is open already, or the port takes no more.
+            Malformed: A property of the connector cannot be read.
+        """
+        ring: Ring[T] | GuardedRing[T] = make_ring(self._options(connector).outport)
+        self.attach(connector.connector_id, ring.write)
+        with self._lock:
+            self._pulled[connector.connector_id] = ring
+
+        def take() -> T | None:
+            value = ring.take()
+            return ring.wait() if value is None else value
+
+        return take
+
+
+class ServicePort(Port):
+    """A port whose interfaces are offered or needed."""
+
+    port_type = PortType.SERVICE
+
+    def __init__(
+        self,
+        name: str = "",
+        interfaces: tuple[PortInterfaceProfile, ...] = (),
+        properties: Mapping[str, str] | None = None,
+        *,
+        doc: str = "",
+    ) -> None:
+        super().__init__(name, properties, doc=doc)
+        self.interfaces = tuple(interfaces)
+
+    @property
+    def profile(self) -> PortProfile:
+        """The port as others see it."""
+        return PortProfile(self.name, self.port_type, dict(self.properties), self.interfaces)
+
+    def copy(self) -> ServicePort:
+        """Return a port of the same kind without connectors, for another instance."""
+        return type(self)(self.name, self.interfaces, self.properties)
+
+    def attach(self, connector_id: str) -> None:
+        """Open a connector.
+
+        Raises:
+            Refused: It is open already, or the port takes no more.
+        """
+        with self._lock:
+            self._admit(connector_id)
+
+    def detach(self, connector_id: str) -> None:
+        """Close a connector."""
+        with self._lock:
+            self._dismiss(connector_id)

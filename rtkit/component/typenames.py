@@ -1,0 +1,72 @@
+"""Names of data types, as the RTC world writes them, and the classes that they stand for.
+
+``IDL:RTC/TimedLong:1.0``, ``RTC::TimedLong`` and ``TimedLong`` are one type.
+"""
+
+from __future__ import annotations
+
+from rtkit.errors import Malformed
+
+ANY = "any"
+"""Data type of a port that carries bytes of whatever type."""
+
+_by_name: dict[str, type] = {}
+_by_class: dict[type, str] = {bytes: ANY}
+
+
+def scoped_name(text: str) -> str:
+    """Return the name in the form ``RTC::TimedLong``; "" for a type that is left open."""
+    name = text.strip()
+    if name.upper().startswith("IDL:"):
+        name = name[4:]
+        head, colon, tail = name.rpartition(":")
+        if colon and tail.replace(".", "").isdigit():
+            name = head
+    name = name.replace("/", "::").removeprefix("::")
+    return "" if name.lower() == ANY else name
+
+
+def is_same_type(one: str, other: str) -> bool:
+    """Whether two data type names may be connected; an open type goes with all.
+
+    A name without module stands for the type of that name in any module.
+    """
+    one, other = scoped_name(one), scoped_name(other)
+    if not one or not other or one == other:
+        return True
+    if "::" in one and "::" in other:
+        return False
+    return one.rpartition("::")[2] == other.rpartition("::")[2]
+
+
+def register(cls: type, name: str) -> None:
+    """Make a class known under a name, any of its forms."""
+    scoped = scoped_name(name)
+    if not scoped:
+        raise Malformed(f"a data type needs a name: {name!r}")
+    _by_name[scoped] = cls
+    _by_class[cls] = f"IDL:{scoped.replace('::', '/')}:1.0"
+
+
+def type_name(cls: type) -> str:
+    """Return the name of a data type; a class nobody registered is known by module and name."""
+    known = _by_class.get(cls)
+    if known is None:
+        scope = cls.__module__.rpartition(".")[2]
+        register(cls, f"{scope}::{cls.__name__}")
+        known = _by_class[cls]
+    return known
+
+
+def type_by_name(text: str) -> type | None:
+    """Return the class of that name, None when nobody registered one."""
+    import rtkit.component.geometry  # noqa: F401 - registers the types of the standard
+
+    scoped = scoped_name(text)
+    known = _by_name.get(scoped)
+    if known is None and "::" not in scoped:
+        known = _by_name.get(f"RTC::{scoped}")
+    if known is None and "::" not in scoped:
+        matches = {cls for name, cls in _by_name.items() if name.rpartition("::")[2] == scoped}
+        known = matches.pop() if len(matches) == 1 else None
+    return known
