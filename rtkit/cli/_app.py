@@ -13,13 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.errors import Malformed, Partial, RtkitError
+from rtkit.cli._out import printable
+from rtkit.errors import BUG_EXIT, Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
 
+DEFAULT_TIMEOUT_S = 10.0
 INTERRUPTED = 130
+BROKEN_PIPE = 141
 _SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
@@ -27,15 +30,16 @@ class App:
     """One run of a command.
 
     Attributes:
+        name: What the user typed to get here, the prefix of every message.
         timeout_s: Bound on every call [s].
         is_verbose: Tell progress on stderr, and tracebacks.
     """
 
     def __init__(self, name: str, tree: Tree | None = None) -> None:
         self.name = name
-        self.timeout_s = 10.0
+        self.timeout_s = DEFAULT_TIMEOUT_S
         self.is_verbose = False
-        self.has_exit_detail = bool(os.environ.get("RTKIT_EXIT_DETAIL"))
+        self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
         self._tree = tree
         self._is_own_tree = tree is None
 
@@ -56,17 +60,22 @@ class App:
         return parse_path(typed, cwd)
 
     def say(self, text: str) -> None:
-        """Write one line on stderr."""
-        click.echo(text, err=True)
+        """Write a line, or several, on stderr."""
+        for line in text.split("\n"):
+            click.echo(printable(line), err=True)
 
     def fail(self, text: str) -> None:
         """Write one line on stderr behind the command's name."""
-        self.say(f"{self.name}: {text}")
+        click.echo(printable(f"{self.name}: {text}"), err=True)
 
     def tell(self, text: str) -> None:
         """Write progress on stderr when asked to be verbose."""
         if self.is_verbose:
             self.say(text)
+
+    def status(self, error: RtkitError) -> int:
+        """Return the exit status that stands for `error`."""
+        return error.detail if self.has_exit_detail else error.exit_code
 
     def close(self) -> None:
         """End the connection that this run made."""
@@ -92,29 +101,38 @@ class Main:
     def __call__(
         self, argv: Sequence[str] | None = None, tree: Tree | None = None, name: str = ""
     ) -> int:
-        """Run with these arguments and return the exit status."""
+        """Run with these arguments and return the exit status.
+
+        Without arguments this is the console script: those of the process are taken.
+        """
+        if argv is None:
+            prepare_streams()
         typed = name or (os.path.basename(sys.argv[0]) if argv is None else self.name)
         app = App(typed, tree)
-        arguments = list(sys.argv[1:] if argv is None else argv)
-        try:
-            return _run(self.command, app, arguments)
-        finally:
-            app.close()
+        return _run(self.command, app, list(sys.argv[1:] if argv is None else argv))
 
 
-def command(
-    name: str, **settings: Any
-) -> Callable[[Callable[..., int | None]], Main]:
+def command(name: str, **settings: Any) -> Callable[[Callable[..., int | None]], Main]:
     """Turn a function that takes an `App` and its options into a command."""
 
     def decorate(function: Callable[..., int | None]) -> Main:
-        wrapped = pass_app(function)
+        wrapped: Any = pass_app(function)
         for option in _common_options():
             wrapped = option(wrapped)
         made = click.command(name=name, context_settings=_SETTINGS, **settings)(wrapped)
         return Main(name, made)
 
     return decorate
+
+
+def prepare_streams() -> None:
+    """Make stdout fit to write to: characters that its encoding lacks become escapes."""
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - lives as long as the process
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")
 
 
 def _common_options() -> list[Callable[[Any], Any]]:
@@ -171,43 +189,72 @@ def _show_version(context: click.Context, _parameter: click.Parameter, value: bo
 
 def _run(command: click.Command, app: App, arguments: list[str]) -> int:
     try:
-        status = command.main(arguments, prog_name=app.name, standalone_mode=False, obj=app)
+        try:
+            status = _invoke(command, app, arguments)
+        finally:
+            app.close()
         sys.stdout.flush()
-        return int(status or 0)
-    except click.UsageError as error:
-        error.show()
-        return error.exit_code
-    except WrongArguments as error:
-        _show_usage(command, app, error)
-        return error.detail if app.has_exit_detail else error.exit_code
-    except RtkitError as error:
-        _show(app, error)
-        return error.detail if app.has_exit_detail else error.exit_code
-    except (click.Abort, KeyboardInterrupt):
-        app.fail("interrupted")
-        return INTERRUPTED
     except BrokenPipeError:
-        _leave_pipe()
-        return 128 + 13
+        leave_pipe()
+        return BROKEN_PIPE
+    except KeyboardInterrupt:
+        return _interrupted(app)
+    except Exception as error:
+        return _failed(command, app, error)
+    return status
+
+
+def _invoke(command: click.Command, app: App, arguments: list[str]) -> int:
+    # Not Command.main: that one swallows a broken pipe and writes a line of its own on Ctrl-C.
+    try:
+        with command.make_context(app.name, arguments, obj=app) as context:
+            return int(command.invoke(context) or 0)
+    except click.exceptions.Exit as leaving:
+        return leaving.exit_code
+
+
+def _failed(command: click.Command, app: App, error: Exception) -> int:
+    if app.is_verbose and not isinstance(error, click.UsageError):
+        import traceback
+
+        app.say("".join(traceback.format_exception(error)).rstrip())
+    if isinstance(error, click.UsageError | WrongArguments):
+        app.say(command.get_usage(click.Context(command, info_name=app.name)))
+    if isinstance(error, click.ClickException):
+        app.fail(error.format_message())
+        return error.exit_code
+    if isinstance(error, RtkitError):
+        _show(app, error)
+        return app.status(error)
+    if isinstance(error, OSError):
+        place = f": {error.filename}" if error.filename else ""
+        app.fail(f"{error.strerror or error}{place}")
+        return 1
+    hint = "" if app.is_verbose else "; -v shows where"
+    app.fail(f"{type(error).__name__}: {error}; this is a bug in rtkit{hint}")
+    return BUG_EXIT if app.has_exit_detail else 1
 
 
 def _show(app: App, error: RtkitError) -> None:
-    if app.is_verbose:
-        import traceback
-
-        traceback.print_exception(error)
-    app.fail(str(error))
     if isinstance(error, Partial):
         for _, failure in error.failures:
             app.fail(str(failure))
-
-
-def _show_usage(command: click.Command, app: App, error: WrongArguments) -> None:
-    context = click.Context(command, info_name=app.name)
-    app.say(command.get_usage(context))
     if str(error):
         app.fail(str(error))
 
 
-def _leave_pipe() -> None:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _interrupted(app: App) -> int:
+    import signal
+    import threading
+
+    if threading.current_thread() is threading.main_thread():
+        # Whoever presses Ctrl-C again wants out now, not a traceback.
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    app.fail("interrupted")
+    return INTERRUPTED
+
+
+def leave_pipe() -> None:
+    """Forget what is still to be written: nobody reads it, and at exit it would fail aloud."""
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import click
 
@@ -23,6 +23,28 @@ STYLES: dict[str, dict[str, object]] = {
 }
 
 
+def printable(text: str) -> str:
+    """Return `text` with everything that could steer a terminal written as an escape."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or _is_blank(c) else _escaped(c) for c in text)
+
+
+def _is_blank(c: str) -> bool:
+    return c.isspace() and ord(c) > 0x9F and c not in "\u2028\u2029"
+
+
+def _escaped(c: str) -> str:
+    return c.encode("unicode_escape").decode("ascii")
+
+
+def write(lines: Iterable[str]) -> None:
+    """Write lines on stdout, all at once."""
+    text = "".join(f"{line}\n" for line in lines)
+    if text:
+        sys.stdout.write(text)
+
+
 def is_terminal() -> bool:
     """Whether stdout is a terminal."""
     return sys.stdout.isatty()
@@ -38,10 +60,11 @@ def has_colour() -> bool:
 
 
 def styled(text: str, style: dict[str, object] | None) -> str:
-    """Return `text` in a style where colours are wanted."""
+    """Return `text`, made printable, in a style where colours are wanted."""
+    safe = printable(text)
     if not style or not has_colour():
-        return text
-    return click.style(text, **style)  # type: ignore[arg-type]
+        return safe
+    return click.style(safe, **style)  # type: ignore[arg-type]
 
 
 def state(text: str, width: int = 0) -> str:
@@ -51,30 +74,48 @@ def state(text: str, width: int = 0) -> str:
 
 def pairs(items: Sequence[tuple[str, str]], indent: str = "  ") -> list[str]:
     """Return ``key  value`` lines, keys padded to the longest plus two blanks."""
-    width = max((len(key) for key, _ in items), default=0) + 2
-    return [f"{indent}{key:<{width}}{value}".rstrip() for key, value in items]
+    safe = [(printable(key), printable(value)) for key, value in items]
+    width = max((display_width(key) for key, _ in safe), default=0) + 2
+    return [f"{indent}{padded(key, width)}{value}".rstrip() for key, value in safe]
+
+
+def padded(text: str, width: int, shown: str | None = None) -> str:
+    """Return `shown` (by default `text`) followed by blanks up to `width` columns of `text`."""
+    return (text if shown is None else shown) + " " * (width - display_width(text))
+
+
+def display_width(text: str) -> int:
+    """Return how many columns a terminal uses for `text`."""
+    if text.isascii():
+        return len(text)
+    import unicodedata
+
+    return sum(
+        0 if unicodedata.combining(c) else 1 + (unicodedata.east_asian_width(c) in "WF")
+        for c in text
+    )
 
 
 def columns(cells: Sequence[tuple[str, str]], width: int) -> list[str]:
     """Lay (plain, styled) cells out row by row, two blanks apart, in at most `width` columns."""
     if not cells:
         return []
-    sizes = [len(plain) for plain, _ in cells]
+    sizes = [display_width(plain) for plain, _ in cells]
     count = _column_count(sizes, width)
-    widths = [max(sizes[i::count]) for i in range(min(count, len(sizes)))]
+    widths = [max(sizes[i::count]) for i in range(count)]
     lines = []
     for start in range(0, len(cells), count):
         row = cells[start : start + count]
-        padded = [
-            text + " " * (size - len(plain))
-            for (plain, text), size in zip(row, widths, strict=False)
+        fields = [
+            padded(plain, size, shown) for (plain, shown), size in zip(row, widths, strict=False)
         ]
-        lines.append("  ".join(padded).rstrip())
+        lines.append("  ".join(fields).rstrip())
     return lines
 
 
 def _column_count(sizes: Sequence[int], width: int) -> int:
-    for count in range(len(sizes), 1, -1):
+    most = min(len(sizes), (width + 2) // (min(sizes) + 2))
+    for count in range(most, 1, -1):
         if sum(max(sizes[i::count]) for i in range(count)) + 2 * (count - 1) <= width:
             return count
     return 1

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator
 
 import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.errors import Malformed
+from rtkit.tree.resolve import entry
+from rtkit.tree.view import Kind, Node, build
 
-if TYPE_CHECKING:
-    from rtkit.tree.view import Node
-
+_Show = Callable[[list[Node]], Iterable[str]]
 _BLANK = ("-", "-", "-", "-", "-")
+_STYLES = {
+    Kind.HOST: "directory",
+    Kind.DIRECTORY: "directory",
+    Kind.MANAGER: "manager",
+    Kind.ZOMBIE: "zombie",
+}
 
 
 @command("rtls")
@@ -32,12 +38,10 @@ def main(
 ) -> None:
     """List directories, managers and components of the tree.
 
-    Zombies have a * before their name; with -l follow the state, then ports and how many of them
-    are connected: all, in, out, service.
+    Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it,
+    has a * before its name. With -l each line tells the state, then ports and how many of them
+    are connected (all, in, out, service), then the name and in brackets what else to know.
     """
-    from rtkit.tree.resolve import entry
-    from rtkit.tree.view import build
-
     if len(paths) > 1:
         raise WrongArguments
     path = app.path(paths[0] if paths else ".")
@@ -45,96 +49,74 @@ def main(
         raise Malformed("Cannot list ports.")
     listing = app.tree.listing()
     node = entry(build(listing), path, listing.host)
-    show = _Printer(is_long, is_single or not _out.is_terminal(), is_json)
-    if recurse and node.is_directory:
-        show.blocks(node, ".")
+    show = _json if is_json else _long if is_long else _short(is_single)
+    if not node.is_directory:
+        _out.write(show([node]))
+    elif not recurse:
+        _out.write(show(node.entries()))
+    elif is_json:
+        _out.write(show([child for child in node.walk() if child is not node]))
     else:
-        show.entries([*node.children.values()] if node.is_directory else [node])
+        _out.write(_blocks(node, ".", show))
 
 
-class _Printer:
-    def __init__(self, is_long: bool, is_single: bool, is_json: bool) -> None:
-        self._is_long = is_long
-        self._is_single = is_single
-        self._is_json = is_json
-
-    def blocks(self, node: Node, title: str) -> None:
-        if not self._is_json:
-            click.echo(f"{title}:")
-        self.entries([*node.children.values()])
-        if not self._is_json:
-            click.echo()
-        for child in node.children.values():
-            if child.is_directory:
-                self.blocks(child, f"{title}/{child.name}")
-
-    def entries(self, nodes: list[Node]) -> None:
-        if self._is_json:
-            self._print_json(nodes)
-        elif self._is_long:
-            self._print_long(nodes)
-        elif self._is_single:
-            for node in nodes:
-                click.echo(_label(node)[1])
-        else:
-            import shutil
-
-            width = shutil.get_terminal_size().columns
-            for line in _out.columns([_label(node) for node in nodes], width):
-                click.echo(line)
-
-    def _print_json(self, nodes: list[Node]) -> None:
-        import json
-
-        for node in nodes:
-            record = {"schema": "rtkit.ls/1", "path": node.path, "kind": node.kind.name.lower()}
-            if node.row is not None:
-                row = node.row._asdict()
-                del row["names"]
-                record.update(row)
-            click.echo(json.dumps(record))
-
-    def _print_long(self, nodes: list[Node]) -> None:
-        table = [(_cells(node), node) for node in nodes]
-        widths = [max((len(cells[i]) for cells, _ in table), default=0) + 2 for i in range(5)]
-        for cells, node in table:
-            counts = "".join(
-                f"{cell:<{width}}" for cell, width in zip(cells[1:], widths[1:], strict=True)
-            )
-            click.echo(_out.state(cells[0], widths[0]) + counts + _label(node, has_slash=False)[1])
+def _blocks(node: Node, title: str, show: _Show) -> Iterator[str]:
+    yield f"{_out.printable(title)}:"
+    yield from show(node.entries())
+    yield ""
+    for child in node.entries():
+        if child.is_directory:
+            yield from _blocks(child, f"{title}/{child.name}", show)
 
 
-def _label(node: Node, has_slash: bool = True) -> tuple[str, str]:
-    from rtkit.tree.view import Kind
+def _short(is_single: bool) -> _Show:
+    if is_single or not _out.is_terminal():
+        return lambda nodes: [_label(node, "/")[1] for node in nodes]
 
-    slash = "/" if has_slash and node.is_directory else ""
+    def in_columns(nodes: list[Node]) -> list[str]:
+        from shutil import get_terminal_size
+
+        return _out.columns([_label(node, "/") for node in nodes], get_terminal_size().columns)
+
+    return in_columns
+
+
+def _long(nodes: list[Node]) -> list[str]:
+    rows = [_cells(node) for node in nodes]
+    widths = [max(map(len, column)) + 2 for column in zip(*rows, strict=True)]
+    lines = []
+    for node, (state, *counts) in zip(nodes, rows, strict=True):
+        line = _out.state(state, widths[0])
+        line += "".join(f"{cell:<{w}}" for cell, w in zip(counts, widths[1:], strict=True))
+        line += _label(node, "")[1]
+        remark = node.remark
+        lines.append(f"{line}  ({_out.printable(remark)})" if remark else line)
+    return lines
+
+
+def _json(nodes: list[Node]) -> Iterator[str]:
+    from json import dumps
+
+    for node in nodes:
+        record = {"schema": "rtkit.ls/1", "path": node.path, "kind": node.kind.name.lower()}
+        row = {} if node.row is None else node.row._asdict()
+        yield dumps({**record, **row, "remark": node.remark})
+
+
+def _label(node: Node, slash: str) -> tuple[str, str]:
     star = "*" if node.kind is Kind.ZOMBIE else ""
-    text = star + node.name + slash
-    if node.row is not None:
-        text += _remark(node)
-    style = {
-        Kind.HOST: "directory",
-        Kind.DIRECTORY: "directory",
-        Kind.MANAGER: "manager",
-        Kind.ZOMBIE: "zombie",
-    }.get(node.kind, "")
-    return text, _out.styled(text, _out.STYLES.get(style))
-
-
-def _remark(node: Node) -> str:
-    return ""
+    text = _out.printable(star + node.name + (slash if node.is_directory else ""))
+    return text, _out.styled(text, _out.STYLES.get(_STYLES.get(node.kind, "")))
 
 
 def _cells(node: Node) -> tuple[str, ...]:
-    from rtkit.tree.view import Kind
-
     row = node.row
     if row is None or node.kind is Kind.ZOMBIE:
         return _BLANK
     ports = row.ins + row.outs + row.services
     connected = row.ins_connected + row.outs_connected + row.services_connected
     return (
-        row.state,
+        _out.printable(row.state),
         f"{ports}/{connected}",
         f"{row.ins}/{row.ins_connected}",
         f"{row.outs}/{row.outs_connected}",

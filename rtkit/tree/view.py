@@ -25,14 +25,24 @@ class Kind(Enum):
 
 
 class Node:
-    """An entry of the tree."""
+    """An entry of the tree.
 
-    __slots__ = ("children", "kind", "name", "parent", "row")
+    Attributes:
+        row: What the listing tells of a component; None for what is a directory.
+        process: Name of the process behind a manager or slave; empty for others.
+        trouble: Why that process does not answer; empty when it does.
+    """
 
-    def __init__(self, name: str, kind: Kind, row: Row | None = None) -> None:
+    __slots__ = ("children", "kind", "name", "parent", "process", "row", "trouble")
+
+    def __init__(
+        self, name: str, kind: Kind, row: Row | None = None, process: str = "", trouble: str = ""
+    ) -> None:
         self.name = name
         self.kind = kind
         self.row = row
+        self.process = process
+        self.trouble = trouble
         self.parent: Node | None = None
         self.children: dict[str, Node] = {}
 
@@ -53,14 +63,37 @@ class Node:
         return "/" + "/".join(reversed(names))
 
     @property
+    def instance(self) -> str:
+        """Name of the component behind the entry; empty for what is a directory."""
+        return "" if self.row is None else self.row.instance
+
+    @property
     def is_directory(self) -> bool:
         """Whether it may hold entries."""
         return self.row is None
 
+    @property
+    def is_slave(self) -> bool:
+        """Whether it is a manager below another one."""
+        return self.kind is Kind.MANAGER and self.parent is not None and self.parent.process != ""
+
+    @property
+    def remark(self) -> str:
+        """What a user should know besides the state: ``signal 9``, ``stopped``, ``stand-in``."""
+        if self.row is None:
+            return self.trouble
+        what = self.row.zombie or self.row.trouble
+        made = "stand-in" if self.row.is_stand_in else ""
+        return f"{what}, {made}" if what and made else what or made
+
+    def entries(self) -> list[Node]:
+        """Return what is directly below, by name."""
+        return [self.children[name] for name in sorted(self.children)]
+
     def walk(self) -> Iterator[Node]:
         """Yield this node and everything below it, depth first."""
         yield self
-        for child in self.children.values():
+        for child in self.entries():
             yield from child.walk()
 
 
@@ -68,9 +101,10 @@ def build(listing: Listing) -> Node:
     """Return the root of the tree that `listing` describes."""
     root = Node("", Kind.ROOT)
     local = root.add(Node(LOCAL, Kind.HOST))
-    manager = local.add(Node(listing.manager + MANAGER_SUFFIX, Kind.MANAGER))
+    manager = local.add(_manager(listing.manager, ""))
     slaves = {
-        name: manager.add(Node(name + MANAGER_SUFFIX, Kind.MANAGER)) for name, *_ in listing.slaves
+        name: manager.add(_manager(name, _trouble(state, reason)))
+        for name, state, reason in listing.slaves
     }
     for row in listing.rows:
         _place(root, row, listing.host)
@@ -79,6 +113,16 @@ def build(listing: Listing) -> Node:
         if slave is not None:
             slave.add(_leaf(row.instance + COMPONENT_SUFFIX, row))
     return root
+
+
+def _manager(name: str, trouble: str) -> Node:
+    return Node(name + MANAGER_SUFFIX, Kind.MANAGER, process=name, trouble=trouble)
+
+
+def _trouble(state: str, reason: str) -> str:
+    if state == "up":
+        return ""
+    return f"{state}: {reason}" if reason and reason != state else state
 
 
 def _place(root: Node, row: Row, hostname: str) -> None:

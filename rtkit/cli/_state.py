@@ -1,0 +1,127 @@
+"""What ``rtact``, ``rtdeact`` and ``rtreset`` share: a transition asked for many components."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli._app import App, Main, command
+from rtkit.errors import Malformed, Partial, RtkitError, UsageProblem, from_kind
+from rtkit.rtc.enums import UNKNOWN_STATE, Transition
+
+if TYPE_CHECKING:
+    from rtkit.deployment.actions import ChangeState, Result
+    from rtkit.deployment.facts import ComponentFacts
+    from rtkit.rtc.names import Path
+    from rtkit.tree.view import Node
+
+ALL = "all"
+_Asked = tuple["Path", "ChangeState"]
+
+
+def state_command(name: str, transition: Transition, summary: str) -> Main:
+    """Return the command that asks execution contexts for `transition`."""
+
+    @command(name, help=_help(summary))
+    @click.option(
+        "-e",
+        "--exec_context",
+        "context",
+        default="0",
+        metavar="EC",
+        help="Execution context: its number (own ones first, then those taken part in), or all.",
+    )
+    @click.option("--no-wait", is_flag=True, help="Do not wait until the transition is done.")
+    @click.argument("paths", nargs=-1, metavar="COMPONENT...")
+    def main(app: App, paths: tuple[str, ...], context: str, no_wait: bool) -> None:
+        change(app, paths, transition, context, wait=not no_wait)
+
+    return main
+
+
+def _help(summary: str) -> str:
+    return (
+        f"{summary}\n\nWaits until every component named is there (--timeout bounds it) and prints"
+        " nothing; one that is there already is left as it is. All paths are checked before"
+        " anything changes."
+    )
+
+
+def change(
+    app: App, typed: Sequence[str], transition: Transition, context: str, *, wait: bool
+) -> None:
+    """Ask for `transition` in a context of each component, all in one batch.
+
+    Raises:
+        RtkitError: A component does not exist, or at least one of them refused.
+    """
+    from rtkit.tree.resolve import check_component_syntax
+
+    if not typed:
+        raise Malformed("No components specified.")
+    paths = [app.path(each) for each in typed]
+    for path in paths:
+        check_component_syntax(path)
+    asked = _asked(app, paths, transition, _index(context), wait)
+    results = app.tree.apply([action for _, action in asked], is_ordered=False)
+    failures = [
+        (path.typed, error)
+        for (path, _), result in zip(asked, results, strict=True)
+        if (error := _error(path, result)) is not None
+    ]
+    if len(failures) == 1 == len(asked):
+        raise failures[0][1]
+    if failures:
+        done = len(asked) - len(failures)
+        raise Partial(f"{len(failures)} of {done + len(failures)} refused", failures)
+
+
+def _index(context: str) -> int | None:
+    """Return the number of the context, None for all of them."""
+    if context == ALL:
+        return None
+    try:
+        return int(context)
+    except ValueError:
+        hint = "give its number, or all"
+        raise UsageProblem(f"no execution context: {context} ({hint})") from None
+
+
+def _asked(
+    app: App, paths: Sequence[Path], transition: Transition, index: int | None, wait: bool
+) -> list[_Asked]:
+    from rtkit.deployment.actions import ChangeState
+    from rtkit.deployment.listing import listing_of
+    from rtkit.tree.resolve import component
+    from rtkit.tree.view import build
+
+    # The first context is always named "0": then the short listing is enough.
+    snapshot = app.tree.snapshot() if index != 0 else None
+    listing = app.tree.listing() if snapshot is None else listing_of(snapshot)
+    root = build(listing)
+    nodes = [component(root, path, listing.host) for path in paths]
+    asked: list[_Asked] = []
+    for path, node in zip(paths, nodes, strict=True):
+        instance = node.instance
+        facts = snapshot.component(instance) if snapshot is not None else None
+        contexts = _context_ids(facts) if facts is not None else _first_context(node)
+        chosen = contexts if index is None else contexts[index : index + 1] if index >= 0 else []
+        if not chosen:
+            raise Malformed(f"Bad execution context index: {0 if index is None else index}")
+        asked += [(path, ChangeState(instance, id, transition, wait)) for id in chosen]
+    return asked
+
+
+def _first_context(node: Node) -> list[str]:
+    return [] if node.row is None or node.row.state == UNKNOWN_STATE else ["0"]
+
+
+def _context_ids(facts: ComponentFacts) -> list[str]:
+    own = [each.id for each in facts.contexts if each.owner == facts.instance]
+    return own + [each.id for each in facts.contexts if each.owner != facts.instance]
+
+
+def _error(path: Path, result: Result) -> RtkitError | None:
+    return None if result.ok else from_kind(result.kind, f"{result.why}: {path.typed}")

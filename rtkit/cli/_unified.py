@@ -1,0 +1,92 @@
+"""``rtkit VERB …``: all commands behind one word, importing only the one asked for."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.cli import COMMANDS
+
+if TYPE_CHECKING:
+    from rtkit.tree.client import Tree
+
+SUMMARIES: dict[str, str] = {
+    "act": "Activate components: Inactive to Active.",
+    "cat": "Describe a component, a port or a manager.",
+    "check": "Compare a running system with a system profile.",
+    "con": "Connect ports.",
+    "conf": "Show and change configuration sets.",
+    "cryo": "Save the running system as a system profile.",
+    "deact": "Deactivate components: Active to Inactive.",
+    "dis": "Remove connections.",
+    "ls": "List directories, managers and components of the tree.",
+    "mgr": "Start, stop and command managers.",
+    "reset": "Reset components: Error to Inactive.",
+    "resurrect": "Bring a system up from a system profile.",
+    "start": "Activate the components of a system profile.",
+    "stop": "Deactivate the components of a system profile.",
+    "teardown": "Remove the connections of a system profile.",
+}
+_USAGE = "Usage: {} VERB [OPTIONS] [ARGUMENTS]..."
+_BAD_LINE = 2
+
+
+def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
+    """Run the command that the first argument names and return its exit status."""
+    name = "rtkit" if argv is not None else os.path.basename(sys.argv[0])
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    verb = arguments[0] if arguments else "--help"
+    if verb in ("-h", "--help"):
+        return _help(name)
+    if verb == "--version":
+        from rtkit import __version__
+
+        print(f"rtkit {__version__}")
+        return _flushed()
+    module = COMMANDS.get(verb) or (verb if verb in COMMANDS.values() else None)
+    if module is None:
+        return _unknown(name, verb)
+    if argv is None:
+        from rtkit.cli._app import prepare_streams
+
+        prepare_streams()
+    main = importlib.import_module(f"rtkit.cli.{module}").main
+    return int(main(arguments[1:], tree=tree, name=f"{name} {verb}"))
+
+
+def _help(name: str) -> int:
+    width = max(map(len, COMMANDS)) + 2
+    print(_USAGE.format(name))
+    print(f"\nEach verb is also a command of its own: {name} ls is rtls.\n\nVerbs:")
+    for verb in COMMANDS:
+        print(f"  {verb:<{width}}{SUMMARIES[verb]}")
+    print("\nOptions:\n  --version   Show the version and exit.\n  -h, --help  Show this message.")
+    print(f"\n{name} VERB -h tells more.")
+    return _flushed()
+
+
+def _flushed() -> int:
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        from rtkit.cli._app import BROKEN_PIPE, leave_pipe
+
+        leave_pipe()
+        return BROKEN_PIPE
+    return 0
+
+
+def _unknown(name: str, verb: str) -> int:
+    from difflib import get_close_matches
+
+    from rtkit.cli._out import printable
+
+    near = get_close_matches(verb, [*COMMANDS, *COMMANDS.values()], n=3)
+    hint = f"; did you mean: {', '.join(near)}?" if near else ""
+    what = "option" if verb.startswith("-") else "verb"
+    print(_USAGE.format(name), file=sys.stderr)
+    print(printable(f"{name}: no such {what}: {verb}{hint}"), file=sys.stderr)
+    return _BAD_LINE

@@ -1,0 +1,8 @@
+"""``rtreset``: reset components."""
+
+from __future__ import annotations
+
+from rtkit.cli._state import state_command
+from rtkit.rtc.enums import Transition
+
+main = state_command("rtreset", Transition.RESET, "Reset components: Error to Inactive.")
