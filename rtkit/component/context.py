@@ -162,7 +162,7 @@ class ExecutionContext:
         if not self.is_running:
             return ReturnCode.PRECONDITION_NOT_MET
         self.is_running = False
-        self._serve_requests()
+        self.serve_requests()
         for each in self._participants:
             self._report(each, "on_shutdown")
         return ReturnCode.OK
@@ -221,7 +221,7 @@ class ExecutionContext:
     def tick(self) -> None:
         """Perform what was requested, then one period: all execute, then all update."""
         if self._requests:
-            self._serve_requests()
+            self.serve_requests()
         if not self.is_running:
             return
         participants = self._participants
@@ -240,7 +240,8 @@ class ExecutionContext:
                 each.component.configuration.update()
                 self.changed(each.component)
 
-    def _serve_requests(self) -> None:
+    def serve_requests(self) -> None:
+        """Perform what was requested, without a period; only for the ticking thread."""
         for _ in range(len(self._requests)):
             component, transition, done = self._requests.popleft()
             code, why = self._perform(component, transition)
