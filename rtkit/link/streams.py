@@ -1,0 +1,140 @@
+"""Streams of port data between two processes of one host, over direct zenoh links.
+
+The receiving process listens on a unix socket of its own and every sender opens one client
+session to it, so data flow without the manager and while it is stopped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import threading
+from collections.abc import Callable
+
+import zenoh
+
+from rtkit.errors import Unreachable
+from rtkit.link import zenoh as control
+
+Deliver = Callable[[bytes], object]
+
+
+class Outlet:
+    """The sending end of one stream; `put` may be called from any one thread at a time."""
+
+    def __init__(self, publisher: zenoh.Publisher, release: Callable[[], None]) -> None:
+        self._publisher = publisher
+        self._release = release
+        self.put: Callable[[bytes], None] = publisher.put
+
+    def close(self) -> None:
+        """End this end; the other one just hears nothing more."""
+        with contextlib.suppress(zenoh.ZError):
+            self._publisher.undeclare()  # type: ignore[no-untyped-call]
+        self._release()
+
+
+class Inlet:
+    """The receiving end of one stream."""
+
+    def __init__(self, subscriber: zenoh.Subscriber[None]) -> None:
+        self._subscriber = subscriber
+
+    def close(self) -> None:
+        """Deliver nothing more."""
+        with contextlib.suppress(zenoh.ZError):
+            self._subscriber.undeclare()  # type: ignore[no-untyped-call]
+
+
+class Streams:
+    """All streams of one process; sessions are opened at first use and shared."""
+
+    def __init__(self, socket_path: str) -> None:
+        self._path = socket_path
+        self._listener: zenoh.Session | None = None
+        self._senders: dict[str, tuple[zenoh.Session, int]] = {}
+        self._lock = threading.Lock()
+
+    def receive(self, key: str, deliver: Deliver) -> tuple[str, Inlet]:
+        """Listen on `key`; return the endpoint for the sender and the stream's end.
+
+        `deliver` is called on a thread of the stream, one value after the other.
+
+        Raises:
+            Unreachable: The socket cannot be made.
+        """
+        with self._lock:
+            if self._listener is None:
+                self._listener = control.open_listener(control.unix_endpoint(self._path), "peer")
+            session = self._listener
+
+        def heard(sample: zenoh.Sample) -> None:
+            deliver(sample.payload.to_bytes())
+
+        return control.unix_endpoint(self._path), Inlet(session.declare_subscriber(key, heard))
+
+    def send(self, endpoint: str, key: str, is_blocking: bool, timeout_s: float) -> Outlet:
+        """Open the sending end of a stream; returns when the receiver was found.
+
+        Raises:
+            Unreachable: It was not, within `timeout_s` [s].
+        """
+        session = self._sender(endpoint, timeout_s)
+        congestion = zenoh.CongestionControl.BLOCK if is_blocking else zenoh.CongestionControl.DROP
+        publisher = session.declare_publisher(key, congestion_control=congestion)
+        outlet = Outlet(publisher, lambda: self._release(endpoint))
+        matched = threading.Event()
+
+        def changed(status: zenoh.MatchingStatus) -> None:
+            if status.matching:
+                matched.set()
+
+        listener = publisher.declare_matching_listener(changed)
+        try:
+            if not (publisher.matching_status.matching or matched.wait(timeout_s)):
+                raise Unreachable(f"nobody takes data at {endpoint}")
+        except Unreachable:
+            outlet.close()
+            raise
+        finally:
+            listener.undeclare()  # type: ignore[no-untyped-call]
+        return outlet
+
+    def close(self) -> None:
+        """End every stream."""
+        with self._lock:
+            sessions = [session for session, _ in self._senders.values()]
+            if self._listener is not None:
+                sessions.append(self._listener)
+            self._senders.clear()
+            self._listener = None
+        for session in sessions:
+            session.close()  # type: ignore[no-untyped-call]
+        remove_socket(self._path)
+
+    def _sender(self, endpoint: str, timeout_s: float) -> zenoh.Session:
+        with self._lock:
+            if endpoint in self._senders:
+                session, users = self._senders[endpoint]
+            else:
+                session, users = control.open_client(endpoint, timeout_s), 0
+            self._senders[endpoint] = session, users + 1
+            return session
+
+    def _release(self, endpoint: str) -> None:
+        with self._lock:
+            session, users = self._senders.get(endpoint, (None, 0))
+            if session is None:
+                return
+            if users > 1:
+                self._senders[endpoint] = session, users - 1
+                return
+            del self._senders[endpoint]
+        session.close()  # type: ignore[no-untyped-call]
+
+
+def remove_socket(path: str) -> None:
+    """Remove a socket and the lock file that zenoh lays beside it."""
+    for name in (path, path + ".lock"):
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(name)

@@ -1,0 +1,173 @@
+"""Joins ports: directly inside a process, by a stream between two.
+
+The component cannot tell which it is. Threads exist only for publishers of their own rate.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rtkit.component.buffer import Sink, make_ring
+from rtkit.component.codec import codec_for
+from rtkit.component.options import ConnectorOptions, FullPolicy, PushPolicy, parse_options
+from rtkit.component.period import Period
+from rtkit.component.port import InPort, OutPort
+from rtkit.component.publisher import select
+from rtkit.errors import Malformed, RtkitError, Unreachable
+from rtkit.link import keys
+from rtkit.link.streams import Inlet, Outlet, Streams
+from rtkit.rtc.profiles import ConnectorProfile
+
+MATCH_S = 5.0
+"""How long a sender looks for its receiver [s]."""
+
+_log = logging.getLogger(__name__)
+
+
+class Wires:
+    """The connector ends that one process holds."""
+
+    def __init__(self, host: str, streams: Streams) -> None:
+        self._host = host
+        self._streams = streams
+        self._ends: dict[str, list[Inlet | Outlet | _Publisher]] = {}
+
+    def join(self, wire: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
+        """Connect two ports of this process; the values themselves are handed over."""
+        options = parse_options(wire.properties)
+        if options.dataflow == "pull":
+            into.open_pull(wire, out.open_pull(wire))
+            return
+        sink = into.open(wire)
+        try:
+            self._attach(wire, out, sink, options)
+        except RtkitError:
+            into.close(wire.connector_id)
+            raise
+
+    def receive(self, wire: ConnectorProfile, into: InPort[Any]) -> str:
+        """Open the receiving end of a stream and return its endpoint."""
+        sink = into.open(wire)
+        decode = codec_for(into.data_type).decode
+
+        def deliver(payload: bytes) -> None:
+            try:
+                sink(decode(payload))
+            except Malformed as error:
+                _log.warning("%s: value dropped: %s", wire.connector_id, error)
+
+        try:
+            endpoint, inlet = self._streams.receive(self._key(wire), deliver)
+        except RtkitError:
+            into.close(wire.connector_id)
+            raise
+        self._keep(wire, inlet)
+        return endpoint
+
+    def send(
+        self,
+        wire: ConnectorProfile,
+        out: OutPort[Any],
+        endpoint: str,
+        done: Callable[[RtkitError | None], None],
+    ) -> None:
+        """Open the sending end of a stream; `done` is called from a thread of its own.
+
+        The receiver may be stopped or dying: finding it must not hold up this process.
+        """
+        options = parse_options(wire.properties)
+
+        def work() -> None:
+            try:
+                self._open_outlet(wire, out, endpoint, options)
+            except RtkitError as error:
+                done(error)
+            except Exception as error:
+                done(Unreachable(f"cannot send to {endpoint}: {error}"))
+            else:
+                done(None)
+
+        threading.Thread(target=work, name=f"open {wire.connector_id}", daemon=True).start()
+
+    def cut(self, connector_id: str) -> None:
+        """Close what this process holds of a connector."""
+        for end in self._ends.pop(connector_id, ()):
+            end.close()
+
+    def close(self) -> None:
+        """Close everything."""
+        for connector_id in list(self._ends):
+            self.cut(connector_id)
+        self._streams.close()
+
+    def _open_outlet(
+        self, wire: ConnectorProfile, out: OutPort[Any], endpoint: str, options: ConnectorOptions
+    ) -> None:
+        blocking = FullPolicy.BLOCK in (options.inport.full_policy, options.outport.full_policy)
+        outlet = self._streams.send(endpoint, self._key(wire), blocking, MATCH_S)
+        encode, put = codec_for(out.data_type).encode, outlet.put
+        try:
+            self._attach(wire, out, lambda value: put(encode(value)), options)
+        except RtkitError:
+            outlet.close()
+            raise
+        self._keep(wire, outlet)
+
+    def _attach(
+        self, wire: ConnectorProfile, out: OutPort[Any], sink: Sink[Any], options: ConnectorOptions
+    ) -> None:
+        if options.subscription == "periodic":
+            publisher = _Publisher(wire.connector_id, sink, options)
+            self._keep(wire, publisher)
+            out.attach(wire.connector_id, publisher.write)
+        elif options.push_policy is PushPolicy.SKIP and options.skip_count:
+            out.attach(wire.connector_id, _every(sink, options.skip_count + 1))
+        else:
+            out.attach(wire.connector_id, sink)
+
+    def _keep(self, wire: ConnectorProfile, end: Inlet | Outlet | _Publisher) -> None:
+        self._ends.setdefault(wire.connector_id, []).append(end)
+
+    def _key(self, wire: ConnectorProfile) -> str:
+        return keys.data(self._host, wire.connector_id)
+
+
+def _every(sink: Sink[Any], group: int) -> Sink[Any]:
+    """Return a sink that lets the last of each `group` values through."""
+    count = 0
+
+    def write(value: Any) -> Any:
+        nonlocal count
+        count += 1
+        return sink(value) if count % group == 0 else None
+
+    return write
+
+
+class _Publisher:
+    """Sends from a buffer at a rate of its own (subscription type ``periodic``)."""
+
+    def __init__(self, name: str, sink: Sink[Any], options: ConnectorOptions) -> None:
+        self._ring: Any = make_ring(options.outport)
+        self._sink = sink
+        self._options = options
+        self._closed = threading.Event()
+        self.write: Sink[Any] = self._ring.write
+        threading.Thread(target=self._run, name=f"publish {name}", daemon=True).start()
+
+    def close(self) -> None:
+        """Send nothing more."""
+        self._closed.set()
+        self._ring.close()
+
+    def _run(self) -> None:
+        options = self._options
+        period = Period(options.push_rate, time.monotonic_ns())
+        while not self._closed.wait(period.wait_s(time.monotonic_ns())):
+            for value in select(options.push_policy, self._ring, options.skip_count):
+                self._sink(value)
+            period.advance(time.monotonic_ns())

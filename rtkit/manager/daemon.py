@@ -1,0 +1,212 @@
+"""Assembles a manager: one of its name, its doors, its zygote, its loop; takes it down again."""
+
+from __future__ import annotations
+
+import fcntl
+import logging
+import os
+import signal
+import socket
+import stat
+import sys
+import threading
+import time
+from contextlib import ExitStack
+
+from rtkit import __version__
+from rtkit.errors import Refused, RtkitError
+from rtkit.link import keys, places
+from rtkit.manager.core import Core
+from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, StopAsked
+from rtkit.manager.nursery import Nursery, become_subreaper
+from rtkit.manager.state import Process, State
+from rtkit.resources import resource
+
+_DATA_SUFFIX = ".data"
+
+
+def run(name: str, ready: int | None = None) -> int:
+    """Be the manager of that name until told to stop; return the exit status.
+
+    A line on the descriptor `ready` tells when it answers, or why it does not start.
+    """
+    try:
+        with ExitStack() as stack:
+            loop = _assemble(name, stack)
+            _tell(ready, "ready")
+            loop.run()
+    except RtkitError as error:
+        if ready is None:
+            raise
+        _tell(ready, str(error))
+        return error.exit_code
+    return 0
+
+
+def _tell(ready: int | None, text: str) -> None:
+    if ready is not None:
+        os.write(ready, text.encode() + b"\n")
+        os.close(ready)
+
+
+def _assemble(name: str, stack: ExitStack):  # type: ignore[no-untyped-def]
+    places.make_private(places.runtime_dir())
+    places.make_private(places.state_dir())
+    for path in (places.manager_socket(name), places.control_socket(name)):
+        places.check_socket_length(path)
+    take_lock(name, stack)
+    remove_stale(name)
+    become_subreaper()
+    host, load_path = os.uname().nodename, load_paths()
+    data = os.path.join(places.runtime_dir(), f"{name}.%p{_DATA_SUFFIX}")
+    nursery = Nursery(
+        {
+            "control": places.control_socket(name),
+            "data": data,
+            "host": host,
+            "load_path": load_path,
+        }
+    )
+    stack.callback(nursery.close)
+    return _open_doors(name, host, load_path, data, nursery, stack)
+
+
+def _open_doors(  # type: ignore[no-untyped-def]
+    name: str, host: str, load_path: list[str], data: str, nursery: Nursery, stack: ExitStack
+):
+    from rtkit.link.streams import Streams, remove_socket
+    from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
+    from rtkit.manager.connect import Wires
+    from rtkit.manager.holder import Holder
+    from rtkit.manager.loader import Loader
+    from rtkit.manager.loop import Loop
+
+    listener = socket.socket(socket.AF_UNIX)
+    listener.bind(places.control_socket(name))
+    listener.listen(128)
+    listener.setblocking(False)
+    stack.callback(remove_socket, places.control_socket(name))
+    stack.callback(listener.close)
+
+    core = Core(_state(name, host, load_path))
+    loop: Loop
+
+    def report(message: Message) -> None:
+        loop.post(HolderSaid(OWN_PROCESS, message))
+
+    streams = Streams(data.replace("%p", str(os.getpid())))
+    holder = Holder(report, Wires(host, streams), Loader(load_path))
+    loop = Loop(core, holder, nursery, listener)
+    thread = threading.Thread(target=holder.run, name="holder", daemon=True)
+    thread.start()
+    stack.callback(thread.join, 2.0)
+    stack.callback(holder.close)
+
+    link = ZenohLink(open_listener(unix_endpoint(places.manager_socket(name))))
+    stack.callback(remove_socket, places.manager_socket(name))
+    stack.callback(link.close)
+    link.serve(keys.service(host, name), loop.post)
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: loop.post(StopAsked()))
+    signal.signal(signal.SIGCHLD, lambda *_: None)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
+    stack.callback(signal.set_wakeup_fd, -1)
+    return loop
+
+
+def _state(name: str, host: str, load_path: list[str]) -> State:
+    state = State(host, name, os.getpid(), __version__)
+    state.processes[OWN_PROCESS] = Process(OWN_PROCESS, name, os.getpid(), "up")
+    state.properties.update(
+        {
+            "manager.name": name,
+            "manager.instance_name": name,
+            "manager.pid": str(os.getpid()),
+            "manager.is_master": "YES",
+            "manager.modules.load_path": ",".join(load_path),
+            "manager.started": f"{time.time():.3f}",
+            "naming.formats": "%n.rtc",
+            "rtkit.version": __version__,
+        }
+    )
+    return state
+
+
+def load_paths() -> list[str]:
+    """Return where modules are looked for: here, ``RTKIT_MODULE_PATH``, the samples."""
+    chosen = os.environ.get("RTKIT_MODULE_PATH", "")
+    named = [os.path.abspath(path) for path in chosen.split(os.pathsep) if path]
+    return [os.getcwd(), *named, resource("examples", "basic")]
+
+
+def take_lock(name: str, stack: ExitStack) -> None:
+    """Become the only manager of that name, until the stack unwinds.
+
+    Raises:
+        Refused: Another one runs; names its process.
+    """
+    path = places.manager_lock(name)
+    while True:
+        try:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+        except OSError as error:
+            raise Refused(f"cannot open lock file {path}: {error.strerror}") from error
+        try:
+            fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            owner = os.read(descriptor, 32).decode("ascii", "replace").strip()
+            os.close(descriptor)
+            raise Refused(f"manager {name!r} is running already (pid {owner or '?'})") from None
+        if _is_same_file(descriptor, path):
+            break
+        os.close(descriptor)  # its owner removed it while we waited: another one lies there now
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
+    stack.callback(os.close, descriptor)
+    stack.callback(os.unlink, path)
+
+
+def _is_same_file(descriptor: int, path: str) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), os.stat(path, follow_symlinks=False))
+    except FileNotFoundError:
+        return False
+
+
+def remove_stale(name: str) -> None:
+    """Remove sockets that a killed manager of that name and its slaves left.
+
+    Raises:
+        Refused: Something else than a socket lies there.
+    """
+    folder = places.runtime_dir()
+    own = (places.manager_socket(name), places.control_socket(name))
+    left = [os.path.join(folder, entry) for entry in os.listdir(folder)]
+    for path in left:
+        is_data = os.path.basename(path).startswith(f"{name}.") and path.endswith(_DATA_SUFFIX)
+        if path in own or is_data:
+            if not stat.S_ISSOCK(os.lstat(path).st_mode):
+                raise Refused(f"not a socket, and not removed: {path}")
+            os.unlink(path)
+        elif path.removesuffix(".lock") in own or path.endswith(f"{_DATA_SUFFIX}.lock"):
+            os.unlink(path)
+
+
+def main() -> int:
+    """Run as a process of its own: name, and the descriptor to report readiness on."""
+    name, ready = sys.argv[1], int(sys.argv[2])
+    logging.basicConfig(
+        stream=sys.stderr,
+        level=logging.INFO,
+        format=f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s",
+    )
+    return run(name, ready)
+
+
+if __name__ == "__main__":
+    status = main()
+    logging.shutdown()
+    sys.stdout.flush()
+    os._exit(status)  # component threads that hang must not keep the process

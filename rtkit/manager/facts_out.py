@@ -1,0 +1,24 @@
+"""What a process reports of a component that it holds."""
+
+from __future__ import annotations
+
+from rtkit.component.base import Component
+from rtkit.component.describe import describe
+from rtkit.component.standin import StandIn
+from rtkit.deployment.facts import ComponentFacts
+
+
+def facts_of(component: Component) -> ComponentFacts:
+    """Return the facts of a component; name, place and origin are the manager's to add."""
+    described = describe(component)
+    return ComponentFacts(
+        instance=component.instance,
+        type=component.type,
+        process="",
+        ports=described.ports,
+        sets=described.sets,
+        active_set=described.active_set,
+        contexts=described.contexts,
+        is_stand_in=isinstance(component, StandIn),
+        cause=described.cause,
+    )

@@ -1,0 +1,140 @@
+"""The manager's side of the zygote: asks for slaves, knows their processes, hears of their end.
+
+The manager is subreaper: when the zygote dies its slaves become the manager's own children, so
+that their end is still told with its reason. A zygote that died is started again by exec.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import signal
+import socket
+import sys
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rtkit.manager import events as ev
+from rtkit.manager.wire import Channel
+from rtkit.manager.zygote import reason
+
+_log = logging.getLogger(__name__)
+_PR_SET_CHILD_SUBREAPER = 36
+_ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_OPTIONS = os.WEXITED | os.WNOHANG
+
+
+def become_subreaper() -> None:
+    """Have orphans of this process's descendants become its children."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0):
+        raise OSError(ctypes.get_errno(), "cannot become subreaper")
+
+
+class Nursery:
+    """Where slaves are born; for `selectors` it is the socket to the zygote."""
+
+    def __init__(self, settings: Mapping[str, Any]) -> None:
+        self._settings = dict(settings)
+        self._pids: dict[int, int] = {}
+        self._keys: dict[int, int] = {}
+        self._asked: dict[int, str] = {}
+        self._channel, self._zygote = self._start()
+
+    def fileno(self) -> int:
+        """Return the descriptor of the socket to the zygote."""
+        return self._channel.fileno()
+
+    def fork(self, key: int, name: str) -> None:
+        """Ask for a slave."""
+        self._asked[key] = name
+        self._channel.send({"key": key, "name": name, **self._settings})
+
+    def expects(self, key: object, pid: object) -> bool:
+        """Whether a slave that says hello with this key and pid is one of ours."""
+        if not isinstance(key, int) or not isinstance(pid, int):
+            return False
+        if key in self._asked:
+            self._born(key, pid)
+        return self._pids.get(key) == pid
+
+    def signal(self, key: int, number: signal.Signals) -> None:
+        """Send a signal to a slave, if it still is ours to be waited for."""
+        pid = self._pids.get(key)
+        if pid is None:
+            return
+        try:
+            os.kill(pid, number)
+        except ProcessLookupError:
+            _log.info("slave process %d is gone already", pid)
+
+    def receive(self) -> list[ev.Event] | None:
+        """Return what the zygote reports; None when it ended, and `restart` is due."""
+        messages = self._channel.receive()
+        if messages is None:
+            return None
+        events = (self._event(message) for message in messages)
+        return [event for event in events if event is not None]
+
+    def restart(self) -> list[ev.Event]:
+        """Start another zygote; return the failures of what the old one had not done yet."""
+        _log.error("the zygote ended; another is started")
+        self._channel.close()
+        self._channel, self._zygote = self._start()
+        failed = list(self._asked)
+        self._asked.clear()
+        return [ev.SlaveFailed(key, "the zygote ended") for key in failed]
+
+    def reap(self) -> Iterator[ev.Event]:
+        """Yield the ends of slaves that have become children of the manager itself."""
+        while True:
+            try:
+                report = os.waitid(os.P_ALL, 0, _OPTIONS)
+            except ChildProcessError:
+                return
+            if report is None:
+                return
+            event = self._ended(report.si_pid, reason(report))
+            if event is not None:
+                yield event
+
+    def close(self) -> None:
+        """End the zygote and wait for it."""
+        self._channel.close()
+        try:
+            os.waitid(os.P_PID, self._zygote, os.WEXITED)
+        except ChildProcessError:
+            _log.info("the zygote was reaped before")
+
+    def _event(self, message: Mapping[str, Any]) -> ev.Event | None:
+        if "forked" in message:
+            self._born(message["forked"], message["pid"])
+            return ev.SlaveForked(message["forked"], message["pid"])
+        if "failed" in message:
+            self._asked.pop(message["failed"], None)
+            return ev.SlaveFailed(message["failed"], message["reason"])
+        if "ended" in message:
+            return self._ended(message["ended"], message["reason"])
+        key = self._keys.get(message["halted"])
+        return None if key is None else ev.SlaveHalted(key, message["is_halted"])
+
+    def _born(self, key: int, pid: int) -> None:
+        if self._asked.pop(key, None) is not None:
+            self._pids[key] = pid
+            self._keys[pid] = key
+
+    def _ended(self, pid: int, why: str) -> ev.Event | None:
+        key = self._keys.pop(pid, None)
+        if key is None:
+            return None
+        del self._pids[key]
+        return ev.SlaveEnded(key, why)
+
+    def _start(self) -> tuple[Channel, int]:
+        ours, theirs = socket.socketpair()
+        theirs.set_inheritable(True)
+        arguments = [sys.executable, "-m", "rtkit.manager.zygote", str(theirs.fileno())]
+        pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
+        theirs.close()
+        return Channel(ours), pid

@@ -1,0 +1,67 @@
+"""The thread that drives one execution context, at absolute deadlines, only while it has work.
+
+A context whose components are all at rest costs no thread at all.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from rtkit.component.context import ExecutionContext
+from rtkit.component.period import Period
+
+
+class Pacer:
+    """Drives one execution context; `name` is what its thread is called."""
+
+    def __init__(self, context: ExecutionContext, name: str) -> None:
+        self._context = context
+        self._name = name
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._alarm = threading.Event()
+        self._is_closed = False
+        context.wake = self.wake
+
+    def wake(self) -> None:
+        """Have pending requests served at once, by the thread or by a new one."""
+        self._alarm.set()
+        with self._lock:
+            if self._thread is None and not self._is_closed:
+                self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
+                self._thread.start()
+
+    def close(self, timeout_s: float) -> bool:
+        """Let the thread end after its present tick; False if it does not within `timeout_s`."""
+        with self._lock:
+            self._is_closed = True
+            thread = self._thread
+        self._alarm.set()
+        if thread is None or thread is threading.current_thread():
+            return True
+        thread.join(timeout_s)
+        return not thread.is_alive()
+
+    def _run(self) -> None:
+        context, alarm = self._context, self._alarm
+        period = Period(context.rate, time.monotonic_ns())
+        while not self._rest():
+            alarm.clear()
+            context.serve_requests()
+            if context.rate != period.rate:
+                period.change_rate(context.rate, time.monotonic_ns())
+            if time.monotonic_ns() >= period.deadline_ns:
+                context.tick()
+                period.advance(time.monotonic_ns())
+            delay = period.wait_s(time.monotonic_ns())
+            if delay:
+                alarm.wait(delay)
+
+    def _rest(self) -> bool:
+        """End the thread when nothing is to be done; a later `wake` makes another."""
+        with self._lock:
+            if self._is_closed or (self._context.is_idle and not self._alarm.is_set()):
+                self._thread = None
+                return True
+            return False

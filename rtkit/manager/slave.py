@@ -1,0 +1,73 @@
+"""A slave: one process of components, told what to do by its manager over a private socket."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import socket
+import sys
+import threading
+from typing import Any
+
+from rtkit.link.streams import Streams
+from rtkit.manager.connect import Wires
+from rtkit.manager.holder import Holder
+from rtkit.manager.loader import Loader
+from rtkit.manager.wire import Channel
+
+PROTOCOL = 1
+"""Version of the messages between manager and slaves."""
+
+
+def run(key: int, name: str, settings: Any) -> None:
+    """Hold components until the manager says stop, goes away, or a TERM arrives.
+
+    Args:
+        key: Under which the manager knows this process.
+        name: Name of the slave.
+        settings: ``control`` and ``data`` (socket paths), ``host``, ``load_path``.
+    """
+    logging.basicConfig(
+        stream=sys.stderr,
+        level=logging.INFO,
+        format=f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s",
+    )
+    connection = socket.socket(socket.AF_UNIX)
+    connection.connect(settings["control"])
+    channel = Channel(connection)
+    data = settings["data"].replace("%p", str(os.getpid()))
+    holder = Holder(
+        _Voice(channel).send,
+        Wires(settings["host"], Streams(data)),
+        Loader(list(settings["load_path"])),
+    )
+    signal.signal(signal.SIGTERM, lambda *_: holder.close())
+    channel.send({"hello": key, "pid": os.getpid(), "protocol": PROTOCOL})
+    threading.Thread(target=_listen, args=(channel, holder), name="control", daemon=True).start()
+    holder.run()
+    logging.shutdown()
+    sys.stdout.flush()
+
+
+class _Voice:
+    """Sends to the manager; when it is gone there is nobody to tell, and the slave ends."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+
+    def send(self, message: Any) -> None:
+        try:
+            self._channel.send(message)
+        except OSError as error:
+            logging.getLogger(__name__).warning("cannot reach the manager: %s", error)
+
+
+def _listen(channel: Channel, holder: Holder) -> None:
+    while True:
+        messages = channel.receive()
+        if messages is None:
+            holder.close()
+            return
+        for message in messages:
+            holder.put(message)

@@ -1,0 +1,51 @@
+"""A manager as a process of this host: how it is, and its end."""
+
+from __future__ import annotations
+
+import os
+import select
+import time
+from typing import NamedTuple
+
+from rtkit.errors import Unreachable
+from rtkit.link import places
+from rtkit.tree.client import connect
+
+
+class Status(NamedTuple):
+    """What a running manager says of itself; uptime in [s]."""
+
+    pid: int
+    uptime_s: float
+    components: int
+    slaves: int
+    socket: str
+
+
+def stop(name: str, timeout_s: float) -> None:
+    """Stop a manager with all its slaves and return when its process has ended.
+
+    Raises:
+        Unreachable: It does not run, or did not end in time.
+    """
+    with connect(name, timeout_s) as tree:
+        pidfd = os.pidfd_open(int(tree.get("manager.pid")))
+        try:
+            tree.set("stop", "")
+            if not select.select([pidfd], [], [], timeout_s)[0]:
+                raise Unreachable(f"manager {name!r} did not end within {timeout_s:g} s")
+        finally:
+            os.close(pidfd)
+
+
+def status(name: str, timeout_s: float) -> Status:
+    """Ask a manager how it is.
+
+    Raises:
+        Unreachable: It does not run, or does not answer in time.
+    """
+    with connect(name, timeout_s) as tree:
+        listing = tree.listing()
+        uptime_s = time.time() - float(tree.get("manager.started"))
+    socket = places.manager_socket(name)
+    return Status(listing.pid, uptime_s, len(listing.rows), len(listing.slaves), socket)
