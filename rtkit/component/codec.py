@@ -1,0 +1,119 @@
+"""Values to bytes and back: CDR, little-endian, with a header of four bytes.
+
+What a `bytes` port carries travels as it is. Reading is total: any bytes give a value or
+`Malformed`, and memory is bounded by the length of what arrived.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from rtkit.component.buffer import Sink
+from rtkit.component.codegen import compile_decoder, compile_encoder
+from rtkit.component.layout import complaint, layout_of
+from rtkit.errors import Malformed
+
+_LITTLE = b"\x00\x01"
+_BIG = b"\x00\x00"
+_HEADER = 4
+
+
+class Codec(NamedTuple):
+    """How values of one type are written as bytes and read from bytes.
+
+    Both raise `Malformed`: `encode` for a value that does not fit, naming field and type,
+    `decode` for bytes that are no value of the type.
+    """
+
+    encode: Callable[[Any], bytes]
+    decode: Callable[[bytes], Any]
+
+
+def _encode_bytes(value: Any) -> bytes:
+    if not isinstance(value, (bytes, bytearray, memoryview)):
+        raise Malformed(f"{type(value).__name__} is not bytes")
+    return bytes(value)
+
+
+BYTES = Codec(_encode_bytes, bytes)
+"""For types that nobody here declared: bytes pass unchanged."""
+
+_codecs: dict[type, Codec] = {bytes: BYTES}
+
+
+def codec_for(cls: type) -> Codec:
+    """Return the codec of a dataclass, or of bytes.
+
+    Raises:
+        Malformed: The type has a field that cannot be carried.
+    """
+    known = _codecs.get(cls)
+    if known is None:
+        known = _codecs[cls] = Codec(_encoder(cls), _decoder(cls))
+    return known
+
+
+def bridge(written: type, read: type, sink: Sink[Any]) -> Sink[Any]:
+    """Return a sink for values of type `written` before one that takes type `read`.
+
+    Between two ports of one process values pass as they are, unless one side has a type and the
+    other carries bytes.
+    """
+    if written is read or bytes not in (written, read):
+        return sink
+    if read is bytes:
+        encode = codec_for(written).encode
+        return lambda value: sink(encode(value))
+    decode = codec_for(read).decode
+    return lambda value: sink(decode(value))
+
+
+def _encoder(cls: type) -> Callable[[Any], bytes]:
+    layout = layout_of(cls)
+    pack = compile_encoder(layout)
+
+    def encode(value: Any) -> bytes:
+        try:
+            return pack(value)
+        except Exception as error:
+            reason = complaint(layout, value, cls.__name__) or f"{cls.__name__}: {error}"
+            raise Malformed(reason) from None
+
+    return encode
+
+
+def _decoder(cls: type) -> Callable[[bytes], Any]:
+    layout = layout_of(cls)
+    unpack = compile_decoder(layout, "<")
+    unpack_big: list[Callable[[bytes], tuple[Any, int]]] = []
+
+    def decode(data: bytes) -> Any:
+        try:
+            if data[:2] == _LITTLE:
+                value, end = unpack(data)
+            else:
+                value, end = _other(data)(data)
+        except Malformed as error:
+            raise Malformed(f"{cls.__name__}: {error}") from None
+        except Exception as error:
+            raise Malformed(f"{cls.__name__}: {error} in {len(data)} bytes") from None
+        if end != len(data):
+            _check_tail(data, end, cls)
+        return value
+
+    def _other(data: bytes) -> Callable[[bytes], tuple[Any, int]]:
+        if len(data) < _HEADER or data[:2] != _BIG:
+            raise Malformed(f"no CDR header: {data[:_HEADER].hex(' ') or 'no bytes'}")
+        if not unpack_big:
+            unpack_big.append(compile_decoder(layout, ">"))
+        return unpack_big[0]
+
+    return decode
+
+
+def _check_tail(data: bytes, end: int, cls: type) -> None:
+    # Writers of DDS pad a message to a multiple of four bytes; anything else is not ours.
+    tail = data[end:]
+    if len(tail) >= _HEADER or any(tail):
+        raise Malformed(f"{cls.__name__}: {len(tail)} bytes too many")

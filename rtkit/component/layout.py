@@ -1,0 +1,285 @@
+"""What a data type consists of: its annotations, read once into a tree of layouts.
+
+The codec, JSON literals and zero values all walk this tree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from rtkit.errors import Malformed
+
+_WIDTHS = {
+    "int8": "b",
+    "uint8": "B",
+    "int16": "h",
+    "uint16": "H",
+    "int32": "i",
+    "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
+    "float32": "f",
+    "float64": "d",
+}
+
+
+class Number(NamedTuple):
+    """An integer or float; `code` is its format character in the struct module."""
+
+    code: str
+    name: str
+
+    @property
+    def is_float(self) -> bool:
+        """Whether it is a floating-point number."""
+        return self.code in "fd"
+
+
+class Bool(NamedTuple):
+    """A truth value, one byte."""
+
+    name: str = "boolean"
+
+
+class Char(NamedTuple):
+    """One character of ISO 8859-1, one byte."""
+
+    name: str = "char"
+
+
+class Text(NamedTuple):
+    """Characters: UTF-8 with a closing NUL, or, wide, UTF-16 without."""
+
+    is_wide: bool = False
+    name: str = "string"
+
+
+class Octets(NamedTuple):
+    """A sequence of bytes."""
+
+    name: str = "sequence<octet>"
+
+
+class Enumeration(NamedTuple):
+    """A member of an enum, 32 bits: its value where all values are integers, else its ordinal."""
+
+    cls: type[Enum]
+    numbers: Mapping[Enum, int]
+    name: str
+
+
+class Items(NamedTuple):
+    """Any number of one kind; `make` builds the tuple or list."""
+
+    item: Layout
+    make: type
+    name: str
+
+
+class Array(NamedTuple):
+    """A fixed number of items, each of its own kind."""
+
+    items: tuple[Layout, ...]
+    name: str
+
+
+class Struct(NamedTuple):
+    """A dataclass."""
+
+    cls: type
+    fields: tuple[tuple[str, Layout], ...]
+    name: str
+
+
+Layout = Number | Bool | Char | Text | Octets | Enumeration | Items | Array | Struct
+
+_layouts: dict[type, Struct] = {}
+
+
+def layout_of(cls: type) -> Struct:
+    """Return the layout of a dataclass.
+
+    Raises:
+        Malformed: Names the field that cannot be carried.
+    """
+    known = _layouts.get(cls)
+    if known is None:
+        known = _layouts[cls] = _struct(cls, ())
+    return known
+
+
+def _struct(cls: type, outer: tuple[type, ...]) -> Struct:
+    if not is_dataclass(cls):
+        raise Malformed(f"{cls.__name__} is not a dataclass")
+    if cls in outer:
+        raise Malformed(f"{cls.__name__} contains itself")
+    try:
+        hints = get_type_hints(cls, include_extras=True)
+    except (NameError, TypeError) as error:
+        raise Malformed(f"{cls.__name__}: its annotations cannot be read: {error}") from error
+    members = [member for member in fields(cls) if member.init]
+    if not members or len(members) != len(fields(cls)):
+        raise Malformed(f"{cls.__name__} needs fields, all of them arguments of its constructor")
+    inner = (*outer, cls)
+    return Struct(
+        cls,
+        tuple(
+            (member.name, _read(hints[member.name], f"{cls.__name__}.{member.name}", inner))
+            for member in members
+        ),
+        cls.__name__,
+    )
+
+
+def _read(hint: Any, where: str, outer: tuple[type, ...]) -> Layout:
+    origin, args = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return _annotated(args, where, outer)
+    if hint is bool:
+        return Bool()
+    if hint is int:
+        return Number("q", "int64")
+    if hint is float:
+        return Number("d", "float64")
+    if hint is str:
+        return Text()
+    if hint in (bytes, bytearray):
+        return Octets()
+    if origin in (tuple, list) or origin is Sequence:
+        return _collection(origin, args, where, outer)
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return _enumeration(hint, where)
+    if isinstance(hint, type) and is_dataclass(hint):
+        return _struct(hint, outer)
+    reason = "is optional, which CDR has no form for" if origin is Union else f"has type {hint}"
+    raise Malformed(f"{where} cannot be carried: it {reason}")
+
+
+def _annotated(args: tuple[Any, ...], where: str, outer: tuple[type, ...]) -> Layout:
+    base, *notes = args
+    for note in notes:
+        if isinstance(note, str) and note in _WIDTHS:
+            return Number(_WIDTHS[note], note)
+        if note == "char":
+            return Char()
+        if note == "wstring":
+            return Text(is_wide=True, name="wstring")
+    return _read(base, where, outer)
+
+
+def _collection(
+    origin: Any, args: tuple[Any, ...], where: str, outer: tuple[type, ...]
+) -> Items | Array:
+    if origin is tuple and args and args[-1] is not Ellipsis:
+        items = tuple(_read(arg, where, outer) for arg in args)
+        return Array(items, f"array of {len(items)}")
+    if not args:
+        raise Malformed(f"{where} cannot be carried: it does not say what it is a sequence of")
+    item = _read(args[0], where, outer)
+    return Items(item, list if origin is list else tuple, f"sequence<{item.name}>")
+
+
+def _enumeration(cls: type[Enum], where: str) -> Enumeration:
+    members = list(cls)
+    if not members:
+        raise Malformed(f"{where} cannot be carried: {cls.__name__} has no members")
+    is_numeric = all(type(member.value) is int or isinstance(member, int) for member in members)
+    numbers = {
+        member: int(member.value) if is_numeric else index for index, member in enumerate(members)
+    }
+    if not all(-(2**31) <= number < 2**31 for number in numbers.values()):
+        raise Malformed(f"{where} cannot be carried: {cls.__name__} exceeds 32 bits")
+    return Enumeration(cls, numbers, cls.__name__)
+
+
+def zero(layout: Layout) -> Any:
+    """Return the value with every number 0, every text and sequence empty."""
+    if isinstance(layout, Struct):
+        return layout.cls(**{name: zero(item) for name, item in layout.fields})
+    if isinstance(layout, Array):
+        return tuple(zero(item) for item in layout.items)
+    if isinstance(layout, Items):
+        return layout.make()
+    if isinstance(layout, Number):
+        return 0.0 if layout.is_float else 0
+    if isinstance(layout, Enumeration):
+        return next(iter(layout.cls))
+    if isinstance(layout, Text):
+        return ""
+    if isinstance(layout, Octets):
+        return b""
+    return False if isinstance(layout, Bool) else "\0"
+
+
+def complaint(layout: Layout, value: Any, where: str) -> str:
+    """Return what keeps `value` from being carried, naming the field; "" when nothing does."""
+    if isinstance(layout, Struct):
+        for name, item in layout.fields:
+            if not hasattr(value, name):
+                return f"{where}: {type(value).__name__} has no field {name}"
+            found = complaint(item, getattr(value, name), f"{where}.{name}")
+            if found:
+                return found
+        return ""
+    if isinstance(layout, (Items, Array)):
+        return _complaint_of_items(layout, value, where)
+    if _is_carried(layout, value):
+        return ""
+    return f"{where}: {_short(value)} is not a value of type {layout.name}"
+
+
+def _complaint_of_items(layout: Items | Array, value: Any, where: str) -> str:
+    if isinstance(value, str) or not hasattr(value, "__len__"):
+        return f"{where}: {_short(value)} is not a value of type {layout.name}"
+    if isinstance(layout, Array):
+        if len(value) != len(layout.items):
+            return f"{where}: {len(value)} items, wanted {len(layout.items)}"
+        items = layout.items
+    else:
+        items = (layout.item,) * len(value)
+    for index, (item, one) in enumerate(zip(items, value, strict=False)):
+        found = complaint(item, one, f"{where}[{index}]")
+        if found:
+            return found
+    return ""
+
+
+def _is_carried(layout: Layout, value: Any) -> bool:
+    if isinstance(layout, Number):
+        return _fits(layout, value)
+    if isinstance(layout, Enumeration):
+        return isinstance(value, layout.cls)
+    if isinstance(layout, Char):
+        return isinstance(value, str) and len(value) == 1 and ord(value) < 256
+    if isinstance(layout, Octets):
+        return isinstance(value, (bytes, bytearray, memoryview))
+    if isinstance(layout, Text):
+        if not isinstance(value, str) or any("\ud800" <= char <= "\udfff" for char in value):
+            return False
+        return layout.is_wide or "\0" not in value
+    return True
+
+
+def _fits(layout: Number, value: Any) -> bool:
+    try:
+        if layout.is_float:
+            number = float(value)
+            largest = 3.4028235677973366e38
+            is_small = abs(number) < largest or number in (float("inf"), float("-inf"))
+            return not isinstance(value, str) and (layout.code == "d" or is_small or value != value)
+        number = value.__index__()
+    except (TypeError, ValueError, OverflowError, AttributeError):
+        return False
+    bits = int(layout.name.lstrip("uint"))
+    low, high = (
+        (0, 2**bits) if layout.name.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1))
+    )
+    return bool(low <= number < high)
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:59] + "…"
