@@ -211,20 +211,18 @@ class Component(Callbacks):
                     hints.setdefault(set_id, {})[parameter.name] = text
         for set_id, values in hints.items():
             configuration.declare(set_id, values)
-        self._declare_sets()
-        active = self.options.get("configuration.active_config", "") or self._first_set()
-        configuration.activate(active)
-        configuration.update()
+        self._apply_options(DEFAULT)
 
-    def _declare_sets(self) -> None:
+    def _apply_options(self, active_set: str) -> None:
         for key, value in self.options.items():
             if key.startswith("conf."):
                 set_id, _, name = key.removeprefix("conf.").partition(".")
                 if set_id and name:
                     self.configuration.declare(set_id, {name: value})
-
-    def _first_set(self) -> str:
-        return DEFAULT
+        wished = self.options.get("configuration.active_config", "") or active_set
+        if wished in self.configuration.sets or wished != active_set:
+            self.configuration.activate(wished)
+            self.configuration.update()
 
     def _log(self, text: str) -> None:
         self.logger.warning(text)

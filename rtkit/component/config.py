@@ -76,6 +76,11 @@ class Configuration:
             raise Malformed("a configuration set needs a name")
         self._sets[set_id] = {**self._sets.get(set_id, {}), **values}
 
+    def adopt(self, sets: Mapping[str, Mapping[str, str]], active_set: str) -> None:
+        """Take exactly these sets, as they stand in a description that is not checked here."""
+        self._sets = {set_id: dict(values) for set_id, values in sets.items()}
+        self._active_set = active_set
+
     def set(self, set_id: str, values: Mapping[str, str]) -> None:
         """Change the text of some parameters of one set, all or none.
 

@@ -1,0 +1,90 @@
+"""May these ports be connected? Asked before anything changes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rtkit.component.options import interface_name
+from rtkit.component.typenames import is_same_type
+from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
+
+WRONG_TYPE = "Wrong port type."
+INCOMPATIBLE = "Incompatible connection properties."
+NO_INTERFACE = "Interfaces do not match."
+NO_POLARITY = "Polarities do not match."
+
+_CHOICES = (
+    "dataport.interface_type",
+    "dataport.dataflow_type",
+    "dataport.subscription_type",
+    "dataport.serializer.cdr.endian",
+)
+
+
+def refusal(ports: Sequence[PortProfile], properties: Mapping[str, str]) -> str:
+    """Return why the ports cannot be connected with these properties, "" when they can."""
+    kinds = [port.port_type for port in ports]
+    if PortType.SERVICE in kinds:
+        if any(kind is not PortType.SERVICE for kind in kinds):
+            return WRONG_TYPE
+        return _refused_interfaces(ports)
+    if len(ports) > 1 and not (PortType.IN in kinds and PortType.OUT in kinds):
+        return WRONG_TYPE
+    return _refused_types(ports, properties) or _refused_properties(ports, properties)
+
+
+def _refused_types(ports: Sequence[PortProfile], properties: Mapping[str, str]) -> str:
+    typed = [port for port in ports if port.data_type]
+    for index, one in enumerate(typed):
+        for other in typed[index + 1 :]:
+            if not is_same_type(one.data_type, other.data_type):
+                return (
+                    f"Data types differ: {one.name} has {one.data_type},"
+                    f" {other.name} has {other.data_type}"
+                )
+    wanted = properties.get("dataport.data_type", "")
+    for port in typed:
+        if not is_same_type(wanted, port.data_type):
+            return f"Data types differ: {port.name} has {port.data_type}, wanted is {wanted}"
+    return ""
+
+
+def _refused_properties(ports: Sequence[PortProfile], properties: Mapping[str, str]) -> str:
+    for key in _CHOICES:
+        value = properties.get(key, "").strip()
+        if not value or not all(port.properties.get(key, "").strip() for port in ports):
+            continue
+        wanted = _words(key, value)
+        for port in ports:
+            offered = _words(key, port.properties[key])
+            if "any" not in offered and not wanted & offered:
+                return INCOMPATIBLE
+    return ""
+
+
+def _words(key: str, text: str) -> set[str]:
+    words = {word.strip().lower() for word in text.split(",")}
+    return {interface_name(word) for word in words} if key.endswith("interface_type") else words
+
+
+def _refused_interfaces(ports: Sequence[PortProfile]) -> str:
+    listed = [port.interfaces for port in ports if port.interfaces]
+    if not listed:
+        return ""
+    for index, one in enumerate(listed):
+        for other in listed[index + 1 :]:
+            found = _match(one, other)
+            if found:
+                return found
+    return ""
+
+
+def _match(one: tuple[PortInterfaceProfile, ...], other: tuple[PortInterfaceProfile, ...]) -> str:
+    pairs = [(mine, its) for mine in one for its in other if mine.type_name == its.type_name]
+    if not pairs:
+        return NO_INTERFACE
+    wanted = {Polarity.PROVIDED, Polarity.REQUIRED}
+    if not any({mine.polarity, its.polarity} == wanted for mine, its in pairs):
+        return NO_POLARITY
+    return ""

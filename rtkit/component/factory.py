@@ -1,0 +1,123 @@
+"""The component types that can be made here, and the making."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Mapping
+
+from rtkit.component.base import Component
+from rtkit.component.callbacks import describe_failure
+from rtkit.component.standin import stand_in
+from rtkit.errors import NotFound, Refused, RtkitError
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import TypeProfile
+
+Maker = Callable[[str, Mapping[str, str]], Component]
+
+
+class Factories:
+    """Component types by identity; a type registered again replaces the earlier one."""
+
+    def __init__(self) -> None:
+        self._makers: dict[TypeProfile, Maker] = {}
+
+    @property
+    def types(self) -> tuple[TypeProfile, ...]:
+        """What can be made, in the order of registration."""
+        return tuple(self._makers)
+
+    def register(self, maker: type[Component] | ComponentPattern) -> TypeProfile:
+        """Make a component class, or a pattern, available; return its identity."""
+        if isinstance(maker, ComponentPattern):
+            pattern = maker
+            return self._register(
+                pattern.type, lambda instance, options: stand_in(pattern, instance, options)
+            )
+        if not (isinstance(maker, type) and issubclass(maker, Component)):
+            raise Refused(f"not a component class: {maker!r}")
+        return self._register(maker.type_profile(), maker)
+
+    def unregister(self, profile: TypeProfile) -> None:
+        """Forget a type; components already made stay.
+
+        Raises:
+            NotFound: No such type.
+        """
+        if self._makers.pop(profile, None) is None:
+            raise NotFound(f"no component type {profile.id} is registered")
+
+    def find(
+        self,
+        type_name: str,
+        vendor: str = "",
+        category: str = "",
+        language: str = "",
+        version: str = "",
+    ) -> TypeProfile:
+        """Return the type registered last that fits; empty fields match anything.
+
+        Raises:
+            NotFound: None fits; says what is known.
+        """
+        wanted = (type_name, vendor, category, language, version)
+        for profile in reversed(self._makers):
+            identity = (
+                profile.type_name,
+                profile.vendor,
+                profile.category,
+                profile.language,
+                profile.version,
+            )
+            if all(want in ("", have) for want, have in zip(wanted, identity, strict=True)):
+                return profile
+        raise NotFound(self._explain(type_name, wanted[1:]))
+
+    def make(self, wanted: CreateString, taken: Container[str] = ()) -> Component:
+        """Make a component, not yet initialised.
+
+        Its name is the option ``instance_name``, else the type name and the lowest free number.
+
+        Raises:
+            NotFound: No such type.
+            Refused: Its constructor failed; the message has the exception and the line.
+        """
+        profile = self.find(
+            wanted.implementation_id,
+            wanted.vendor,
+            wanted.category,
+            wanted.language,
+            wanted.version,
+        )
+        instance = wanted.instance_name or free_name(profile.type_name, taken)
+        maker = self._makers[profile]
+        try:
+            return maker(instance, wanted.options)
+        except RtkitError:
+            raise
+        except BaseException as error:
+            made_by = vars(maker).get("__init__", maker) if isinstance(maker, type) else maker
+            failure = describe_failure(error, made_by)
+            raise Refused(f"{instance}: its constructor failed: {failure}") from error
+
+    def _register(self, profile: TypeProfile, maker: Maker) -> TypeProfile:
+        for known in self.types:
+            if known.id == profile.id and known.language == profile.language:
+                del self._makers[known]
+        self._makers[profile] = maker
+        return profile
+
+    def _explain(self, type_name: str, fields: tuple[str, ...]) -> str:
+        same = [profile.id for profile in self.types if profile.type_name == type_name]
+        if same:
+            given = ":".join(fields)
+            return f"component type {type_name} is not known as {given}; known: {', '.join(same)}"
+        names = sorted({profile.type_name for profile in self.types})
+        return f"component type {type_name} is not known; known: {', '.join(names) or 'none'}"
+
+
+def free_name(type_name: str, taken: Container[str]) -> str:
+    """Return the type name with the lowest number that makes a name not taken."""
+    number = 0
+    while f"{type_name}{number}" in taken:
+        number += 1
+    return f"{type_name}{number}"

@@ -1,0 +1,174 @@
+"""Values written as JSON, checked against a data type; nothing is ever evaluated.
+
+``{"tm": {"sec": 1, "nsec": 0}, "data": 3}``; a time stamp that is left out is filled in by the
+caller, and for a type of nothing but ``tm`` and ``data`` the data alone will do: ``3``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+from rtkit.component.layout import (
+    Array,
+    Bool,
+    Enumeration,
+    Items,
+    Layout,
+    Number,
+    Octets,
+    Struct,
+    complaint,
+    layout_of,
+    zero,
+)
+from rtkit.component.types import Time
+from rtkit.errors import Malformed
+
+_STAMP = "tm"
+_DATA = "data"
+
+
+class Literal:
+    """A value of a data type read from JSON text; `at` gives it with a time stamp.
+
+    Attributes:
+        is_stamped: Whether the text itself says the time.
+    """
+
+    def __init__(self, cls: type, text: str) -> None:
+        try:
+            data = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise Malformed(f"{cls.__name__}: not JSON: {error}: {_short(text)}") from None
+        self._make = cls
+        if cls is bytes:
+            self._fields: dict[str, Any] = {}
+            self._whole = _octets(data, "bytes")
+            self.is_stamped = True
+            return
+        layout = layout_of(cls)
+        names = [name for name, _ in layout.fields]
+        if names == [_STAMP, _DATA] and not (isinstance(data, dict) and _DATA in data):
+            data = {_DATA: data}
+        value = _read(layout, data, cls.__name__)
+        reason = complaint(layout, value, cls.__name__)
+        if reason:
+            raise Malformed(reason)
+        self._whole = value
+        self._fields = {name: getattr(value, name) for name in names}
+        self.is_stamped = not _has_stamp(layout) or _STAMP in data
+
+    def at(self, now: Time) -> Any:
+        """Return the value; its time stamp is `now` unless the text says one."""
+        if self.is_stamped:
+            return self._whole
+        return self._make(**{**self._fields, _STAMP: now})
+
+
+def value_from_json(cls: type, text: str, now: Time) -> Any:
+    """Return the value that the text stands for, stamped `now` unless it says a time.
+
+    Raises:
+        Malformed: Not JSON, or no value of the type; names the field.
+    """
+    return Literal(cls, text).at(now)
+
+
+def zero_value(cls: type, now: Time) -> Any:
+    """Return the value of `cls` with everything zero or empty, stamped `now`."""
+    if cls is bytes:
+        return b""
+    layout = layout_of(cls)
+    value = zero(layout)
+    if not _has_stamp(layout):
+        return value
+    fields = {name: getattr(value, name) for name, _ in layout.fields}
+    return cls(**{**fields, _STAMP: now})
+
+
+def _has_stamp(layout: Struct) -> bool:
+    return any(
+        name == _STAMP and isinstance(item, Struct) and item.cls is Time
+        for name, item in layout.fields
+    )
+
+
+def _read(layout: Layout, data: Any, where: str) -> Any:
+    if isinstance(layout, Struct):
+        return _record(layout, data, where)
+    if isinstance(layout, (Items, Array)):
+        return _sequence(layout, data, where)
+    if isinstance(layout, Octets):
+        return _octets(data, where)
+    if isinstance(layout, Enumeration):
+        return _member(layout, data, where)
+    if isinstance(layout, Number):
+        if isinstance(data, bool) or not isinstance(data, (int, float) if layout.is_float else int):
+            _wrong(where, data, layout.name)
+        return _float(data, where) if layout.is_float else data
+    if not isinstance(data, bool if isinstance(layout, Bool) else str):
+        _wrong(where, data, layout.name)
+    return data
+
+
+def _float(data: float, where: str) -> float:
+    try:
+        return float(data)
+    except OverflowError:
+        _wrong(where, data, "float64")
+
+
+def _record(layout: Struct, data: Any, where: str) -> Any:
+    if not isinstance(data, Mapping):
+        _wrong(where, data, layout.name)
+    known = dict(layout.fields)
+    for name in data:
+        if name not in known:
+            raise Malformed(f"{where}: no field {name}; it has {', '.join(known)}")
+    values = {}
+    for name, item in layout.fields:
+        own = f"{where}.{name}"
+        values[name] = _read(item, data[name], own) if name in data else zero(item)
+    return layout.cls(**values)
+
+
+def _sequence(layout: Items | Array, data: Any, where: str) -> Any:
+    if not isinstance(data, list):
+        _wrong(where, data, layout.name)
+    if isinstance(layout, Items):
+        return layout.make(
+            _read(layout.item, item, f"{where}[{index}]") for index, item in enumerate(data)
+        )
+    if len(data) != len(layout.items):
+        _wrong(where, data, layout.name)
+    return tuple(
+        _read(item, one, f"{where}[{index}]")
+        for index, (item, one) in enumerate(zip(layout.items, data, strict=True))
+    )
+
+
+def _octets(data: Any, where: str) -> bytes:
+    if not isinstance(data, list):
+        _wrong(where, data, "sequence<octet>")
+    for item in data:
+        if type(item) is not int or not 0 <= item < 256:
+            _wrong(where, item, "octet")
+    return bytes(data)
+
+
+def _member(layout: Enumeration, data: Any, where: str) -> Any:
+    for member, number in layout.numbers.items():
+        if data == member.name or (type(data) is int and data == number):
+            return member
+    known = ", ".join(member.name for member in layout.numbers)
+    raise Malformed(f"{where}: {_short(repr(data))} is none of {known}")
+
+
+def _wrong(where: str, data: Any, wanted: str) -> NoReturn:
+    raise Malformed(f"{where}: {_short(json.dumps(data))} is not a value of type {wanted}")
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else text[:59] + "…"
