@@ -119,8 +119,8 @@ def command(name: str, **settings: Any) -> Callable[[Callable[..., int | None]],
         wrapped: Any = pass_app(function)
         for option in _common_options():
             wrapped = option(wrapped)
-        made = click.command(name=name, context_settings=_SETTINGS, **settings)(wrapped)
-        return Main(name, made)
+        make: Any = click.command(name=name, context_settings=_SETTINGS, **settings)
+        return Main(name, make(wrapped))
 
     return decorate
 

@@ -41,7 +41,14 @@ def component(root: Node, path: Path, hostname: str) -> Node:
 
 
 def component_of_port(root: Node, path: Path, hostname: str) -> Node:
-    """Return the living component whose port `path` names."""
+    """Return the living component whose port `path` names.
+
+    Raises:
+        NotFound: Nothing is there.
+        Refused: A directory, a manager or a zombie.
+    """
+    if path.is_directory:
+        raise NotFound(f"No such object: {path.typed}")
     return _living(find(root, path, hostname), path)
 
 

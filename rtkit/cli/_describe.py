@@ -1,0 +1,190 @@
+"""Components, ports, connections and managers as the lines that ``rtcat`` prints.
+
+`level` tells how much is unfolded: 0 nothing, 1 contexts and ports, 2 everything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from rtkit.cli import _out
+from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+    from rtkit.rtc.profiles import (
+        ConnectorProfile,
+        ExecutionContextProfile,
+        PortInterfaceProfile,
+        PortProfile,
+    )
+
+_KINDS = {"PERIODIC": "Periodic", "EVENT_DRIVEN": "Event-driven"}
+_REFERENCES = ("inport_ior", "inport_ref", "outport_ior", "outport_ref")
+_MODULES = (
+    ("Load path", "manager.modules.load_path"),
+    ("Config path", "manager.modules.config_path"),
+    ("Preload", "manager.modules.preload"),
+    ("Init function prefix", "manager.modules.init_func_prefix"),
+    ("Init function suffix", "manager.modules.init_func_suffix"),
+    ("Download allowed", "manager.modules.download_allowed"),
+    ("Absolute path allowed", "manager.modules.abs_path_allowed"),
+)
+_SYSTEM = (
+    ("Version", "os.version"),
+    ("Architecture", "os.arch"),
+    ("Release", "os.release"),
+    ("Host name", "os.hostname"),
+    ("Name", "os.name"),
+)
+
+
+def component_lines(snapshot: Snapshot, facts: ComponentFacts, name: str, level: int) -> list[str]:
+    """Describe a component that is shown under `name`."""
+    title = _out.styled(name, _out.STYLES["name"])
+    lines = [f"{title}  {_out.state(facts.state)}", *_out.pairs(_identity(facts))]
+    lines += _folded(" ", "Extra properties", _sorted(facts.properties), level > 1)
+    for number, context in enumerate(facts.contexts):
+        lines += _context_lines(context, number, level)
+    for port in facts.ports:
+        lines += port_lines(snapshot, facts, port, level)
+    return lines
+
+
+def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
+    known = [
+        ("Category", facts.type.category),
+        ("Description", facts.type.description),
+        ("Instance name", facts.instance),
+        ("Type name", facts.type.type_name),
+        ("Vendor", facts.type.vendor),
+        ("Version", facts.type.version),
+        ("Type", "Monolithic"),
+    ]
+    where = [("Stand-in", "yes")] if facts.is_stand_in else []
+    where += [("Cause", facts.cause)] if facts.cause else []
+    where += [("Trouble", facts.trouble)] if facts.trouble else []
+    return known + where
+
+
+def _context_lines(context: ExecutionContextProfile, number: int, level: int) -> list[str]:
+    title = f"Execution Context {number}"
+    if level < 1:
+        return [_marked("+", title)]
+    rows = [
+        ("State", "Running" if context.is_running else "Stopped"),
+        ("Kind", _KINDS.get(context.kind, "Other")),
+        ("Rate", str(context.rate)),
+        ("Owner", context.owner),
+    ]
+    lines = [_marked("-", title), *_out.pairs(rows)]
+    members = [(name, "") for name in context.participants]
+    lines += _folded(" ", "Participants", members, level > 1)
+    return lines + _folded(" ", "Extra properties", _sorted(context.properties), level > 1)
+
+
+def port_lines(
+    snapshot: Snapshot, facts: ComponentFacts, port: PortProfile, level: int
+) -> list[str]:
+    """Describe a port of a component, with its connections."""
+    title = f"{port.port_type.value}: {port.name}"
+    if level < 1:
+        return [_marked("+", title)]
+    lines = [_marked("-", title), *_out.pairs(_sorted(port.properties))]
+    for interface in port.interfaces:
+        lines += _interface_lines(interface)
+    unresolved = 0
+    for wire in snapshot.connectors:
+        others = [
+            end for end in wire.ports if (end.instance, end.port) != (facts.instance, port.name)
+        ]
+        if len(others) == len(wire.ports):
+            continue
+        paths = [path for end in others if (path := port_path(snapshot, end.instance, end.port))]
+        if paths or not others:
+            lines += _connection_lines(
+                wire, paths or [port_path(snapshot, facts.instance, port.name)], level
+            )
+        else:
+            unresolved += 1
+    if unresolved:
+        lines.append(f" ({unresolved} other connection{'s' * (unresolved > 1)})")
+    return lines
+
+
+def _interface_lines(interface: PortInterfaceProfile) -> list[str]:
+    rows = [
+        ("Instance name", interface.instance_name),
+        ("Type name", interface.type_name),
+        ("Polarity", interface.polarity.value),
+    ]
+    return ["  Interface:", *_out.pairs(rows, "    ")]
+
+
+def _connection_lines(wire: ConnectorProfile, paths: list[str], level: int) -> list[str]:
+    mark = "-" if level > 1 else "+"
+    head = f" {mark}Connected to  "
+    first, *others = [_out.styled(path, _out.STYLES["name"]) for path in paths]
+    lines = [head + first, *(" " * len(head) + other for other in others)]
+    if level < 2:
+        return lines
+    shown = {k: v for k, v in wire.properties.items() if not k.endswith(_REFERENCES)}
+    return lines + _out.pairs([("Name", wire.name), ("ID", wire.connector_id), *_sorted(shown)])
+
+
+def component_path(snapshot: Snapshot, facts: ComponentFacts) -> str:
+    """Return where a component is found: its first name, else the place below its manager."""
+    if facts.names:
+        return "/" + facts.names[0]
+    return f"/localhost/{snapshot.manager}{MANAGER_SUFFIX}/{facts.instance}{COMPONENT_SUFFIX}"
+
+
+def port_path(snapshot: Snapshot, instance: str, port: str) -> str:
+    """Return the path of a port; empty when nobody knows its component."""
+    facts = snapshot.component(instance)
+    return "" if facts is None else f"{component_path(snapshot, facts)}:{port}"
+
+
+def manager_lines(snapshot: Snapshot, process: ProcessFacts | None) -> list[str]:
+    """Describe the manager, or a slave of it by the facts of its process."""
+    known = snapshot.properties
+    name = snapshot.manager if process is None else process.name
+    title = known.get("manager.instance_name", name) if process is None else name
+    rows = [
+        ("Name", known.get("manager.name", name) if process is None else name),
+        ("Instance name", title),
+        ("Process ID", str(snapshot.pid if process is None else process.pid)),
+        ("Naming format", known.get("manager.naming_formats", "")),
+        ("Refstring path", known.get("manager.refstring_path", "")),
+        ("Components precreate", known.get("manager.components.precreate", "")),
+    ]
+    if process is not None and process.state != "up":
+        rows += [("State", f"{process.state} {process.reason}")]
+    lines = _titled(rows)
+    lines += ["Modules:", *_titled([(t, known.get(key, "")) for t, key in _MODULES], "  ")]
+    lines += ["OS:", *_titled([(t, known.get(key, "")) for t, key in _SYSTEM], "  ")]
+    lines += ["Loaded modules:"]
+    lines += _titled([("Filepath", module.path) for module in snapshot.modules], "  ")
+    types = [each for module in snapshot.modules for each in module.types]
+    return [*lines, "Loadable modules:", *(f"  {_out.printable(t.id)}" for t in types)]
+
+
+def _titled(rows: Iterable[tuple[str, str]], indent: str = "") -> list[str]:
+    return [f"{indent}{title}: {_out.printable(text)}".rstrip() for title, text in rows]
+
+
+def _marked(mark: str, title: str) -> str:
+    return mark + _out.styled(title, _out.STYLES["name"])
+
+
+def _folded(indent: str, title: str, rows: list[tuple[str, str]], is_unfolded: bool) -> list[str]:
+    if not rows:
+        return []
+    if not is_unfolded:
+        return [f"{indent}+{title}"]
+    return [f"{indent}-{title}", *_out.pairs(rows)]
+
+
+def _sorted(properties: Mapping[str, str]) -> list[tuple[str, str]]:
+    return sorted(properties.items())

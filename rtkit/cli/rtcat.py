@@ -1,0 +1,122 @@
+"""``rtcat``: describe a component, a port or a manager."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, WrongArguments, command
+from rtkit.errors import Malformed, NotFound, Refused
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+    from rtkit.rtc.names import Path
+    from rtkit.rtc.profiles import PortProfile
+    from rtkit.tree.view import Node
+
+
+@command("rtcat")
+@click.option("-l", "level", count=True, help="Unfold contexts and ports; twice: everything.")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object.")
+@click.argument("paths", nargs=-1, metavar="PATH")
+def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
+    """Describe a component, a port or a manager.
+
+    A + marks what is there but not shown; -l and -ll unfold it.
+    """
+    from rtkit.cli._describe import component_lines, manager_lines, port_lines
+
+    if not paths:
+        raise Malformed("Cannot cat a directory.")
+    if len(paths) > 1:
+        raise WrongArguments
+    path = app.path(paths[0])
+    snapshot = app.tree.snapshot()
+    node = _node(snapshot, path)
+    facts = snapshot.component(node.instance)
+    if facts is None:
+        process = _slave(snapshot, node)
+        lines = manager_lines(snapshot, process)
+        record = _manager_record(snapshot, process)
+    elif path.port is None:
+        lines = component_lines(snapshot, facts, node.name, level)
+        record = _component_record(snapshot, facts)
+    else:
+        port = _port(facts, path)
+        lines = port_lines(snapshot, facts, port, level)
+        record = _port_record(snapshot, facts, port)
+    if is_json:
+        from json import dumps
+
+        lines = [dumps({"path": str(path), **record})]
+    _out.write(lines)
+
+
+def _node(snapshot: Snapshot, path: Path) -> Node:
+    from rtkit.deployment.listing import listing_of
+    from rtkit.tree.resolve import find
+    from rtkit.tree.view import Kind, build
+
+    node = find(build(listing_of(snapshot)), path, snapshot.host)
+    if node is None:
+        raise NotFound(f"No such object: {path.typed}")
+    if node.is_directory:
+        if path.port is not None:
+            raise Refused(f"Not a component: {path.typed}")
+        if node.kind is not Kind.MANAGER:
+            raise NotFound(f"No such object: {path.typed}")
+    elif path.is_directory:
+        raise NotFound(f"No such object: {path.typed}")
+    elif node.kind is Kind.ZOMBIE:
+        raise Refused(f"Zombie object: {path.typed}")
+    return node
+
+
+def _slave(snapshot: Snapshot, node: Node) -> ProcessFacts | None:
+    if not node.is_slave:
+        return None
+    return next(each for each in snapshot.processes if each.name == node.process)
+
+
+def _port(facts: ComponentFacts, path: Path) -> PortProfile:
+    port = facts.port(path.port or "")
+    if port is None:
+        raise NotFound(f"Port not found: {path.typed}")
+    return port
+
+
+def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, Any]:
+    from rtkit.rtc.plain import encode
+
+    wires = [w for w in snapshot.connectors if any(e.instance == facts.instance for e in w.ports)]
+    return {
+        "schema": "rtkit.component/1",
+        "state": facts.state,
+        **encode(facts),
+        "connectors": [encode(wire) for wire in wires],
+    }
+
+
+def _port_record(snapshot: Snapshot, facts: ComponentFacts, port: PortProfile) -> dict[str, Any]:
+    from rtkit.rtc.plain import encode
+    from rtkit.rtc.profiles import PortRef
+
+    end = PortRef(facts.instance, port.name)
+    wires = [encode(wire) for wire in snapshot.connectors if end in wire.ports]
+    return {"schema": "rtkit.port/1", **encode(port), "connectors": wires}
+
+
+def _manager_record(snapshot: Snapshot, process: ProcessFacts | None) -> dict[str, Any]:
+    from rtkit.rtc.plain import encode
+
+    return {
+        "schema": "rtkit.manager/1",
+        "name": snapshot.manager if process is None else process.name,
+        "pid": snapshot.pid if process is None else process.pid,
+        "state": "up" if process is None else process.state,
+        "version": snapshot.version,
+        "modules": [encode(module) for module in snapshot.modules],
+        "properties": dict(snapshot.properties),
+    }

@@ -1,0 +1,128 @@
+"""``rtcon``: connect ports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli._app import App, command
+from rtkit.errors import Malformed, Refused, UsageProblem, from_kind
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.rtc.names import Path
+    from rtkit.rtc.profiles import ConnectorProfile
+    from rtkit.tree.wiring import End
+
+
+@command("rtcon")
+@click.option("-i", "--id", "connector_id", default="", metavar="ID", help="Id of the connector.")
+@click.option("-n", "--name", default="", metavar="NAME", help="Name of the connector.")
+@click.option(
+    "-p", "--property", "texts", multiple=True, metavar="KEY=VALUE", help="Connector property."
+)
+@click.option("-d", "--no-duplicates", is_flag=True, help="Fail if such a connection exists.")
+@click.option("--force", is_flag=True, help="Connect ports of different data types.")
+@click.argument("paths", nargs=-1, metavar="PORT PORT...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    connector_id: str,
+    name: str,
+    texts: tuple[str, ...],
+    no_duplicates: bool,
+    force: bool,
+) -> None:
+    """Connect the first port to each of the others.
+
+    A port is COMPONENT:NAME; which of a data connection's ports is the out port does not matter.
+    A connector joins two ports: with three ports or more there is one for each port after the
+    first, and the id given with -i gets the suffix -2 for the second of them, and so on. Either
+    all are made or none.
+    """
+    from rtkit.tree.wiring import check_pair, make_connector
+
+    given = _properties(app, texts)
+    ports = _port_paths(app, paths)
+    snapshot = app.tree.snapshot()
+    first, *others = _ends(snapshot, ports)
+    wires = []
+    for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
+        check_pair(first, other, given, is_forced=force)
+        if no_duplicates:
+            _check_new(snapshot, first, other, each_id, name)
+        wires.append(make_connector(first, other, each_id, name, given))
+    _make(app, wires, {wire.connector_id for wire in snapshot.connectors})
+
+
+def _properties(app: App, texts: Sequence[str]) -> dict[str, str]:
+    given: dict[str, str] = {}
+    for text in texts:
+        key, equals, value = text.partition("=")
+        if not equals or not key:
+            raise UsageProblem(f"Bad property format: {text} (it is KEY=VALUE)")
+        if key in given:
+            app.say(f"{app.name}: warning: property {key} is given twice, the last value holds")
+        given[key] = value
+    return given
+
+
+def _port_paths(app: App, typed: Sequence[str]) -> list[Path]:
+    if not typed:
+        raise Malformed("No ports specified.")
+    paths = [app.path(each) for each in typed]
+    if paths[0].port is None:
+        raise Malformed("No source port specified.")
+    if len(paths) < 2 or any(path.port is None for path in paths[1:]):
+        raise Malformed("No destination port specified.")
+    return paths
+
+
+def _ends(snapshot: Snapshot, paths: Sequence[Path]) -> list[End]:
+    from rtkit.deployment.listing import listing_of
+    from rtkit.tree.view import build
+    from rtkit.tree.wiring import find_end
+
+    root = build(listing_of(snapshot))
+    return [find_end(snapshot, root, path) for path in paths]
+
+
+def _ids(wished: str, count: int) -> list[str]:
+    if wished:
+        return [wished, *(f"{wished}-{number}" for number in range(2, count + 1))]
+    from uuid import uuid4
+
+    return [str(uuid4()) for _ in range(count)]
+
+
+def _check_new(snapshot: Snapshot, one: End, other: End, connector_id: str, name: str) -> None:
+    from rtkit.tree.wiring import between
+
+    if between(snapshot.connectors, one.ref, [other.ref]):
+        raise Refused(
+            "An identical connection already exists between"
+            f" {one.path.typed} and {other.path.typed}"
+        )
+    for wire in snapshot.connectors:
+        if wire.connector_id == connector_id:
+            raise Refused(f"A connection with ID {connector_id} already exists")
+        if name and wire.name == name and (one.ref in wire.ports or other.ref in wire.ports):
+            raise Refused(f"A connection with name {name} already exists at these ports")
+
+
+def _make(app: App, wires: Sequence[ConnectorProfile], present: set[str]) -> None:
+    from rtkit.deployment.actions import Connect, Disconnect
+
+    results = app.tree.apply([Connect(wire) for wire in wires])
+    last = results[-1]
+    if last.ok:
+        for wire in wires:
+            app.tell(f"{wire.ports[0]} -> {wire.ports[1]}: {wire.connector_id}")
+        return
+    made = [wire.connector_id for wire in wires[: len(results) - 1]]
+    undo = [Disconnect(each) for each in made if each not in present]
+    if undo:
+        app.tree.apply(undo, is_ordered=False)
+    raise from_kind(last.kind, f"Failed to make connection: {last.code.value} ({last.why})")
