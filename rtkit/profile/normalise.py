@@ -1,0 +1,219 @@
+"""Bring a profile's tree to the strict form, noting each repair with its line.
+
+One walk along the tables of `rtkit.profile.spec`; nothing here knows RTC from RTS.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtkit.profile.findings import Findings
+from rtkit.profile.spec import DATE, DATE_FORM, FLAG, WHOLE, WORD, Attr, Child, Spec
+from rtkit.profile.xmlnames import NAMESPACES, XSI, XSI_TYPE, clark, short, split
+
+MAX_DEPTH = 64
+"""Elements nested deeper than this are refused; real profiles need about ten."""
+
+_OUR_NAMESPACES = frozenset(NAMESPACES.values()) | {""}
+
+
+def normalise(element: Any, spec: Spec, found: Findings, depth: int = 1) -> None:
+    """Repair `element` and what is below it in place."""
+    if depth > MAX_DEPTH:
+        found.wrong(element, f"elements are nested deeper than {MAX_DEPTH}")
+        return
+    if spec.rule is not None:
+        spec.rule(element, found)
+    _attributes(element, spec, found)
+    _children(element, spec, found, depth)
+
+
+def _attributes(element: Any, spec: Spec, found: Findings) -> None:
+    known, required, seen_type = spec.known, 0, None
+    odd: list[tuple[str, str]] = []
+    for name, value in element.items():
+        attribute = known.get(name)
+        if attribute is None:
+            if name == XSI_TYPE:
+                seen_type = value
+            else:
+                odd.append((name, value))
+            continue
+        is_odd = attribute.check is not None and not attribute.check(value)
+        if is_odd and not _respell(element, attribute, value, found):
+            continue
+        required += attribute.required
+    for name, value in odd:
+        required += _odd_attribute(element, spec, name, value, found)
+    if required < spec.required_count:
+        _supply(element, spec, found)
+    _type(element, spec, seen_type, found)
+
+
+def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool:
+    """Repair a value; return whether the attribute is there afterwards."""
+    text = value.strip()
+    better = value
+    if attribute.kind == WORD:
+        better = attribute.respellings.get(text.lower(), value)
+    elif not text:
+        if attribute.required and attribute.supply is None:
+            return True
+        del element.attrib[attribute.name]
+        if not attribute.required:
+            found.repaired(element, f"empty {short(attribute.name)} taken as absent")
+        return False
+    elif attribute.kind == FLAG:
+        better = text.lower()
+    elif attribute.kind == WHOLE:
+        whole, _, fraction = text.partition(".")
+        better = whole if not fraction.strip("0") else value
+    elif attribute.kind == DATE:
+        better = text.replace("/", "-").replace(" ", "T", 1)
+        better = better if "T" in better else f"{better}T00:00:00"
+        better = better if DATE_FORM.fullmatch(better) else value
+    if better != value:
+        element.set(attribute.name, better)
+        found.repaired(element, f"{short(attribute.name)} {value!r} taken as {better!r}")
+    return True
+
+
+def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findings) -> int:
+    """Deal with an attribute that is not in the table; return 1 if it stood for a required one."""
+    namespace, local = split(name)
+    if namespace == XSI:
+        del element.attrib[name]
+        if local not in ("schemaLocation", "noNamespaceSchemaLocation"):
+            found.repaired(element, f"{short(name)} dropped")
+        return 0
+    if namespace in _OUR_NAMESPACES:
+        meant = spec.attribute_by_local.get(local)
+        if meant is not None and element.get(meant) is None:
+            del element.attrib[name]
+            element.set(meant, value)
+            found.repaired(element, f"{short(name)} taken as {short(meant)}")
+            attribute = spec.known[meant]
+            if attribute.check is not None and not attribute.check(value):
+                return int(_respell(element, attribute, value, found) and attribute.required)
+            return int(attribute.required)
+        if namespace in ("", split(element.tag)[0]):
+            del element.attrib[name]
+            found.repaired(element, f"unknown attribute {short(name)} dropped")
+            return 0
+    if spec.keeps_foreign:
+        found.remark(element, f"foreign attribute {short(name)} kept")
+    else:
+        del element.attrib[name]
+        found.repaired(element, f"foreign attribute {short(name)} dropped")
+    return 0
+
+
+def _supply(element: Any, spec: Spec, found: Findings) -> None:
+    for attribute in spec.attributes:
+        if attribute.supply is None or element.get(attribute.name) is not None:
+            continue
+        supply = attribute.supply
+        value = supply if isinstance(supply, str) else supply(element)
+        element.set(attribute.name, value)
+        found.repaired(element, f"{short(attribute.name)} is absent: taken as {value!r}")
+
+
+def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
+    if spec.xsi_type is None or spec.xsi_type_text is None:
+        if seen is not None:
+            del element.attrib[XSI_TYPE]
+            found.repaired(element, f"xsi:type {seen!r} dropped")
+        return
+    if seen is not None:
+        prefix, _, local = seen.strip().rpartition(":")
+        if local == spec.xsi_type[1] or any(local == other for _, other in spec.also_types):
+            namespace = found.namespaces(element).get(prefix or None)
+            if (namespace, local) == spec.xsi_type or (namespace, local) in spec.also_types:
+                return
+        found.repaired(element, f"unknown xsi:type {seen!r} taken as {spec.xsi_type_text!r}")
+    else:
+        found.repaired(element, f"xsi:type is absent: taken as {spec.xsi_type_text!r}")
+    set_type(element, spec.xsi_type_text)
+
+
+def set_type(element: Any, wanted: str) -> None:
+    """Set ``xsi:type`` to a type given with its usual prefix, by the document's prefix."""
+    from lxml import etree
+
+    namespace, local = split(clark(wanted))
+    prefixed = {uri for prefix, uri in element.nsmap.items() if prefix}
+    if element.nsmap.get(None) == namespace and namespace not in prefixed:
+        element.set(XSI_TYPE, local)
+    else:
+        element.set(XSI_TYPE, etree.QName(namespace, local))
+
+
+def _children(element: Any, spec: Spec, found: Findings, depth: int) -> None:
+    index, last, is_disordered = spec.index, -1, False
+    singles: set[str] = set()
+    for item in list(element):
+        slot = index.get(item.tag) or _odd_child(element, item, spec, found, depth)
+        if slot is None:
+            last = len(index)
+            continue
+        rank, expected = slot
+        if rank < last:
+            is_disordered = True
+        last = rank
+        if not expected.is_many:
+            if expected.name in singles:
+                found.wrong(item, f"second {short(item.tag)}; at most one is allowed")
+            singles.add(expected.name)
+        if expected.spec is None:
+            _text(item, found)
+        else:
+            normalise(item, expected.spec, found, depth + 1)
+    if is_disordered:
+        _sort(element, spec)
+        found.repaired(element, f"children of {short(element.tag)} put in order")
+
+
+def _text(item: Any, found: Findings) -> None:
+    for name in list(item.attrib):
+        del item.attrib[name]
+        found.repaired(item, f"unknown attribute {short(name)} dropped")
+
+
+def _sort(element: Any, spec: Spec) -> None:
+    behind = (len(spec.index), None)
+    element[:] = sorted(element, key=lambda item: spec.index.get(item.tag, behind)[0])
+
+
+def _odd_child(
+    element: Any, item: Any, spec: Spec, found: Findings, depth: int
+) -> tuple[int, Child] | None:
+    namespace, local = split(item.tag)
+    if namespace in _OUR_NAMESPACES:
+        meant = spec.child_by_local.get(local)
+        if meant is not None:
+            found.repaired(item, f"{short(item.tag)} taken as {short(meant)}")
+            item.tag = meant
+            return spec.index[meant]
+        if namespace in ("", split(element.tag)[0]):
+            found.repaired(item, f"unknown element {short(item.tag)} dropped")
+            element.remove(item)
+            return None
+    if not spec.keeps_foreign:
+        found.repaired(item, f"foreign element {short(item.tag)} dropped")
+        element.remove(item)
+        return None
+    found.remark(item, f"foreign element {short(item.tag)} kept")
+    _clean_foreign(item, found, depth + 1)
+    return None
+
+
+def _clean_foreign(item: Any, found: Findings, depth: int) -> None:
+    if depth > MAX_DEPTH:
+        found.wrong(item, f"elements are nested deeper than {MAX_DEPTH}")
+        return
+    for name in list(item.attrib):
+        if split(name)[0] == XSI:
+            del item.attrib[name]
+            found.remark(item, f"{short(name)} of a foreign element dropped")
+    for below in item:
+        _clean_foreign(below, found, depth + 1)

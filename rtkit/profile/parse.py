@@ -1,0 +1,81 @@
+"""Turn bytes into an XML tree, refusing what no profile contains.
+
+Hostile documents end here: document type declarations (and so every entity), huge or deeply
+nested ones, anything that is not well-formed. Nothing else is opened, no network is used.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from rtkit.profile.common import Note
+from rtkit.profile.findings import InvalidProfile
+
+MAX_BYTES = 16 * 2**20
+_MAX_TAGS = 1_000_000
+_MAX_EQUALS = 1_000_000
+_BEFORE_ROOT = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)
+_DOCTYPE = re.compile(rb"<!DOCTYPE\s*([^\s\[>]*)")
+
+
+def parse(data: bytes, source: str) -> Any:
+    """Return the root element of a document.
+
+    Raises:
+        InvalidProfile: It is too large, has a DOCTYPE, or is not well-formed.
+    """
+    from lxml import etree
+
+    _refuse_size(data, source)
+    _refuse_doctype(data, source)
+    parser = etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=False,
+        remove_comments=True,
+        remove_pis=True,
+    )
+    try:
+        root = etree.fromstring(data, parser)
+    except etree.XMLSyntaxError as error:
+        line = error.lineno or 1
+        why = str(error.msg).removesuffix(f" (<string>, line {error.lineno})")
+        raise InvalidProfile(source, [Note(line, f"not well-formed: {_one_line(why)}")]) from error
+    doctype = root.getroottree().docinfo
+    if doctype.internalDTD is not None:
+        raise _doctype_problem(source, 1, doctype.root_name)
+    return root
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _refuse_size(data: bytes, source: str) -> None:
+    if len(data) > MAX_BYTES:
+        raise InvalidProfile(
+            source, [Note(1, f"{len(data)} bytes; a profile has at most {MAX_BYTES}")]
+        )
+    if data.count(b"<") > _MAX_TAGS or data.count(b"=") > _MAX_EQUALS:
+        raise InvalidProfile(source, [Note(1, "more than a million tags or attributes")])
+
+
+def _refuse_doctype(data: bytes, source: str) -> None:
+    text = data
+    if b"\0" in data[:8]:
+        text = data.removeprefix(b"\xff\xfe").removeprefix(b"\xfe\xff").replace(b"\0", b"")
+    before = _BEFORE_ROOT.match(text)
+    start = before.end() if before else 0
+    found = _DOCTYPE.match(text, start)
+    if found:
+        name = found[1].decode("utf-8", "replace")
+        raise _doctype_problem(source, text.count(b"\n", 0, start) + 1, name)
+
+
+def _doctype_problem(source: str, line: int, name: str | None) -> InvalidProfile:
+    shown = "".join(c for c in (name or "")[:40] if c.isprintable())
+    return InvalidProfile(
+        source, [Note(line, f"DOCTYPE {shown} is not allowed: a profile declares no entities")]
+    )

@@ -1,0 +1,160 @@
+"""References inside an RTS profile: who names whom, and whether it is there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtkit.profile.findings import Findings
+from rtkit.profile.normalise import set_type
+from rtkit.profile.rts_rules import add
+from rtkit.profile.words import strip_instance
+from rtkit.profile.xmlnames import clark, short, split
+
+_ID, _INSTANCE = clark("rts:id"), clark("rts:instanceName")
+_COMPONENT_ID, _PORT_NAME = clark("rts:componentId"), clark("rts:portName")
+_NAME, _CONNECTOR_ID = clark("rts:name"), clark("rts:connectorId")
+_KINDS = {
+    clark("rts:DataPortConnectors"): (clark("rts:DataPorts"), "Data"),
+    clark("rts:ServicePortConnectors"): (clark("rts:ServicePorts"), "Service"),
+}
+_NAMING = tuple(
+    clark(f"rts:{tag}")
+    for tag in ("Participant", "Members", "TargetComponent", "PrecedingComponents")
+)
+
+
+def check_references(root: Any, found: Findings) -> None:
+    """Check ids and references, repairing what may be repaired."""
+    components = _components(root, found)
+    _connectors(root, components, found)
+    _others(root, components, found)
+
+
+def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
+    components: dict[tuple[str, str], Any] = {}
+    instances: dict[str, Any] = {}
+    for component in root.iterchildren(clark("rts:Components")):
+        key = (component.get(_ID), component.get(_INSTANCE))
+        if None in key:
+            continue
+        first = components.setdefault(key, component)
+        if not key[1].strip():
+            found.wrong(component, "component without a name: rts:instanceName is empty")
+        elif first is not component:
+            found.wrong(
+                component,
+                f"component {key[1]} ({key[0]}) is listed twice; "
+                f"it is first listed on line {first.sourceline}",
+            )
+        elif key[1] in instances:
+            line = instances[key[1]].sourceline
+            found.remark(component, f"instance name {key[1]} is also used on line {line}")
+        instances.setdefault(key[1], component)
+    return components
+
+
+def _connectors(root: Any, components: dict[tuple[str, str], Any], found: Findings) -> None:
+    ports: dict[tuple[str, str], set[str]] = {}
+    connectors = [item for item in root.iterchildren() if item.tag in _KINDS]
+    taken = {item.get(_CONNECTOR_ID) for item in connectors}
+    seen: set[str] = set()
+    for connector in connectors:
+        connector_id = connector.get(_CONNECTOR_ID)
+        if connector_id in seen:
+            connector_id = _other_id(connector, taken, found)
+        seen.add(connector_id)
+        for end in connector.iterchildren():
+            local = split(end.tag)[1]
+            if local.startswith(("source", "target")) and local.endswith("Port"):
+                _end(end, connector, components, ports, found)
+
+
+def _other_id(connector: Any, taken: set[str], found: Findings) -> str:
+    was = connector.get(_CONNECTOR_ID)
+    number = 2
+    while f"{was}_{number}" in taken:
+        number += 1
+    new = f"{was}_{number}"
+    taken.add(new)
+    connector.set(_CONNECTOR_ID, new)
+    found.repaired(connector, f"connector id {was!r} is used before: taken as {new!r}")
+    return new
+
+
+def _end(
+    end: Any,
+    connector: Any,
+    components: dict[tuple[str, str], Any],
+    ports: dict[tuple[str, str], set[str]],
+    found: Findings,
+) -> None:
+    key = (end.get(_COMPONENT_ID), end.get(_INSTANCE))
+    port = end.get(_PORT_NAME)
+    if None in key or port is None:
+        return
+    component = components.get(key)
+    if component is None:
+        found.wrong(
+            end, f"{short(end.tag)} names component {key[1]} ({key[0]}), which is not listed"
+        )
+        return
+    if key not in ports:
+        ports[key] = {
+            f"{split(item.tag)[1]} {strip_instance(item.get(_NAME) or '', key[1])}"
+            for item in component.iterchildren(*(tag for tag, _ in _KINDS.values()))
+        }
+    tag, kind = _KINDS[connector.tag]
+    wanted = f"{kind}Ports {strip_instance(port, key[1])}"
+    if wanted in ports[key]:
+        return
+    ports[key].add(wanted)
+    _add_port(component, tag, end, connector, found)
+
+
+def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Findings) -> None:
+    """List a port that only a connector names; its direction is the connector's."""
+    name = end.get(_PORT_NAME)
+    is_source = split(end.tag)[1].startswith("source")
+    properties = {"port.port_type": "CorbaPort"}
+    if tag == clark("rts:DataPorts"):
+        properties = {
+            "port.port_type": "DataOutPort" if is_source else "DataInPort",
+            "dataport.data_type": connector.get(clark("rts:dataType")) or "",
+        }
+    made = add(component, short(tag), {"rts:name": name}, end)
+    set_type(made, "rtsExt:dataport_ext" if "Data" in tag else "rtsExt:serviceport_ext")
+    for key, value in properties.items():
+        if value:
+            add(made, "rtsExt:Properties", {"rtsExt:name": key, "rtsExt:value": value})
+    _place(component, made)
+    found.repaired(end, f"port {name} of {end.get(_INSTANCE)} is named by a connector only: added")
+
+
+def _place(component: Any, made: Any) -> None:
+    """Move an appended port behind its like, or to where its like would begin."""
+    before = (clark("rts:DataPorts"), made.tag)
+    place = 0
+    for position, item in enumerate(component):
+        if item is not made and item.tag in before:
+            place = position + 1
+    component.insert(place, made)
+
+
+def _others(root: Any, components: dict[tuple[str, str], Any], found: Findings) -> None:
+    by_instance: dict[str, list[str]] = {}
+    for component_id, instance in components:
+        by_instance.setdefault(instance, []).append(component_id)
+    for item in root.iter(*_NAMING):
+        component_id, instance = item.get(_COMPONENT_ID), item.get(_INSTANCE)
+        if component_id is None or instance is None or (component_id, instance) in components:
+            continue
+        known = by_instance.get(instance, [])
+        if len(known) == 1:
+            item.set(_COMPONENT_ID, known[0])
+            found.repaired(item, f"rts:componentId {component_id!r} taken as {known[0]!r}")
+        else:
+            found.wrong(
+                item,
+                f"{short(item.tag)} names component {instance} ({component_id}), "
+                "which is not listed",
+            )

@@ -1,0 +1,114 @@
+"""Repairs that only RTC profiles need; the general ones are in `rtkit.profile.normalise`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtkit.profile.findings import Findings
+from rtkit.profile.rts_rules import add
+from rtkit.profile.xmlnames import XSI, clark, short, split
+
+ACTIVITY_TYPES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
+_LANGUAGES = {
+    "Cxx": "C++",
+    "Python": "Python",
+    "Java": "Java",
+    "Csharp": "C#",
+    "Ruby": "Ruby",
+}
+
+
+def _loose(element: Any, local: str) -> str | None:
+    """Return an attribute by its local name, whatever its namespace."""
+    for name, value in element.items():
+        namespace, own = split(name)
+        if own == local and namespace != XSI:
+            return str(value)
+    return None
+
+
+def composed_id(root: Any) -> str:
+    """Compose an absent id from BasicInfo; a fragment has none."""
+    info = next((item for item in root if split(item.tag)[1] == "BasicInfo"), None)
+    if info is None:
+        return ""
+    parts = [_loose(info, name) or "" for name in ("vendor", "category", "name", "version")]
+    return ":".join(["RTC", *parts])
+
+
+def usual_position(port: Any) -> str:
+    """Place a data port where its direction puts it: in ports left, out ports right."""
+    return "RIGHT" if (_loose(port, "portType") or "").upper() in _OUT else "LEFT"
+
+
+_OUT = ("DATAOUTPORT", "OUT")
+
+
+def basic_info(info: Any, found: Findings) -> None:
+    """Take a misspelt activity type for the nearest one."""
+    name = clark("rtc:activityType")
+    value = info.get(name)
+    if value is None or value.upper() in ACTIVITY_TYPES:
+        return
+    from difflib import get_close_matches
+
+    nearest = get_close_matches(value.upper().strip(), ACTIVITY_TYPES, 1, 0.7)
+    if nearest:
+        info.set(name, nearest[0])
+        found.repaired(info, f"rtc:activityType {value!r} taken as {nearest[0]!r}")
+
+
+def fragment_configuration(configuration: Any, found: Findings) -> None:
+    """Let a parameter be nameless in a fragment, which only shows a constraint."""
+    root = configuration.getroottree().getroot()
+    if any(split(item.tag)[1] == "BasicInfo" for item in root):
+        return
+    for local in ("name", "type"):
+        if _loose(configuration, local) is None:
+            configuration.set(clark(f"rtc:{local}"), "")
+            found.repaired(configuration, f"rtc:{local} is absent: taken as ''")
+
+
+def nested_language(language: Any, found: Findings) -> None:
+    """Bring the language element of version 0.1, one child per language, to the present form."""
+    for item in list(language):
+        kind = _LANGUAGES.get(split(item.tag)[1])
+        if kind is None:
+            continue
+        language.remove(item)
+        if _loose(language, "kind") is None:
+            language.set(clark("rtc:kind"), kind)
+        found.repaired(language, f"{short(item.tag)} taken as rtc:kind {kind!r}")
+        facts = [(split(name)[1], value) for name, value in item.items()]
+        facts += [(split(below.tag)[1], _said(below)) for below in item]
+        if facts:
+            _target(language, facts)
+
+
+def _said(element: Any) -> str:
+    return (element.text or "").strip() or _loose(element, "name") or ""
+
+
+def _target(language: Any, facts: list[tuple[str, str]]) -> None:
+    target = add(language, "rtcExt:targets", {})
+    for local, value in facts:
+        if local == "os":
+            target.set(clark("rtcExt:os"), value)
+        elif local == "arch":
+            add(target, "rtcExt:cpus", {}).text = value
+        elif local in ("library", "libraries"):
+            add(target, "rtcExt:libraries", {"rtcExt:name": value})
+
+
+def check_names(root: Any, found: Findings) -> None:
+    """Tell of a fragment and of port names used twice."""
+    missing = [name for name in ("rtc:BasicInfo", "rtc:Actions") if root.find(clark(name)) is None]
+    if missing:
+        found.repaired(root, f"a fragment: no {' and no '.join(missing)}")
+    seen: dict[str, int] = {}
+    for port in root.iterchildren(clark("rtc:DataPorts"), clark("rtc:ServicePorts")):
+        name = port.get(clark("rtc:name"))
+        if name in seen:
+            found.remark(port, f"port name {name} is also used on line {seen[name]}")
+        elif name is not None:
+            seen[name] = port.sourceline

@@ -1,0 +1,149 @@
+"""Repairs that only RTS profiles need; the general ones are in `rtkit.profile.normalise`.
+
+Elements are lxml's, typed loosely because this room does not import lxml before it reads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rtkit.profile.findings import Findings
+from rtkit.profile.xmlnames import clark, split
+
+NO_DATE = "1970-01-01T00:00:00"
+"""What a profile without any date gets."""
+
+_ORDERS = (
+    "StartUp",
+    "ShutDown",
+    "Activation",
+    "Deactivation",
+    "Resetting",
+    "Initializing",
+    "Finalizing",
+)
+_REF = ("rts:componentId", "rts:instanceName")
+
+
+def position_among_siblings(element: Any) -> str:
+    """Number an element that has no id of its own: 0 for the first of its kind."""
+    return str(sum(1 for _ in element.itersiblings(element.tag, preceding=True)))
+
+
+def other_date(element: Any) -> str:
+    """Take the other of the two dates, or `NO_DATE`."""
+    for name, value in element.items():
+        if split(name)[1] in ("creationDate", "updateDate") and value.strip():
+            return str(value)
+    return NO_DATE
+
+
+def property_or_empty(option: str) -> Callable[[Any], str]:
+    """Look for an absent connector attribute among the options in its properties."""
+
+    def find(connector: Any) -> str:
+        for item in connector.iterchildren(clark("rtsExt:Properties")):
+            if item.get(clark("rtsExt:name")) == f"dataport.{option}":
+                return item.get(clark("rtsExt:value")) or ""
+        return ""
+
+    return find
+
+
+def precondition(condition: Any, found: Findings) -> None:
+    """Give a target without precondition the one that waits for nothing."""
+    wait, preceding = clark("rts:WaitTime"), clark("rts:Preceding")
+    if condition.find(wait) is None and condition.find(preceding) is None:
+        found.repaired(condition, "target without WaitTime or Preceding: waits 0 ms")
+        condition.insert(0, add(condition, "rts:WaitTime", {"rts:waitTime": "0"}))
+
+
+def add(parent: Any, tag: str, attributes: dict[str, str], like: Any = None) -> Any:
+    """Append an element that bears the line number of `like`, or of its parent."""
+    made = parent.makeelement(clark(tag), {clark(k): v for k, v in attributes.items()})
+    line = (parent if like is None else like).sourceline
+    parent.append(made)
+    if line:
+        made.sourceline = line
+    return made
+
+
+def version_0_1(root: Any, found: Findings) -> None:
+    """Bring the nested form of version 0.1 to the present one."""
+    components = [c for c in root.iterchildren("{*}*") if split(c.tag)[1] == "Component"]
+    if not components:
+        return
+    for component in components:
+        for kind, source, target in (
+            ("DataPort", "sourceDataPort", "targetDataPort"),
+            ("ServicePort", "sourceServicePort", "targetServicePort"),
+        ):
+            for port in component.findall(clark(f"rts:{kind}s")):
+                for connector in port.findall(clark(f"rts:{kind}Connectors")):
+                    _lift_connector(root, component, port, connector, (source, target))
+                    found.repaired(connector, f"{kind}Connectors moved out of its port")
+        _lift_orders(root, component, found)
+    _add_unlisted(root, components, found)
+
+
+def _lift_connector(
+    root: Any, component: Any, port: Any, connector: Any, ends: tuple[str, str]
+) -> None:
+    source = connector.find(clark(f"rts:{ends[0]}"))
+    if source is None:
+        values = {
+            "rts:componentId": component.get(clark("rts:id")),
+            "rts:instanceName": component.get(clark("rts:instanceName")),
+            "rts:portName": port.get(clark("rts:name")),
+        }
+        known = {name: value for name, value in values.items() if value is not None}
+        connector.insert(0, add(connector, f"rts:{ends[0]}", known))
+    root.append(connector)
+
+
+def _lift_orders(root: Any, component: Any, found: Findings) -> None:
+    for name in _ORDERS:
+        for nested in component.findall(clark(f"rts:{name}")):
+            order = root.find(clark(f"rts:{name}"))
+            if order is None:
+                order = add(root, f"rts:{name}", {}, nested)
+            steps = [nested] if nested.get(clark("rts:sequence")) else list(nested)
+            for step in steps:
+                step.tag = clark("rts:targets")
+                if step.find(clark("rts:TargetComponent")) is None:
+                    target = {
+                        "rts:componentId": component.get(clark("rts:id"), ""),
+                        "rts:instanceName": component.get(clark("rts:instanceName"), ""),
+                        "rts:id": "0",
+                    }
+                    add(step, "rts:TargetComponent", target)
+                order.append(step)
+            if nested.getparent() is component:
+                component.remove(nested)
+            found.repaired(order, f"{name} moved out of its component")
+
+
+def _add_unlisted(root: Any, components: list[Any], found: Findings) -> None:
+    listed = {c.get(clark("rts:instanceName")) for c in components}
+    after = components[-1]
+    for tag in ("rts:targetDataPort", "rts:targetServicePort"):
+        for end in root.iter(clark(tag)):
+            component_id, name = (end.get(clark(part)) for part in _REF)
+            if component_id is None or name is None or name in listed:
+                continue
+            listed.add(name)
+            made = add(
+                root,
+                "rts:Components",
+                {
+                    "rts:id": component_id,
+                    "rts:pathUri": "",
+                    "rts:instanceName": name,
+                    "rts:isRequired": "false",
+                },
+                end,
+            )
+            after.addnext(made)
+            after = made
+            found.repaired(end, f"component {name} is named by a connector only: added")

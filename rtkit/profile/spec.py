@@ -1,0 +1,155 @@
+"""How a model class looks in XML: the tables that reader, normaliser and writer share."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+from rtkit.profile.xmlnames import clark, split
+
+Supply = str | Callable[[Any], str]
+"""A value for an absent attribute, or how to find one from its element."""
+
+TEXT, FLAG, WHOLE, REAL, DATE, WORD = "text", "flag", "whole", "real", "date", "word"
+
+REAL_FORM = re.compile(
+    r"\s*[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?\s*"
+)
+WHOLE_FORM = re.compile(r"\s*[+-]?[0-9]{1,18}\s*")
+DATE_FORM = re.compile(
+    r"\s*[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,12})?"
+    r"(Z|[+-][0-9]{2}:[0-9]{2})?\s*"
+)
+_FLAGS = {"true": True, "false": False, "1": True, "0": False}
+
+
+class Attr(NamedTuple):
+    """One attribute: its model field, its name, what it may hold.
+
+    Attributes:
+        supply: Value to fill in, with a note, where a required attribute is absent.
+        words: The allowed values of an enumeration.
+        respellings: Old or wrong spellings in lower case, and what they mean.
+        check: Whether a text is as it should be; None accepts any.
+        read: Turns the text into the model's value; None keeps the text.
+    """
+
+    field: str
+    name: str
+    kind: str
+    required: bool
+    supply: Supply | None
+    words: tuple[str, ...]
+    respellings: dict[str, str]
+    check: Callable[[str], Any] | None
+    read: Callable[[str], Any] | None
+
+
+def attribute(
+    field: str,
+    name: str,
+    kind: str = TEXT,
+    *,
+    required: bool = False,
+    supply: Supply | None = None,
+    words: tuple[str, ...] = (),
+    respellings: dict[str, str] | None = None,
+) -> Attr:
+    """Describe an attribute by its short name; `words` make it an enumeration."""
+    kind = WORD if words else kind
+    check: dict[str, Callable[[str], Any] | None] = {
+        FLAG: lambda text: text.strip() in _FLAGS,
+        WHOLE: WHOLE_FORM.fullmatch,
+        REAL: REAL_FORM.fullmatch,
+        DATE: DATE_FORM.fullmatch,
+        WORD: frozenset(words).__contains__,
+    }
+    read: dict[str, Callable[[str], Any]] = {
+        FLAG: lambda text: _FLAGS[text.strip()],
+        WHOLE: int,
+        REAL: float,
+    }
+    return Attr(
+        field,
+        clark(name),
+        kind,
+        required or supply is not None,
+        supply,
+        words,
+        {word.lower(): word for word in words} | (respellings or {}),
+        check.get(kind),
+        read.get(kind),
+    )
+
+
+class Child(NamedTuple):
+    """One child element: its model field, its tag, what it is; None is a text element."""
+
+    field: str
+    name: str
+    spec: Spec | None
+    is_many: bool
+
+
+def child(field: str, name: str, spec: Spec | None = None, *, many: bool = False) -> Child:
+    """Describe a child element by its short name."""
+    return Child(field, clark(name), spec, many)
+
+
+class Spec:
+    """How one model class looks in XML.
+
+    Attributes:
+        make: The model class.
+        xsi_type: The ``xsi:type`` that the strict form carries, as ``(namespace, local)``.
+        also_types: Further types that are right as they stand.
+        tag_field: Field that holds the element's local name, for classes with several tags.
+        wraps: Field of the only child, where the element has no model class of its own.
+        rule: A repair of its own, run before the general ones.
+        respellings: Old local names of attributes and children, and the present ones.
+    """
+
+    def __init__(
+        self,
+        make: Callable[..., Any],
+        attributes: Iterable[Attr] = (),
+        children: Iterable[Child] = (),
+        *,
+        xsi_type: str | None = None,
+        also_types: Iterable[str] = (),
+        tag_field: str | None = None,
+        wraps: str | None = None,
+        rule: Callable[[Any, Any], None] | None = None,
+        respellings: dict[str, str] | None = None,
+    ) -> None:
+        self.make = make
+        self.xsi_type = split(clark(xsi_type)) if xsi_type else None
+        self.xsi_type_text = xsi_type
+        self.also_types = tuple(split(clark(name)) for name in also_types)
+        self.tag_field = tag_field
+        self.wraps = wraps
+        self.rule = rule
+        self.keeps_foreign = "foreign" in getattr(make, "__slots__", ())
+        self.attributes = tuple(attributes)
+        self.known = {item.name: item for item in self.attributes}
+        self.required_count = sum(item.required for item in self.attributes)
+        self._respellings = respellings or {}
+        self.attribute_by_local = self._locals(self.known)
+        self.children: tuple[Child, ...] = ()
+        self.index: dict[str, tuple[int, Child]] = {}
+        self.child_by_local: dict[str, str] = {}
+        self.many_fields: tuple[str, ...] = ()
+        self.add_children(children)
+
+    def add_children(self, children: Iterable[Child]) -> None:
+        """Append children; for specs that contain themselves."""
+        self.children += tuple(children)
+        self.index = {item.name: (rank, item) for rank, item in enumerate(self.children)}
+        self.child_by_local = self._locals(self.index)
+        self.many_fields = tuple({item.field: None for item in self.children if item.is_many})
+
+    def _locals(self, names: Iterable[str]) -> dict[str, str]:
+        by_local = {split(name)[1]: name for name in reversed(list(names))}
+        old = {was: by_local[now] for was, now in self._respellings.items() if now in by_local}
+        return old | by_local

@@ -1,0 +1,52 @@
+"""Small readings of the texts inside profiles: port names, data types, properties."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from rtkit.profile.common import Property
+
+OWN_PREFIX = "rtkit."
+"""Names of rtkit's own extension properties begin with this."""
+
+_IDL_FORM = re.compile(r"\s*IDL:(.*?):([0-9.]+)\s*", re.DOTALL | re.IGNORECASE)
+
+
+def strip_instance(port_name: str, instance_name: str) -> str:
+    """Return the port's own name where a profile writes ``<instance>.<port>``.
+
+    >>> strip_instance("ConsoleIn0.out", "ConsoleIn0"), strip_instance("out", "ConsoleIn0")
+    ('out', 'out')
+    """
+    own = port_name.removeprefix(f"{instance_name}.")
+    return own or port_name
+
+
+def normal_data_type(text: str) -> str:
+    """Bring the ways to write a data type to one form, ``IDL:RTC/TimedLong:1.0``.
+
+    A name without module is taken from ``RTC``. Empty and ``Any`` stay as they are.
+
+    >>> normal_data_type("TimedLong"), normal_data_type("RTC::TimedLong")
+    ('IDL:RTC/TimedLong:1.0', 'IDL:RTC/TimedLong:1.0')
+    """
+    name = text.strip()
+    version = "1.0"
+    given = _IDL_FORM.fullmatch(name)
+    if given:
+        name, version = given[1], given[2]
+    name = name.replace("::", "/").strip("/ ")
+    if not name or name.lower() == "any":
+        return name
+    if "/" not in name:
+        name = f"RTC/{name}"
+    return f"IDL:{name}:{version}"
+
+
+def property_value(properties: Iterable[Property], name: str) -> str | None:
+    """Return the value of the first property named `name`; None when absent or without value."""
+    for item in properties:
+        if item.name == name:
+            return item.value
+    return None
