@@ -10,6 +10,7 @@ import contextlib
 import os
 import threading
 from collections.abc import Callable
+from typing import Any
 
 import zenoh
 
@@ -90,14 +91,12 @@ class Streams:
                 matched.set()
 
         listener = publisher.declare_matching_listener(changed)
-        try:
-            if not (publisher.matching_status.matching or matched.wait(timeout_s)):
-                raise Unreachable(f"nobody takes data at {endpoint}")
-        except Unreachable:
+        status: Any = publisher.matching_status  # the stubs of zenoh 1.10 say bool, wrongly
+        is_matched = status.matching or matched.wait(timeout_s)
+        listener.undeclare()  # type: ignore[no-untyped-call]
+        if not is_matched:
             outlet.close()
-            raise
-        finally:
-            listener.undeclare()  # type: ignore[no-untyped-call]
+            raise Unreachable(f"nobody takes data at {endpoint}")
         return outlet
 
     def close(self) -> None:

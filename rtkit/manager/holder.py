@@ -15,7 +15,7 @@ from typing import Any
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext
 from rtkit.component.port import InPort, OutPort
-from rtkit.component.standin import StandIn
+from rtkit.component.standin import stand_in
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.manager.connect import Wires
 from rtkit.manager.events import Message
@@ -130,7 +130,7 @@ class Holder:
             raise Refused(f"{instance} exists already")
         if message.get("pattern") is not None:
             pattern = decode(ComponentPattern, message["pattern"])
-            component: Component = StandIn(instance, pattern, create.options)
+            component: Component = stand_in(pattern, instance, create.options)
         else:
             for path, init in message.get("modules", ()):
                 self._loader.load(path, init)

@@ -11,7 +11,7 @@ import time
 from rtkit.errors import Refused, Unreachable
 from rtkit.link import places
 
-_LOG_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC
+_LOG_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND
 
 
 def start(name: str, timeout_s: float) -> int:

@@ -6,7 +6,6 @@ import importlib.util
 import os
 import stat
 import sys
-from dataclasses import dataclass, field
 from types import ModuleType
 from typing import Any
 
@@ -15,13 +14,7 @@ from rtkit.component.callbacks import describe_failure
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.create import CreateString
-from rtkit.rtc.profiles import ModuleProfile, TypeProfile
-
-
-@dataclass(slots=True)
-class _Module:
-    profile: ModuleProfile
-    classes: list[type[Component]] = field(default_factory=list)
+from rtkit.rtc.profiles import ModuleProfile
 
 
 class _Registrar:
@@ -45,7 +38,7 @@ class Loader:
     def __init__(self, load_path: list[str]) -> None:
         self.load_path = load_path
         self.factories = Factories()
-        self._modules: dict[str, _Module] = {}
+        self._modules: dict[str, ModuleProfile] = {}
 
     def load(self, path: str, init: str = "") -> ModuleProfile:
         """Load a module and call its init function; loading it again changes nothing.
@@ -56,24 +49,20 @@ class Loader:
         """
         known = self._modules.get(path)
         if known is not None:
-            return known.profile
+            return known
         file = self._find(path)
         name = init or f"{os.path.basename(file).partition('.')[0]}Init"
         module = _import(file)
         classes = _initialise(module, name, path)
-        types: list[TypeProfile] = []
-        for component_class in classes:
-            self.factories.register(component_class)
-            types.append(component_class.type_profile())
-        loaded = _Module(ModuleProfile(path, name, tuple(types)), classes)
-        self._modules[path] = loaded
-        return loaded.profile
+        types = tuple(self.factories.register(component_class) for component_class in classes)
+        profile = self._modules[path] = ModuleProfile(path, name, types)
+        return profile
 
     def unload(self, path: str) -> None:
         """Forget a module and its factories; components already made stay."""
         module = self._modules.pop(path, None)
-        for component_class in module.classes if module is not None else ():
-            self.factories.unregister(component_class)
+        for profile in module.types if module is not None else ():
+            self.factories.unregister(profile)
 
     def make(self, create: CreateString) -> Component:
         """Make a component, loading the module of its type if nobody offers it yet.
@@ -82,17 +71,14 @@ class Loader:
             NotFound: Nobody knows the type.
             Refused: Its module does not load, or its constructor raises.
         """
-        identity = (create.vendor, create.category, create.version, create.language)
-        if not self.factories.knows(create.implementation_id, *identity):
+        try:
+            return self.factories.make(create)
+        except NotFound:
             path = f"{create.implementation_id}.py"
-            if self._search(path):
-                self.load(path)
-        return self.factories.make(
-            create.implementation_id,
-            *identity,
-            instance=create.instance_name,
-            options=create.options,
-        )
+            if path in self._modules or not self._search(path):
+                raise
+        self.load(path)
+        return self.factories.make(create)
 
     def _find(self, path: str) -> str:
         file = path if os.path.isabs(path) else self._search(path)

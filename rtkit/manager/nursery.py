@@ -15,6 +15,7 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from rtkit.link.streams import remove_socket
 from rtkit.manager import events as ev
 from rtkit.manager.wire import Channel
 from rtkit.manager.zygote import reason
@@ -129,6 +130,7 @@ class Nursery:
         if key is None:
             return None
         del self._pids[key]
+        remove_socket(self._settings["data"].replace("%p", str(pid)))
         return ev.SlaveEnded(key, why)
 
     def _start(self) -> tuple[Channel, int]:
