@@ -11,6 +11,7 @@ from rtkit.rtc.profiles import PortInterfaceProfile
 
 if TYPE_CHECKING:
     from rtkit.component.base import Component as Component
+    from rtkit.component.base import Manager as Manager
     from rtkit.component.geometry import Acceleration2D as Acceleration2D
     from rtkit.component.geometry import Acceleration3D as Acceleration3D
     from rtkit.component.geometry import AngularAcceleration3D as AngularAcceleration3D
@@ -91,7 +92,7 @@ if TYPE_CHECKING:
     from rtkit.component.types import WString as WString
 
 _HOME = {
-    "base": ("Component",),
+    "base": ("Component", "Manager"),
     "parameter": ("Parameter",),
     "port": (
         "InPort",

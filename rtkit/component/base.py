@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 from rtkit.component.callbacks import Callbacks, attempt
 from rtkit.component.config import DEFAULT, Configuration
@@ -11,7 +11,7 @@ from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import wanted_contexts
 from rtkit.component.parameter import Parameter
 from rtkit.component.port import InPort, OutPort, Port, ServicePort
-from rtkit.errors import Refused
+from rtkit.errors import NotFound, Refused
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.pattern import ContextPattern
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
@@ -21,7 +21,15 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 AnyPort = TypeVar("AnyPort", bound=Port)
+ACTIVE_SET = "configuration.active_config"
 _PORT_KINDS = ("inport", "outport", "service")
+
+
+class Manager(Protocol):
+    """What the init function of a module is given."""
+
+    def register_factory(self, component: type[Component]) -> object:
+        """Make a component type available."""
 
 
 class Component(Callbacks):
@@ -98,6 +106,17 @@ class Component(Callbacks):
         import logging
 
         return logging.getLogger(self.instance)
+
+    def context_rate(self, context: str) -> float:
+        """Return the rate of an execution context that calls this component [Hz].
+
+        Raises:
+            NotFound: It takes part in none of that id.
+        """
+        for each in self.participations:
+            if each.id == context:
+                return each.rate
+        raise NotFound(f"{self.instance} takes no part in execution context {context}")
 
     def add_in_port(
         self, name: str, data_type: type[T], properties: Mapping[str, str] | None = None
@@ -211,18 +230,16 @@ class Component(Callbacks):
                     hints.setdefault(set_id, {})[parameter.name] = text
         for set_id, values in hints.items():
             configuration.declare(set_id, values)
-        self._apply_options(DEFAULT)
+        self._declare_options()
+        configuration.activate(self.options.get(ACTIVE_SET, "") or DEFAULT)
+        configuration.update()
 
-    def _apply_options(self, active_set: str) -> None:
+    def _declare_options(self) -> None:
         for key, value in self.options.items():
             if key.startswith("conf."):
                 set_id, _, name = key.removeprefix("conf.").partition(".")
                 if set_id and name:
                     self.configuration.declare(set_id, {name: value})
-        wished = self.options.get("configuration.active_config", "") or active_set
-        if wished in self.configuration.sets or wished != active_set:
-            self.configuration.activate(wished)
-            self.configuration.update()
 
     def _log(self, text: str) -> None:
         self.logger.warning(text)

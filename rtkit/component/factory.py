@@ -37,6 +37,10 @@ class Factories:
             raise Refused(f"not a component class: {maker!r}")
         return self._register(maker.type_profile(), maker)
 
+    def register_factory(self, component: type[Component]) -> TypeProfile:
+        """Make a component class available: what the init function of a module calls."""
+        return self.register(component)
+
     def unregister(self, profile: TypeProfile) -> None:
         """Forget a type; components already made stay.
 

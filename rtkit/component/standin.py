@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from itertools import cycle
 from typing import Any
 
-from rtkit.component.base import Component
+from rtkit.component.base import ACTIVE_SET, Component
 from rtkit.component.literal import Literal, zero_value
 from rtkit.component.port import InPort, OutPort, Port, ServicePort
 from rtkit.component.typenames import type_by_name
@@ -44,7 +44,10 @@ class StandIn(Component):
 
     def _configure(self) -> None:
         self.configuration.adopt(self._pattern.sets, self._pattern.active_set)
-        self._apply_options(self._pattern.active_set)
+        self._declare_options()
+        if ACTIVE_SET in self.options:
+            self.configuration.activate(self.options[ACTIVE_SET])
+            self.configuration.update()
 
 
 class Transmitter(StandIn):
