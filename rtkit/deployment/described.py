@@ -1,0 +1,163 @@
+"""What a system profile describes of one component: ports, sets, contexts, scripted values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+
+from rtkit.deployment import extension
+from rtkit.errors import Malformed
+from rtkit.profile.common import Property
+from rtkit.profile.rts_model import Component, ConfigurationSet, ExecutionContext, Port
+from rtkit.profile.words import strip_instance
+from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
+from rtkit.rtc.pattern import ContextPattern
+from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
+
+_TYPES = {
+    "datainport": PortType.IN,
+    "in": PortType.IN,
+    "dataoutport": PortType.OUT,
+    "out": PortType.OUT,
+    "corbaport": PortType.SERVICE,
+}
+_INTERFACE_KEY = re.compile(r"(.+)\.port\.(.+)\.(provided|required)\.(.+)\.([^.]+)")
+
+
+def properties_of(items: Iterable[Property]) -> dict[str, str]:
+    """Return properties as a table; a later one of the same name wins."""
+    return {item.name: item.value or "" for item in items}
+
+
+def is_run_time(key: str, value: str) -> bool:
+    """Whether a property refers to an object of a bygone run: never saved, never replayed."""
+    return key.endswith(("_ior", "_ref")) or value.startswith("IOR:")
+
+
+def data_port(port: Port, instance: str, wired_as: PortType | None, wired_type: str) -> PortProfile:
+    """Return a data port; what the profile leaves open comes from its connections, or its name."""
+    name = strip_instance(port.name, instance)
+    properties = _live_properties(port)
+    stated = _TYPES.get(properties.get("port.port_type", "").strip().lower())
+    if stated is PortType.SERVICE:
+        stated = None
+    kind = stated or wired_as or _guess(name)
+    properties["port.port_type"] = kind.value
+    if wired_type and not properties.get("dataport.data_type"):
+        properties["dataport.data_type"] = wired_type
+    return PortProfile(name, kind, properties)
+
+
+def service_port(port: Port, instance: str, wired: tuple[PortInterfaceProfile, ...]) -> PortProfile:
+    """Return a service port; `wired` are the interfaces that its connections tell of."""
+    properties = _live_properties(port)
+    properties["port.port_type"] = PortType.SERVICE.value
+    text = properties_of(port.properties).get(extension.INTERFACES, "")
+    interfaces = interfaces_from_text(text) if text else wired
+    return PortProfile(
+        strip_instance(port.name, instance), PortType.SERVICE, properties, interfaces
+    )
+
+
+def interfaces_told(
+    properties: Mapping[str, str],
+) -> Iterable[tuple[str, str, PortInterfaceProfile]]:
+    """Yield (instance, port, interface) for each interface that a connector's properties name."""
+    for key in properties:
+        found = _INTERFACE_KEY.fullmatch(key)
+        if found:
+            instance, port, polarity, type_name, name = found.groups()
+            yield (
+                instance,
+                port,
+                PortInterfaceProfile(name, type_name, Polarity(polarity.capitalize())),
+            )
+
+
+def interfaces_to_text(interfaces: Iterable[PortInterfaceProfile]) -> str:
+    """Return interfaces as the text of the property ``rtkit.interfaces``."""
+    return ",".join(f"{i.polarity} {i.type_name} {i.instance_name}" for i in interfaces)
+
+
+def interfaces_from_text(text: str) -> tuple[PortInterfaceProfile, ...]:
+    """Read the property ``rtkit.interfaces``.
+
+    Raises:
+        Malformed: An item is not ``Provided|Required TYPE NAME``.
+    """
+    made = []
+    for item in text.split(","):
+        words = item.split()
+        if len(words) != 3 or words[0] not in ("Provided", "Required"):
+            raise Malformed(f"{extension.INTERFACES}: not 'Provided|Required TYPE NAME': {item!r}")
+        made.append(PortInterfaceProfile(words[2], words[1], Polarity(words[0])))
+    return tuple(made)
+
+
+def sets_of(sets: Iterable[ConfigurationSet]) -> dict[str, dict[str, str]]:
+    """Return configuration sets as tables; data that are absent are empty text."""
+    made: dict[str, dict[str, str]] = {}
+    for each in sets:
+        made.setdefault(each.id, {}).update((d.name, d.data or "") for d in each.data)
+    return made
+
+
+def contexts_of(contexts: Iterable[ExecutionContext]) -> tuple[ContextPattern, ...]:
+    """Return execution contexts; one without an id is known by its number."""
+    made = []
+    for number, context in enumerate(contexts):
+        kind = kind_of(context.kind)
+        rate = context.rate
+        if rate is None:
+            rate = ContextPattern().rate if kind is ExecutionKind.PERIODIC else 0.0
+        made.append(ContextPattern(context.id or str(number), kind, rate))
+    return tuple(made)
+
+
+def kind_of(text: str) -> ExecutionKind:
+    """Return the kind of a context, also from the name of a context type."""
+    word = text.strip().upper().replace("_", "")
+    if word in ("PERIODIC", "", "PERIODICEXECUTIONCONTEXT"):
+        return ExecutionKind.PERIODIC
+    if word in ("EVENTDRIVEN", "EVENTDRIVENEXECUTIONCONTEXT", "EXTTRIGEXECUTIONCONTEXT"):
+        return ExecutionKind.EVENT_DRIVEN
+    return ExecutionKind.OTHER
+
+
+def script_of(component: Component) -> dict[str, tuple[str, ...]]:
+    """Return the values that the stand-in's ports transmit: a JSON list each.
+
+    Raises:
+        Malformed: A property is no JSON list.
+    """
+    head = f"{extension.STAND_IN}."
+    script = {}
+    for item in component.properties:
+        if item.name.startswith(head):
+            script[item.name.removeprefix(head)] = _values(component.instance_name, item)
+    return script
+
+
+def _values(instance: str, item: Property) -> tuple[str, ...]:
+    import json
+
+    try:
+        values = json.loads(item.value or "")
+    except ValueError as error:
+        raise Malformed(f"{instance}: property {item.name} is not JSON: {error}") from error
+    if not isinstance(values, list) or not values:
+        raise Malformed(f"{instance}: property {item.name} is no list of values: {item.value}")
+    return tuple(json.dumps(value) for value in values)
+
+
+def _live_properties(port: Port) -> dict[str, str]:
+    return {
+        key: value
+        for key, value in properties_of(port.properties).items()
+        if not key.startswith("rtkit.") and not is_run_time(key, value)
+    }
+
+
+def _guess(name: str) -> PortType:
+    word = name.lower()
+    return PortType.OUT if word.startswith("out") or word.endswith("out") else PortType.IN

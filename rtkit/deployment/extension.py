@@ -1,0 +1,49 @@
+"""rtkit's own words in system profiles and create strings.
+
+In a profile they are extension properties of a component, so that the file stays valid for other
+tools. In the create string of a stand-in they keep what its profile stated in words of its own,
+so that saving it states the same again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rtkit.errors import Malformed
+from rtkit.rtc.create import parse_create
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import ComponentFacts
+
+CREATE = "rtkit.create"
+"""Property: the create string of a component."""
+MODULE = "rtkit.module"
+"""Property: ``PATH:INIT`` of the module that it needs."""
+STAND_IN = "rtkit.stand-in"
+"""Property: ``yes`` for a stand-in; with ``.PORT`` added, JSON values that the port transmits."""
+INTERFACES = "rtkit.interfaces"
+"""Property of a service port: its interfaces, ``Provided TYPE NAME``, comma separated."""
+STATED_TYPE = "rtkit.stated-type"
+"""Property of a live port: data type that its profile states, when its connection has another."""
+STATED_ID = "rtkit.id"
+"""Option: the identity as the profile writes it, when not in the usual form."""
+STATED_KIND = "rtkit.kind."
+"""Option: the kind of the context that follows, as the profile writes it."""
+UNSTATED = "rtkit.unstated"
+"""Option: what the profile leaves open: ``active-set``, ``sets``, or both, comma separated."""
+TRANSMIT = "standin.transmit"
+"""Option: ``default`` to have a stand-in write default values."""
+
+
+def options_of(facts: ComponentFacts) -> Mapping[str, str]:
+    """Return the options of the create string that made a component."""
+    try:
+        return parse_create(facts.create).options if facts.create else {}
+    except Malformed:
+        return {}
+
+
+def stated_id(facts: ComponentFacts) -> str:
+    """Return the identity of a component's type as its profile writes it."""
+    return options_of(facts).get(STATED_ID, "") or facts.type.id

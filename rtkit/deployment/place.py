@@ -1,0 +1,78 @@
+"""Where a component of a system profile is registered: ``pathUri`` to a name, host by host."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from rtkit.errors import Malformed
+from rtkit.profile.rts_model import Component
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, is_local_host
+
+
+@dataclass(frozen=True, slots=True)
+class Hosts:
+    """What is known about hosts.
+
+    Attributes:
+        hostname: Name of this machine.
+        same: Hosts that stand for another one (``--map``).
+        any_is_local: Unknown hosts stand for this machine (``--stand-in``).
+    """
+
+    hostname: str
+    same: Mapping[str, str]
+    any_is_local: bool = False
+
+    def is_local(self, host: str) -> bool:
+        """Whether components of this host are made here."""
+        return is_local_host(self.same.get(host, host), self.hostname)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A registered name, the path that users know, and the host when nobody knows it."""
+
+    name: str
+    path: str
+    unknown_host: str = ""
+    note: str = ""
+
+
+def check_map(hosts: Hosts) -> None:
+    """Refuse a mapping to a host where nothing can be made.
+
+    Raises:
+        Malformed: Names the host.
+    """
+    for host, other in hosts.same.items():
+        if not is_local_host(other, hosts.hostname):
+            raise Malformed(f"cannot map {host} to {other}: no manager is known on {other}")
+
+
+def place(component: Component, hosts: Hosts, taken: Collection[str]) -> Place:
+    """Return where `component` belongs; names in `taken` are in use by the same profile."""
+    uri = (component.path_uri or "").strip().lstrip("/")
+    elements = uri.split("/")
+    if not _is_name(elements):
+        return _default(component, f"path {uri!r} is no name of a component")
+    host, *rest = elements
+    local = is_local_host(host, hosts.hostname)
+    name = "/".join([LOCAL if local else host, *rest])
+    if name in taken:
+        return _default(component, f"path {uri} is used twice")
+    is_known = local or hosts.any_is_local or hosts.is_local(host)
+    return Place(name, f"/{uri}", "" if is_known else host)
+
+
+def _is_name(elements: list[str]) -> bool:
+    if len(elements) < 2 or not elements[-1].endswith(COMPONENT_SUFFIX):
+        return False
+    if elements[-1] == COMPONENT_SUFFIX or elements[0].endswith(":"):
+        return False
+    return all(e not in ("", ".", "..") and e.isprintable() for e in elements)
+
+
+def _default(component: Component, why: str) -> Place:
+    name = f"{LOCAL}/{component.instance_name}{COMPONENT_SUFFIX}"
+    return Place(name, f"/{name}", note=f"{component.instance_name}: {why}: taken as /{name}")

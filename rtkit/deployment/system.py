@@ -1,0 +1,88 @@
+"""A wanted system as plain facts: what a system profile comes to on this installation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtkit.rtc.pattern import ComponentPattern, ContextPattern
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile
+
+
+@dataclass(frozen=True, slots=True)
+class KnownType:
+    """How a component of some type is made.
+
+    Attributes:
+        create: Create string.
+        module: ``PATH:INIT`` of the module to be loaded before; empty when none is needed.
+    """
+
+    create: str
+    module: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class WantedComponent:
+    """A component that shall exist.
+
+    Attributes:
+        id: Identity of its type as the profile states it.
+        name: Name under which it shall be registered, ``localhost/dir/Motor0.rtc``.
+        path: The same as users know it: the profile's own words, behind a slash.
+        active_set: Empty when the profile states none.
+        create: Create string that makes it; empty when nobody knows how.
+        module: ``PATH:INIT`` of the module that it needs loaded; empty for none.
+        pattern: What its stand-in is generated from; None when it is to be the real one.
+        unknown_host: The host it names, when nobody knows that host.
+    """
+
+    id: str
+    instance: str
+    name: str
+    path: str
+    is_required: bool = True
+    ports: tuple[PortProfile, ...] = ()
+    sets: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    active_set: str = ""
+    contexts: tuple[ContextPattern, ...] = ()
+    create: str = ""
+    module: str = ""
+    pattern: ComponentPattern | None = None
+    unknown_host: str = ""
+
+    def port(self, name: str) -> PortProfile | None:
+        """Return the port of that name, or None."""
+        return next((port for port in self.ports if port.name == name), None)
+
+
+@dataclass(frozen=True, slots=True)
+class WantedConnector:
+    """A connection that shall exist.
+
+    Attributes:
+        profile: A data connector names its out port first.
+        is_data: It joins data ports, not service ports.
+        is_required: Both components are required.
+    """
+
+    profile: ConnectorProfile
+    is_data: bool
+    is_required: bool
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A wanted system, in the order of its profile.
+
+    Attributes:
+        notes: What had to be decided where the profile leaves it open.
+    """
+
+    components: tuple[WantedComponent, ...] = ()
+    connectors: tuple[WantedConnector, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def component(self, instance: str) -> WantedComponent:
+        """Return the component of that instance name."""
+        return next(c for c in self.components if c.instance == instance)

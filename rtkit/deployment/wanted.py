@@ -1,0 +1,292 @@
+"""A system profile turned into the facts of the wanted system.
+
+Not for what lives: that is compared in `rtkit.deployment.diff`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from rtkit.deployment import extension
+from rtkit.deployment.described import (
+    contexts_of,
+    data_port,
+    interfaces_told,
+    is_run_time,
+    kind_of,
+    properties_of,
+    script_of,
+    service_port,
+    sets_of,
+)
+from rtkit.deployment.identity import type_of
+from rtkit.deployment.place import Hosts, check_map, place
+from rtkit.deployment.port_types import settle_types
+from rtkit.deployment.system import KnownType, System, WantedComponent, WantedConnector
+from rtkit.errors import Malformed
+from rtkit.profile.rts_model import (
+    Component,
+    DataPortConnector,
+    RtsProfile,
+    ServicePortConnector,
+    TargetPort,
+)
+from rtkit.profile.words import strip_instance
+from rtkit.rtc.create import CreateString, parse_create
+from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfile, PortRef
+
+STAND_IN_SLAVE = "stand-ins"
+"""The slave that holds stand-ins of which no profile says where they belong."""
+
+
+@dataclass(slots=True)
+class _Wiring:
+    """What the connectors of a profile tell of the ports that they join."""
+
+    kinds: dict[PortRef, PortType] = field(default_factory=dict)
+    types: dict[PortRef, str] = field(default_factory=dict)
+    interfaces: dict[PortRef, tuple[PortInterfaceProfile, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class _Choices:
+    stand_in: bool
+    transmit: bool
+    hosts: Hosts
+    known_types: Mapping[str, KnownType]
+
+
+def wanted(
+    profile: RtsProfile,
+    hostname: str,
+    *,
+    stand_in: bool = False,
+    transmit: bool = False,
+    host_map: Mapping[str, str] | None = None,
+    known_types: Mapping[str, KnownType] | None = None,
+) -> System:
+    """Return the system that a profile describes, as it is to be on the host `hostname`.
+
+    Args:
+        profile: The system profile.
+        hostname: The machine that ``localhost`` means.
+        stand_in: Generate every component from the profile instead of making the real one.
+        transmit: Stand-ins write default values.
+        host_map: Hosts that stand for another one.
+        known_types: How components are made, by identity.
+
+    Raises:
+        Malformed: Two components of one name, or a property of rtkit that cannot be read.
+    """
+    hosts = Hosts(hostname, host_map or {}, stand_in)
+    check_map(hosts)
+    choices = _Choices(stand_in, transmit, hosts, known_types or {})
+    _check_instances(profile.components)
+    wires = [
+        *map(_data, profile.data_port_connectors),
+        *map(_service, profile.service_port_connectors),
+    ]
+    wiring = _wiring(profile)
+    notes: list[str] = []
+    components: dict[str, WantedComponent] = {}
+    for each in profile.components:
+        made, note = _component(each, wiring, choices, {c.name for c in components.values()})
+        components[made.instance] = made
+        notes += [note] if note else []
+    connectors = [_turned(wire, components, is_data) for wire, is_data in wires]
+    settled, type_notes = settle_types(components, connectors)
+    system = System(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
+    return system
+
+
+def _check_instances(components: Iterable[Component]) -> None:
+    seen: set[str] = set()
+    for component in components:
+        if component.instance_name in seen:
+            raise Malformed(
+                f"two components are named {component.instance_name};"
+                " instance names must differ within one manager"
+            )
+        seen.add(component.instance_name)
+
+
+def _wiring(profile: RtsProfile) -> _Wiring:
+    wiring = _Wiring()
+    for data in profile.data_port_connectors:
+        options = properties_of(data.properties)
+        type_name = options.get("dataport.data_type") or data.data_type or ""
+        for end, kind in ((data.source, PortType.OUT), (data.target, PortType.IN)):
+            ref = _ref(end)
+            wiring.kinds.setdefault(ref, kind)
+            if type_name:
+                wiring.types.setdefault(ref, type_name)
+    for service in profile.service_port_connectors:
+        _tell_interfaces(service, wiring)
+    return wiring
+
+
+def _tell_interfaces(service: ServicePortConnector, wiring: _Wiring) -> None:
+    ends = [_ref(service.source), _ref(service.target)]
+    for instance, port, interface in interfaces_told(properties_of(service.properties)):
+        told = PortRef(instance, port)
+        if told not in ends:
+            continue
+        other = ends[1 - ends.index(told)]
+        wanted_other = Polarity.REQUIRED
+        if interface.polarity is Polarity.REQUIRED:
+            wanted_other = Polarity.PROVIDED
+        mirrored = replace(interface, polarity=wanted_other)
+        for ref, each in ((told, interface), (other, mirrored)):
+            known = wiring.interfaces.get(ref, ())
+            if all(
+                (k.type_name, k.instance_name) != (each.type_name, each.instance_name)
+                for k in known
+            ):
+                wiring.interfaces[ref] = (*known, each)
+
+
+def _component(
+    component: Component, wiring: _Wiring, choices: _Choices, taken: set[str]
+) -> tuple[WantedComponent, str]:
+    own = properties_of(component.properties)
+    is_marked = own.get(extension.STAND_IN, "").lower() in ("yes", "true", "1")
+    is_stand_in = choices.stand_in or is_marked
+    hosts = replace(choices.hosts, any_is_local=choices.hosts.any_is_local or is_marked)
+    where = place(component, hosts, taken)
+    made = WantedComponent(
+        id=component.id,
+        instance=component.instance_name,
+        name=where.name,
+        path=where.path,
+        is_required=component.is_required,
+        ports=_ports(component, wiring),
+        sets=sets_of(component.configuration_sets),
+        active_set=component.active_configuration_set or "",
+        contexts=contexts_of(component.execution_contexts),
+        unknown_host=where.unknown_host,
+    )
+    known = choices.known_types.get(component.id)
+    create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
+    if is_stand_in:
+        return _as_stand_in(made, component, create, choices, is_marked), where.note
+    module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
+    text = str(_create(create, made)) if create else ""
+    return replace(made, create=text, module=module), where.note
+
+
+def _create(text: str, made: WantedComponent) -> CreateString:
+    try:
+        create = parse_create(text)
+    except Malformed as error:
+        raise Malformed(f"{made.instance}: {extension.CREATE}: {error}") from error
+    return create.with_options(instance_name=made.instance)
+
+
+def _as_stand_in(
+    made: WantedComponent, component: Component, create: str, choices: _Choices, is_marked: bool
+) -> WantedComponent:
+    given = _create(create, made).options if create else {}
+    options = {
+        **({k: v for k, v in given.items() if not k.startswith("rtkit.")} if is_marked else {}),
+        "instance_name": made.instance,
+        "manager_name": given.get("manager_name", "") if create else STAND_IN_SLAVE,
+        **_stated(component, made),
+    }
+    if choices.transmit:
+        options[extension.TRANSMIT] = "default"
+    identity = type_of(made.id)
+    pattern = ComponentPattern(
+        identity,
+        made.ports,
+        _pattern_sets(made),
+        made.active_set or "default",
+        made.contexts,
+        script_of(component),
+    )
+    return replace(
+        made,
+        create=str(CreateString("StandIn").with_options(**options)),
+        module="",
+        pattern=pattern,
+    )
+
+
+def _pattern_sets(made: WantedComponent) -> dict[str, dict[str, str]]:
+    sets = {name: dict(values) for name, values in made.sets.items()}
+    sets.setdefault(made.active_set or "default", {})
+    return sets
+
+
+def _stated(component: Component, made: WantedComponent) -> dict[str, str]:
+    """Return what the profile states in words that no live component keeps."""
+    stated = {}
+    if type_of(component.id).id != component.id:
+        stated[extension.STATED_ID] = component.id
+    for context, live in zip(component.execution_contexts, made.contexts, strict=True):
+        if context.kind and context.kind != kind_of(context.kind).value:
+            stated[f"{extension.STATED_KIND}{live.id}"] = context.kind
+    open_points = [] if made.active_set else ["active-set"]
+    open_points += [] if made.sets else ["sets"]
+    if open_points:
+        stated[extension.UNSTATED] = ",".join(open_points)
+    return stated
+
+
+def _ports(component: Component, wiring: _Wiring) -> tuple[PortProfile, ...]:
+    instance = component.instance_name
+    ports: dict[str, PortProfile] = {}
+    for port in component.data_ports:
+        ref = PortRef(instance, strip_instance(port.name, instance))
+        made = data_port(port, instance, wiring.kinds.get(ref), wiring.types.get(ref, ""))
+        ports.setdefault(made.name, made)
+    for port in component.service_ports:
+        ref = PortRef(instance, strip_instance(port.name, instance))
+        made = service_port(port, instance, wiring.interfaces.get(ref, ()))
+        ports.setdefault(made.name, made)
+    return tuple(ports.values())
+
+
+def _ref(end: TargetPort) -> PortRef:
+    return PortRef(end.instance_name, strip_instance(end.port_name, end.instance_name))
+
+
+def _data(wire: DataPortConnector) -> tuple[ConnectorProfile, bool]:
+    stated = {
+        "dataport.data_type": wire.data_type,
+        "dataport.interface_type": wire.interface_type,
+        "dataport.dataflow_type": wire.dataflow_type,
+        "dataport.subscription_type": wire.subscription_type or "",
+        "dataport.push_interval": f"{wire.push_interval:g}" if wire.push_interval else "",
+    }
+    merged = {key: value for key, value in stated.items() if value}
+    merged.update(_lasting(properties_of(wire.properties)))
+    ends = (_ref(wire.source), _ref(wire.target))
+    return ConnectorProfile(wire.connector_id, wire.name, ends, merged), True
+
+
+def _service(wire: ServicePortConnector) -> tuple[ConnectorProfile, bool]:
+    merged = {"port.port_type": PortType.SERVICE.value}
+    merged.update(_lasting(properties_of(wire.properties)))
+    ends = (_ref(wire.source), _ref(wire.target))
+    return ConnectorProfile(wire.connector_id, wire.name, ends, merged), False
+
+
+def _lasting(properties: Mapping[str, str]) -> dict[str, str]:
+    return {key: value for key, value in properties.items() if not is_run_time(key, value)}
+
+
+def _turned(
+    wire: ConnectorProfile, components: Mapping[str, WantedComponent], is_data: bool
+) -> WantedConnector:
+    """Put the out port first, whatever the profile does."""
+    kinds = []
+    for end in wire.ports:
+        port = components[end.instance].port(end.port)
+        kinds.append(port.port_type if port is not None else None)
+    if is_data and kinds == [PortType.IN, PortType.OUT]:
+        wire = replace(wire, ports=wire.ports[::-1])
+    is_required = all(components[end.instance].is_required for end in wire.ports)
+    return WantedConnector(wire, is_data, is_required)
