@@ -42,18 +42,18 @@ def main(
     first, and the id given with -i gets the suffix -2 for the second of them, and so on. Either
     all are made or none.
     """
-    from rtkit.tree.wiring import check_pair, make_connector
+    from rtkit.component.check import ANY_DATA_TYPE
+    from rtkit.tree.wiring import make_connector
 
-    given = _properties(app, texts)
+    given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})
     ports = _port_paths(app, paths)
     snapshot = app.tree.snapshot()
     first, *others = _ends(snapshot, ports)
     wires = []
     for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
-        check_pair(first, other, given, is_forced=force)
+        wires.append(make_connector(first, other, each_id, name, given))
         if no_duplicates:
             _check_new(snapshot, first, other, each_id, name)
-        wires.append(make_connector(first, other, each_id, name, given))
     _make(app, wires, {wire.connector_id for wire in snapshot.connectors})
 
 

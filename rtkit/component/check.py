@@ -13,6 +13,8 @@ WRONG_TYPE = "Wrong port type."
 INCOMPATIBLE = "Incompatible connection properties."
 NO_INTERFACE = "Interfaces do not match."
 NO_POLARITY = "Polarities do not match."
+ANY_DATA_TYPE = "rtkit.any_data_type"
+"""Connector property; YES connects ports of different data types all the same."""
 
 _CHOICES = (
     "dataport.interface_type",
@@ -31,7 +33,9 @@ def refusal(ports: Sequence[PortProfile], properties: Mapping[str, str]) -> str:
         return _refused_interfaces(ports)
     if len(ports) > 1 and not (PortType.IN in kinds and PortType.OUT in kinds):
         return WRONG_TYPE
-    return _refused_types(ports, properties) or _refused_properties(ports, properties)
+    is_forced = properties.get(ANY_DATA_TYPE, "").upper() == "YES"
+    types = "" if is_forced else _refused_types(ports, properties)
+    return types or _refused_properties(ports, properties)
 
 
 def _refused_types(ports: Sequence[PortProfile], properties: Mapping[str, str]) -> str:

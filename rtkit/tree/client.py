@@ -12,6 +12,7 @@ from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
 from rtkit.link.base import Link
 from rtkit.link.places import manager_socket
+from rtkit.tree.api import ByPath
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action, Result
@@ -22,7 +23,7 @@ DEFAULT_MANAGER = "manager"
 _GRACE_S = 1.0
 
 
-class Tree:
+class Tree(ByPath):
     """A connection to one manager, through which everything it knows is read and changed.
 
     Attributes:

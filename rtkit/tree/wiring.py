@@ -9,17 +9,17 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import Path
-from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfile, PortRef
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 from rtkit.tree.resolve import component_of_port
 from rtkit.tree.view import Node
 
-ANY = "any"
 DATA_DEFAULTS = {
     "dataport.dataflow_type": "push",
     "dataport.interface_type": "corba_cdr",
     "dataport.subscription_type": "new",
 }
 SERVICE_DEFAULTS = {"port.port_type": PortType.SERVICE.value}
+_NO_CHOICE = ("dataport.data_type", "port.port_type", "description")
 
 
 class End(NamedTuple):
@@ -52,64 +52,46 @@ def find_end(snapshot: Snapshot, root: Node, path: Path) -> End:
     return End(path, PortRef(facts.instance, port.name), port)
 
 
-def check_pair(one: End, other: End, given: Mapping[str, str], *, is_forced: bool = False) -> None:
-    """Refuse ports that cannot be connected; forced, unlike data types are let pass.
+def check_pair(one: End, other: End, properties: Mapping[str, str]) -> None:
+    """Refuse ports that cannot be connected with these properties.
 
     Raises:
         Refused: Tells why.
     """
-    types = {one.port.port_type, other.port.port_type}
-    is_service = types == {PortType.SERVICE}
-    if one.ref == other.ref or not (is_service or types == {PortType.IN, PortType.OUT}):
-        raise Refused("Wrong port type.")
-    if not all(_allows(one.port, other.port, key, value) for key, value in given.items()):
-        raise Refused("Incompatible connection properties.")
-    if is_service:
-        _check_interfaces(one.port.interfaces, other.port.interfaces)
-    elif not is_forced:
-        _check_data_types(one, other)
+    from rtkit.component.check import INCOMPATIBLE, WRONG_TYPE, refusal
+
+    why = refusal((one.port, other.port), properties)
+    if one.ref == other.ref:
+        why = WRONG_TYPE
+    elif not why and not all(_allows(one.port, other.port, *each) for each in properties.items()):
+        why = INCOMPATIBLE
+    if why:
+        raise Refused(why)
 
 
 def _allows(one: PortProfile, other: PortProfile, key: str, value: str) -> bool:
-    lists = [port.properties[key] for port in (one, other) if key in port.properties]
-    if len(lists) < 2 or key == "dataport.data_type":
+    if key in _NO_CHOICE or ".buffer." in key:
         return True
-    return all(_is_listed(value, listed) for listed in lists)
+    lists = [port.properties[key] for port in (one, other) if key in port.properties]
+    return len(lists) < 2 or all(_is_listed(value, listed) for listed in lists)
 
 
 def _is_listed(value: str, listed: str) -> bool:
     from rtkit.component.options import interface_name
 
     words = [interface_name(word) for word in listed.split(",")]
-    return ANY in words or interface_name(value) in words
-
-
-def _check_interfaces(
-    one: Sequence[PortInterfaceProfile], other: Sequence[PortInterfaceProfile]
-) -> None:
-    if not one or not other:
-        return
-    pairs = [(a, b) for a in one for b in other if a.type_name == b.type_name]
-    if not pairs:
-        raise Refused("Interfaces do not match.")
-    if all(a.polarity is b.polarity for a, b in pairs):
-        raise Refused("Polarities do not match.")
-
-
-def _check_data_types(one: End, other: End) -> None:
-    from rtkit.component.typenames import is_same_type
-
-    if not is_same_type(one.port.data_type, other.port.data_type):
-        raise Refused(
-            f"data types differ: {one.path.typed} has {one.port.data_type},"
-            f" {other.path.typed} has {other.port.data_type}"
-        )
+    return "any" in words or interface_name(value) in words
 
 
 def make_connector(
     one: End, other: End, connector_id: str, name: str, given: Mapping[str, str]
 ) -> ConnectorProfile:
-    """Return the connector of two ports, out port first, defaults filled in."""
+    """Return the connector of two ports, out port first, defaults filled in.
+
+    Raises:
+        Refused: The ports cannot be connected with these properties; tells why.
+    """
+    check_pair(one, other, given)
     if one.port.port_type is PortType.SERVICE:
         ends, properties = (one, other), {**SERVICE_DEFAULTS, **given}
     else:

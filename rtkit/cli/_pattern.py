@@ -1,0 +1,95 @@
+"""An RTC profile as the pattern of a stand-in."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.errors import NotFound
+from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
+from rtkit.rtc.pattern import ComponentPattern, ContextPattern
+from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
+
+if TYPE_CHECKING:
+    from rtkit.profile.rtc_model import DataPort, RtcProfile, ServicePort
+
+_DEFAULT_RATE = 1000.0
+
+
+def read_pattern(file: str) -> ComponentPattern:
+    """Read the RTC profile in `file`.
+
+    Raises:
+        NotFound: There is no such file.
+        InvalidDocument: It is no RTC profile.
+    """
+    from rtkit.profile.read import read_rtc
+
+    try:
+        with open(file, "rb") as stream:
+            data = stream.read()
+    except OSError as error:
+        raise NotFound(f"cannot read {file}: {error.strerror}") from error
+    return pattern_of(read_rtc(data, file).profile)
+
+
+def pattern_of(profile: RtcProfile) -> ComponentPattern:
+    """Return the pattern of the component type that a profile describes."""
+    sets = profile.configuration_set
+    values = {each.name: each.default_value for each in sets.configurations} if sets else {}
+    ports = [_data_port(port) for port in profile.data_ports]
+    ports += [_service_port(port) for port in profile.service_ports]
+    return ComponentPattern(
+        _type(profile),
+        tuple(ports),
+        {"default": values} if values else {},
+        contexts=(_context(profile),),
+    )
+
+
+def _type(profile: RtcProfile) -> TypeProfile:
+    language = profile.language.kind if profile.language is not None else "Python"
+    info = profile.basic_info
+    if info is None:
+        _, vendor, category, name, version = (profile.id.split(":") + [""] * 5)[:5]
+        return TypeProfile(name, vendor, category, version, language=language)
+    return TypeProfile(
+        info.name, info.vendor, info.category, info.version, info.description or "", language
+    )
+
+
+def _context(profile: RtcProfile) -> ContextPattern:
+    info = profile.basic_info
+    rate = (info.execution_rate if info is not None else None) or _DEFAULT_RATE
+    word = info.execution_type.lower() if info is not None else "periodic"
+    if "periodic" in word or not word:
+        return ContextPattern(rate=rate)
+    kind = ExecutionKind.EVENT_DRIVEN if "event" in word else ExecutionKind.OTHER
+    return ContextPattern(kind=kind, rate=rate)
+
+
+def _data_port(port: DataPort) -> PortProfile:
+    kind = PortType.OUT if port.port_type == PortType.OUT else PortType.IN
+    told = {
+        "dataport.data_type": port.type,
+        "dataport.interface_type": port.interface_type,
+        "dataport.dataflow_type": port.dataflow_type,
+        "dataport.subscription_type": port.subscription_type,
+        "description": port.comment,
+    }
+    properties = {key: value for key, value in told.items() if value}
+    return PortProfile(port.name, kind, {"port.port_type": kind.value, **properties})
+
+
+def _service_port(port: ServicePort) -> PortProfile:
+    interfaces = tuple(
+        PortInterfaceProfile(
+            each.instance_name or each.name,
+            each.type,
+            Polarity.PROVIDED if each.direction == Polarity.PROVIDED else Polarity.REQUIRED,
+        )
+        for each in port.service_interfaces
+    )
+    properties = {"port.port_type": PortType.SERVICE.value}
+    if port.comment:
+        properties["description"] = port.comment
+    return PortProfile(port.name, PortType.SERVICE, properties, interfaces)

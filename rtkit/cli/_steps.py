@@ -1,0 +1,212 @@
+"""What ``rtmgr`` asks of a manager: read from the command line, then done in order."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.cli import _out
+from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
+from rtkit.errors import RtkitError, UsageProblem, from_kind
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.names import COMPONENT_SUFFIX
+
+if TYPE_CHECKING:
+    from rtkit.cli._app import App
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.rtc.profiles import TypeProfile
+    from rtkit.tree.view import Node
+
+_FAILED = {
+    "load": "Failed to load module",
+    "unload": "Failed to unload module",
+    "create": "Failed to create component",
+    "delete": "Failed to delete component",
+    "configure": "Failed to set configuration",
+}
+
+
+class Step(NamedTuple):
+    """One thing to do: its kind, what the user typed, and the action it is, if it is one."""
+
+    kind: str
+    typed: str
+    action: Action | None = None
+
+    @property
+    def is_action(self) -> bool:
+        """Whether it travels in a batch."""
+        return self.action is not None
+
+    def failure(self, kind: str, why: str) -> RtkitError:
+        """Return the error that tells that it failed, and why."""
+        return from_kind(kind, f"{_FAILED[self.kind]}: {self.typed} ({why})")
+
+
+def read_step(kind: str, typed: str) -> Step:
+    """Read one option of the command line.
+
+    Raises:
+        UsageProblem: A part of it is missing.
+        Malformed: It cannot be read.
+    """
+    if kind == "load":
+        path, init = _split_init(typed)
+        return Step(kind, typed, Load(_module_path(path), init))
+    if kind == "unload":
+        return Step(kind, typed, Unload(_module_path(typed)))
+    if kind == "create":
+        return Step(kind, typed, _create(typed))
+    if kind == "delete":
+        return Step(kind, typed, Delete(typed))
+    if kind == "configure" and not typed.partition("=")[1]:
+        raise UsageProblem(f"Bad property format: {typed} (it is KEY=VALUE)")
+    return Step(kind, typed)
+
+
+def _split_init(typed: str) -> tuple[str, str]:
+    path, colon, init = typed.rpartition(":")
+    if not colon or not path or not init or "/" in init:
+        raise UsageProblem("No initialisation function specified.")
+    return path, init
+
+
+def _module_path(typed: str) -> str:
+    return os.path.abspath(typed) if typed.startswith(("./", "../")) else typed
+
+
+def _create(typed: str) -> Create:
+    try:
+        identity, question, options = typed.partition("?")
+        if not _is_profile(identity):
+            return Create(str(parse_create(typed)))
+        from rtkit.cli._pattern import read_pattern
+
+        pattern = read_pattern(identity)
+        create = parse_create(f"stand-in{question}{options}")
+        return Create(str(create), pattern=pattern)
+    except RtkitError as error:
+        step = Step("create", typed)
+        raise step.failure(error.kind, str(error)) from error
+
+
+def _is_profile(identity: str) -> bool:
+    return identity.endswith(".xml") or ("/" in identity and os.path.isfile(identity))
+
+
+class Runner:
+    """Does steps at one manager, in order; consecutive actions travel as one batch."""
+
+    def __init__(self, app: App, node: Node, is_printing: bool, is_json: bool) -> None:
+        self._app = app
+        self._node = node
+        self._is_printing = is_printing
+        self._is_json = is_json
+
+    def run(self, steps: Sequence[Step]) -> None:
+        """Do all steps, or those before the first that fails.
+
+        Raises:
+            RtkitError: A step failed; names it.
+        """
+        for is_batch, group in groupby(steps, key=lambda step: step.is_action):
+            if is_batch:
+                self._perform(list(group))
+            else:
+                for step in group:
+                    self._ask(step)
+
+    def _perform(self, steps: Sequence[Step]) -> None:
+        results = self._app.tree.apply([self._placed(step.action) for step in steps if step.action])
+        made = [
+            result.value
+            for step, result in zip(steps, results, strict=False)
+            if step.kind == "create" and result.ok
+        ]
+        if made and self._is_printing:
+            _out.write(self._paths(made))
+        last = results[-1]
+        if not last.ok:
+            raise steps[len(results) - 1].failure(last.kind, last.why)
+
+    def _placed(self, action: Action) -> Action:
+        if not isinstance(action, Create) or not self._node.is_slave:
+            return action
+        create = parse_create(action.create)
+        if create.place:
+            return action
+        return Create(
+            str(create.with_options(manager_name=self._node.process)), action.names, action.pattern
+        )
+
+    def _paths(self, instances: Sequence[str]) -> list[str]:
+        names = {row.instance: row.names for row in self._app.tree.listing().rows}
+        below = self._node.path
+        return [
+            _out.printable(
+                f"/{names[instance][0]}"
+                if names.get(instance)
+                else f"{below}/{instance}{COMPONENT_SUFFIX}"
+            )
+            for instance in instances
+        ]
+
+    def _ask(self, step: Step) -> None:
+        if step.kind == "configure":
+            key, _, value = step.typed.partition("=")
+            try:
+                self._app.tree.set(key, value)
+            except RtkitError as error:
+                raise step.failure(error.kind, str(error)) from error
+            return
+        snapshot = self._app.tree.snapshot()
+        if step.kind == "properties":
+            self._show_properties(snapshot)
+        elif step.kind == "modules":
+            self._show({"type": name} for name in _types(snapshot))
+        else:
+            self._show(self._components(snapshot))
+
+    def _components(self, snapshot: Snapshot) -> Iterator[dict[str, str]]:
+        for facts in snapshot.components:
+            if self._node.is_slave and facts.process != self._node.process:
+                continue
+            yield {
+                "instance": facts.instance,
+                "type": _type_id(facts.type),
+                "name": facts.names[0] if facts.names else "",
+                "host": snapshot.host,
+                "manager": facts.process,
+            }
+
+    def _show(self, rows: Iterator[dict[str, str]]) -> None:
+        table = list(rows)
+        if self._is_json:
+            self._print_json(table)
+            return
+        cells = [[_out.printable(text or "-") for text in row.values()] for row in table]
+        widths = [max(map(_out.display_width, column)) for column in zip(*cells, strict=True)]
+        _out.write("  ".join(map(_out.padded, line, widths)).rstrip() for line in cells)
+
+    def _show_properties(self, snapshot: Snapshot) -> None:
+        rows = sorted(snapshot.properties.items())
+        if self._is_json:
+            self._print_json([dict(rows)])
+        else:
+            _out.write(_out.pairs([(f"{key}:", value) for key, value in rows], ""))
+
+    def _print_json(self, records: Sequence[dict[str, str]]) -> None:
+        from json import dumps
+
+        _out.write(dumps({"schema": "rtkit.mgr/1", **record}) for record in records)
+
+
+def _types(snapshot: Snapshot) -> list[str]:
+    return sorted({_type_id(each) for module in snapshot.modules for each in module.types})
+
+
+def _type_id(profile: TypeProfile) -> str:
+    fields = (profile.vendor, profile.category, profile.type_name, profile.language)
+    return ":".join(("RTC", *fields, profile.version))

@@ -1,0 +1,129 @@
+"""``rtmgr``: start, stop and command managers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli._app import App, WrongArguments, command
+from rtkit.errors import Malformed, Unreachable, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.cli._steps import Step
+
+WORDS = ("start", "stop", "status", "run")
+_ORDER = "rtkit.order"
+
+
+class _InOrder(click.Command):
+    """Remembers options with their values in the order of the command line."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        values, _, order = self.make_parser(ctx).parse_args(list(args))
+        steps: list[tuple[str, object]] = []
+        taken: dict[str, int] = {}
+        for parameter in order:
+            name = parameter.name or ""
+            if not getattr(parameter, "multiple", False):
+                continue
+            index = taken.get(name, 0)
+            taken[name] = index + 1
+            steps.append((name, values[name][index]))
+        ctx.meta[_ORDER] = steps
+        return super().parse_args(ctx, args)
+
+
+def _step(short: str, long: str, name: str, metavar: str, text: str) -> click.Option:
+    return click.Option([short, long, name], multiple=True, metavar=metavar, help=text)
+
+
+def _question(short: str, long: str, name: str, text: str) -> click.Option:
+    return click.Option([short, long, name], multiple=True, is_flag=True, help=text)
+
+
+_STEPS = [
+    _step("-l", "--load", "load", "PATH:INIT", "Load a module, call its init function."),
+    _step("-u", "--unload", "unload", "PATH", "Forget a module."),
+    _step("-c", "--create", "create", "CREATE", "Create a component, or a stand-in (FILE.xml)."),
+    _step("-d", "--delete", "delete", "NAME", "Finalise and delete a component."),
+    _step("-s", "--setconfig", "configure", "KEY=VALUE", "Set a property of the manager."),
+    _question("-m", "--modules", "modules", "List the component types that loaded modules offer."),
+    _question("-r", "--rtcs", "components", "List the components."),
+    _question("-g", "--config", "properties", "List the properties of the manager."),
+]
+
+
+@command("rtmgr", cls=_InOrder, params=_STEPS)
+@click.option("--print", "is_printing", is_flag=True, help="Print paths of created components.")
+@click.option("--json", "is_json", is_flag=True, help="Lists and status as JSON.")
+@click.argument("words", nargs=-1, metavar="MANAGER | start|stop|status|run [NAME]")
+def main(
+    app: App,
+    words: tuple[str, ...],
+    is_printing: bool,
+    is_json: bool,
+    **_values: object,
+) -> int:
+    """Start, stop and command managers.
+
+    start, stop, status and run (in the foreground) take the name of a manager, by default
+    "manager". Everything else is asked of the manager at a path, in the order of the command
+    line and in one batch, and ends at the first failure.
+
+    CREATE is TYPE?key=value&key=value, for instance ConsoleIn?instance_name=In0&manager_name=s1,
+    where manager_name is the slave that is to hold the component and is started when needed; in
+    place of TYPE the file of an RTC profile makes a stand-in. Paths of modules that begin with
+    ./ or ../ are meant from here, others are looked for by the manager.
+    """
+    from rtkit.cli._steps import read_step
+
+    asked = click.get_current_context().meta[_ORDER]
+    if words and words[0] in WORDS:
+        return _word(app, words, bool(asked), is_json)
+    if len(words) > 1:
+        raise WrongArguments
+    steps = [read_step(name, str(value)) for name, value in asked]
+    if not words:
+        raise Malformed("No manager specified.")
+    if not steps:
+        raise Malformed("No commands specified.")
+    _command(app, words[0], steps, is_printing, is_json)
+    return 0
+
+
+def _command(app: App, typed: str, steps: Sequence[Step], is_printing: bool, is_json: bool) -> None:
+    from rtkit.cli._steps import Runner
+    from rtkit.tree.resolve import manager
+    from rtkit.tree.view import build
+
+    if typed.startswith("corbaloc:"):
+        host, port, name = _direct_address(typed)
+        raise Unreachable(f"no manager named {name} answers at {host}:{port}: {typed}")
+    path = app.path(typed)
+    listing = app.tree.listing()
+    node = manager(build(listing), path, listing.host)
+    Runner(app, node, is_printing, is_json).run(steps)
+
+
+def _direct_address(typed: str) -> tuple[str, int, str]:
+    """Read ``corbaloc:[iiop]:host[:port][/id]``."""
+    protocol, _, address = typed.removeprefix("corbaloc:").partition(":")
+    place, slash, name = address.partition("/")
+    host, colon, port = place.partition(":")
+    is_bad_port = bool(colon) and not (port.isascii() and port.isdigit() and int(port) < 65536)
+    is_bad_name = bool(slash) and (not name or "/" in name)
+    if protocol not in ("", "iiop") or not host or is_bad_port or is_bad_name:
+        raise Malformed("Invalid corbaloc URL.")
+    return host, int(port or 2810), name or "manager"
+
+
+def _word(app: App, words: Sequence[str], has_steps: bool, is_json: bool) -> int:
+    from rtkit.cli._daemon import run_word
+
+    if has_steps:
+        raise UsageProblem(f"{words[0]} takes no options that command a manager")
+    if len(words) > 2:
+        raise WrongArguments
+    return run_word(app, words[0], words[1] if len(words) > 1 else "", is_json)

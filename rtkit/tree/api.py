@@ -1,0 +1,207 @@
+"""What scripts say to a manager, by paths: the commands as methods of `rtkit.tree.client.Tree`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.deployment.listing import Listing, listing_of
+from rtkit.errors import NotFound
+from rtkit.rtc.enums import Transition
+from rtkit.rtc.names import parse_path
+from rtkit.tree import resolve
+from rtkit.tree.view import Node, build
+
+if TYPE_CHECKING:
+    from typing import Protocol
+
+    from rtkit.deployment.actions import Action, Result
+    from rtkit.deployment.facts import ComponentFacts, Snapshot
+    from rtkit.rtc.profiles import ConnectorProfile
+
+    class _Calls(Protocol):
+        def listing(self) -> Listing: ...
+
+        def snapshot(self) -> Snapshot: ...
+
+        def apply(
+            self,
+            actions: Sequence[Action],
+            *,
+            is_ordered: bool = True,
+            timeout_s: float | None = None,
+        ) -> tuple[Result, ...]: ...
+
+        def perform(self, action: Action, *, timeout_s: float | None = None) -> str: ...
+
+
+class ByPath:
+    """Paths are absolute, as ``rtls`` shows them. Every method is bounded by the time-out.
+
+    Example::
+
+        with rtkit.connect() as tree:
+            tree.create("ConsoleIn?instance_name=In0")
+            tree.create("ConsoleOut?instance_name=Out0&manager_name=other")
+            tree.connect("/localhost/In0.rtc:out", "/localhost/Out0.rtc:in")
+            for name in tree.ls("/localhost"):
+                if name.endswith(".rtc"):
+                    tree.activate(f"/localhost/{name}")
+    """
+
+    def ls(self: _Calls, path: str = "/localhost") -> list[str]:
+        """Return the names of what is at a place, by name.
+
+        Raises:
+            NotFound: Nothing is there.
+        """
+        listing = self.listing()
+        node = resolve.entry(build(listing), parse_path(path), listing.host)
+        return [child.name for child in node.entries()] if node.is_directory else [node.name]
+
+    def component(self: _Calls, path: str) -> ComponentFacts:
+        """Return everything known of a component: ``tree.component("/localhost/In0.rtc").state``.
+
+        Raises:
+            NotFound: Nothing is there.
+            Refused: It is no component, or a zombie.
+        """
+        snapshot = self.snapshot()
+        facts = snapshot.component(_component(listing_of(snapshot), path).instance)
+        if facts is None:
+            raise NotFound(f"No such object: {path}")
+        return facts
+
+    def create(self: _Calls, text: str) -> str:
+        """Create a component from a create string and return its instance name.
+
+        Example::
+
+            tree.create("ConsoleIn?instance_name=In0&manager_name=slave1")
+        """
+        from rtkit.deployment.actions import Create
+
+        return self.perform(Create(text))
+
+    def delete(self: _Calls, path: str) -> None:
+        """Finalise a component, or forget a zombie: ``tree.delete("/localhost/In0.rtc")``.
+
+        Raises:
+            NotFound: Nothing is there.
+        """
+        from rtkit.deployment.actions import Delete
+
+        listing = self.listing()
+        node = resolve.entry(build(listing), parse_path(path), listing.host)
+        if node.is_directory:
+            raise NotFound(f"Not a component: {path}")
+        self.perform(Delete(node.instance))
+
+    def activate(self: _Calls, path: str, context: str = "0") -> None:
+        """Make a component active in an execution context; returns when it is.
+
+        Raises:
+            Refused: Its state does not allow it.
+        """
+        _change(self, path, context, Transition.ACTIVATE)
+
+    def deactivate(self: _Calls, path: str, context: str = "0") -> None:
+        """Make a component inactive in an execution context; returns when it is.
+
+        Raises:
+            Refused: Its state does not allow it.
+        """
+        _change(self, path, context, Transition.DEACTIVATE)
+
+    def reset(self: _Calls, path: str, context: str = "0") -> None:
+        """Bring a component from Error to Inactive; returns when it is.
+
+        Raises:
+            Refused: Its state does not allow it.
+        """
+        _change(self, path, context, Transition.RESET)
+
+    def connect(
+        self: _Calls, one: str, other: str, connector_id: str = "", **properties: str
+    ) -> str:
+        """Connect two ports and return the connector's id.
+
+        A dot in the name of a property is written as two underscores.
+
+        Example::
+
+            tree.connect("/localhost/In0.rtc:out", "/localhost/Out0.rtc:in",
+                         dataport__subscription_type="flush")
+
+        Raises:
+            Refused: The ports do not fit.
+        """
+        from uuid import uuid4
+
+        from rtkit.deployment.actions import Connect
+        from rtkit.tree.wiring import find_end, make_connector
+
+        snapshot = self.snapshot()
+        root = build(listing_of(snapshot))
+        first, second = (find_end(snapshot, root, parse_path(path)) for path in (one, other))
+        given = {key.replace("__", "."): value for key, value in properties.items()}
+        wire = make_connector(first, second, connector_id or str(uuid4()), "", given)
+        return self.perform(Connect(wire))
+
+    def disconnect(self: _Calls, one: str, other: str = "") -> int:
+        """Remove the connections of a port, or those between two; return how many there were.
+
+        Example::
+
+            tree.disconnect("/localhost/In0.rtc:out")
+        """
+        from rtkit.deployment.actions import Disconnect
+
+        wires = _wires(self.snapshot(), one, other)
+        for result in self.apply([Disconnect(wire.connector_id) for wire in wires]):
+            result.raise_for_error()
+        return len(wires)
+
+    def configure(self: _Calls, path: str, set_id: str = "", **values: str) -> None:
+        """Change parameters of a configuration set (by default the active one), all or none.
+
+        A component sees a change of its active set within one period.
+
+        Example::
+
+            tree.configure("/localhost/Robot0.rtc", speed="0.5")
+
+        Raises:
+            NotFound: No such component, set or parameter.
+        """
+        from rtkit.deployment.actions import ActivateSet, SetParameters
+
+        snapshot = self.snapshot()
+        node = _component(listing_of(snapshot), path)
+        facts = snapshot.component(node.instance)
+        active = facts.active_set if facts is not None else ""
+        chosen = set_id or active
+        actions: list[Action] = [SetParameters(node.instance, chosen, values)]
+        if chosen == active:
+            actions.append(ActivateSet(node.instance, chosen))
+        for result in self.apply(actions):
+            result.raise_for_error()
+
+
+def _component(listing: Listing, path: str) -> Node:
+    return resolve.component(build(listing), parse_path(path), listing.host)
+
+
+def _change(tree: _Calls, path: str, context: str, transition: Transition) -> None:
+    from rtkit.deployment.actions import ChangeState
+
+    node = _component(tree.listing(), path)
+    tree.perform(ChangeState(node.instance, context, transition))
+
+
+def _wires(snapshot: Snapshot, one: str, other: str) -> list[ConnectorProfile]:
+    from rtkit.tree.wiring import between, find_end
+
+    root = build(listing_of(snapshot))
+    ends = [find_end(snapshot, root, parse_path(path)).ref for path in (one, other) if path]
+    return between(snapshot.connectors, ends[0], ends[1:])
