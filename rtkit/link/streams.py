@@ -36,15 +36,38 @@ class Outlet:
 
 
 class Inlet:
-    """The receiving end of one stream."""
+    """The end of one stream that listens: it receives values, or is asked for them."""
 
-    def __init__(self, subscriber: zenoh.Subscriber[None]) -> None:
-        self._subscriber = subscriber
+    def __init__(self, declared: zenoh.Subscriber[None] | zenoh.Queryable[None]) -> None:
+        self._declared = declared
 
     def close(self) -> None:
-        """Deliver nothing more."""
+        """Take no part in the stream any more."""
         with contextlib.suppress(zenoh.ZError):
-            self._subscriber.undeclare()  # type: ignore[no-untyped-call]
+            self._declared.undeclare()  # type: ignore[no-untyped-call]
+
+
+class Fetcher:
+    """The end of one pull stream that asks for values."""
+
+    def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
+        self._session = session
+        self._key = key
+        self._release = release
+
+    def fetch(self, timeout_s: float) -> bytes | None:
+        """Return the next value, None when the other end has none or is gone."""
+        replies = self._session.get(
+            self._key,
+            timeout=timeout_s,
+            handler=zenoh.handlers.FifoChannel(4),
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+        return next((reply.ok.payload.to_bytes() for reply in replies if reply.ok), None)
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._release()
 
 
 class Streams:
@@ -64,15 +87,37 @@ class Streams:
         Raises:
             Unreachable: The socket cannot be made.
         """
-        with self._lock:
-            if self._listener is None:
-                self._listener = control.open_listener(control.unix_endpoint(self._path), "peer")
-            session = self._listener
+        session = self._listening()
 
         def heard(sample: zenoh.Sample) -> None:
             deliver(sample.payload.to_bytes())
 
-        return control.unix_endpoint(self._path), Inlet(session.declare_subscriber(key, heard))
+        return self._endpoint, Inlet(session.declare_subscriber(key, heard))
+
+    def answer(self, key: str, next_value: Callable[[], bytes | None]) -> tuple[str, Inlet]:
+        """Be asked for values on `key`; return the endpoint for who asks and the stream's end.
+
+        Raises:
+            Unreachable: The socket cannot be made.
+        """
+        session = self._listening()
+
+        def asked(query: zenoh.Query) -> None:
+            with query:
+                value = next_value()
+                if value is not None:
+                    query.reply(key, value)
+
+        return self._endpoint, Inlet(session.declare_queryable(key, asked))
+
+    def ask(self, endpoint: str, key: str, timeout_s: float) -> Fetcher:
+        """Open the end of a pull stream that asks.
+
+        Raises:
+            Unreachable: Nobody listens at `endpoint`.
+        """
+        session = self._sender(endpoint, timeout_s)
+        return Fetcher(session, key, lambda: self._release(endpoint))
 
     def send(self, endpoint: str, key: str, is_blocking: bool, timeout_s: float) -> Outlet:
         """Open the sending end of a stream; returns when the receiver was found.
@@ -110,6 +155,16 @@ class Streams:
         for session in sessions:
             session.close()  # type: ignore[no-untyped-call]
         remove_socket(self._path)
+
+    @property
+    def _endpoint(self) -> str:
+        return control.unix_endpoint(self._path)
+
+    def _listening(self) -> zenoh.Session:
+        with self._lock:
+            if self._listener is None:
+                self._listener = control.open_listener(self._endpoint, "peer")
+            return self._listener
 
     def _sender(self, endpoint: str, timeout_s: float) -> zenoh.Session:
         with self._lock:

@@ -9,7 +9,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from rtkit.component.buffer import Sink, make_ring
 from rtkit.component.codec import codec_for
@@ -19,13 +19,20 @@ from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
 from rtkit.errors import Malformed, RtkitError, Unreachable
 from rtkit.link import keys
-from rtkit.link.streams import Inlet, Outlet, Streams
+from rtkit.link.streams import Streams
 from rtkit.rtc.profiles import ConnectorProfile
 
 MATCH_S = 5.0
 """How long a sender looks for its receiver [s]."""
 
+Opened = Callable[[RtkitError | None], None]
+"""Told when the end of a stream is open, or why it is not."""
+
 _log = logging.getLogger(__name__)
+
+
+class _End(Protocol):
+    def close(self) -> None: ...
 
 
 class Wires:
@@ -34,7 +41,7 @@ class Wires:
     def __init__(self, host: str, streams: Streams) -> None:
         self._host = host
         self._streams = streams
-        self._ends: dict[str, list[Inlet | Outlet | _Publisher]] = {}
+        self._ends: dict[str, list[_End]] = {}
 
     def join(self, wire: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
         """Connect two ports of this process; the values themselves are handed over."""
@@ -68,30 +75,30 @@ class Wires:
         self._keep(wire, inlet)
         return endpoint
 
-    def send(
-        self,
-        wire: ConnectorProfile,
-        out: OutPort[Any],
-        endpoint: str,
-        done: Callable[[RtkitError | None], None],
-    ) -> None:
-        """Open the sending end of a stream; `done` is called from a thread of its own.
+    def send(self, wire: ConnectorProfile, out: OutPort[Any], endpoint: str, done: Opened) -> None:
+        """Open the sending end of a stream; `done` is called from a thread of its own."""
+        _in_background(lambda: self._open_outlet(wire, out, endpoint), endpoint, done)
 
-        The receiver may be stopped or dying: finding it must not hold up this process.
-        """
-        options = parse_options(wire.properties)
+    def serve(self, wire: ConnectorProfile, out: OutPort[Any]) -> str:
+        """Open the end of a pull connector that is asked, and return its endpoint."""
+        source = out.open_pull(wire)
+        encode = codec_for(out.data_type).encode
 
-        def work() -> None:
-            try:
-                self._open_outlet(wire, out, endpoint, options)
-            except RtkitError as error:
-                done(error)
-            except Exception as error:
-                done(Unreachable(f"cannot send to {endpoint}: {error}"))
-            else:
-                done(None)
+        def next_value() -> bytes | None:
+            value = source()
+            return None if value is None else encode(value)
 
-        threading.Thread(target=work, name=f"open {wire.connector_id}", daemon=True).start()
+        try:
+            endpoint, inlet = self._streams.answer(self._key(wire), next_value)
+        except RtkitError:
+            out.detach(wire.connector_id)
+            raise
+        self._keep(wire, inlet)
+        return endpoint
+
+    def fetch(self, wire: ConnectorProfile, into: InPort[Any], endpoint: str, done: Opened) -> None:
+        """Open the end of a pull connector that asks; `done` as in `send`."""
+        _in_background(lambda: self._open_fetcher(wire, into, endpoint), endpoint, done)
 
     def cut(self, connector_id: str) -> None:
         """Close what this process holds of a connector."""
@@ -104,9 +111,8 @@ class Wires:
             self.cut(connector_id)
         self._streams.close()
 
-    def _open_outlet(
-        self, wire: ConnectorProfile, out: OutPort[Any], endpoint: str, options: ConnectorOptions
-    ) -> None:
+    def _open_outlet(self, wire: ConnectorProfile, out: OutPort[Any], endpoint: str) -> None:
+        options = parse_options(wire.properties)
         blocking = FullPolicy.BLOCK in (options.inport.full_policy, options.outport.full_policy)
         outlet = self._streams.send(endpoint, self._key(wire), blocking, MATCH_S)
         encode, put = codec_for(out.data_type).encode, outlet.put
@@ -116,6 +122,23 @@ class Wires:
             outlet.close()
             raise
         self._keep(wire, outlet)
+
+    def _open_fetcher(self, wire: ConnectorProfile, into: InPort[Any], endpoint: str) -> None:
+        options = parse_options(wire.properties)
+        fetcher = self._streams.ask(endpoint, self._key(wire), MATCH_S)
+        decode = codec_for(into.data_type).decode
+        bound_s = options.inport.read_timeout + options.outport.read_timeout
+
+        def source() -> Any:
+            payload = fetcher.fetch(bound_s)
+            return None if payload is None else decode(payload)
+
+        try:
+            into.open_pull(wire, source)
+        except RtkitError:
+            fetcher.close()
+            raise
+        self._keep(wire, fetcher)
 
     def _attach(
         self, wire: ConnectorProfile, out: OutPort[Any], sink: Sink[Any], options: ConnectorOptions
@@ -129,11 +152,27 @@ class Wires:
         else:
             out.attach(wire.connector_id, sink)
 
-    def _keep(self, wire: ConnectorProfile, end: Inlet | Outlet | _Publisher) -> None:
+    def _keep(self, wire: ConnectorProfile, end: _End) -> None:
         self._ends.setdefault(wire.connector_id, []).append(end)
 
     def _key(self, wire: ConnectorProfile) -> str:
         return keys.data(self._host, wire.connector_id)
+
+
+def _in_background(work: Callable[[], None], endpoint: str, done: Opened) -> None:
+    """Do `work` on a thread: the other end may be stopped, which must not hold this process up."""
+
+    def run() -> None:
+        try:
+            work()
+        except RtkitError as error:
+            done(error)
+        except Exception as error:
+            done(Unreachable(f"cannot reach {endpoint}: {error}"))
+        else:
+            done(None)
+
+    threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
 
 
 def _every(sink: Sink[Any], group: int) -> Sink[Any]:

@@ -41,6 +41,7 @@ from rtkit.manager.events import (
 )
 from rtkit.manager.procedures import (
     Ask,
+    Later,
     Need,
     Procedure,
     Signal,
@@ -170,6 +171,8 @@ class Core:
                     self._out.append(SignalSlave(process.key, number))
                 case Tell(process, message):
                     self._out.append(SendToHolder(process.key, message))
+                case Later(procedure):
+                    self._resume(_Task(procedure), None)
                 case Need(name):
                     value = self._needed(task, name)
                     if value is None:

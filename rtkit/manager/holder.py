@@ -54,6 +54,8 @@ class Holder:
             "link": self._link,
             "sink": self._sink,
             "source": self._source,
+            "serve": self._serve_values,
+            "fetch": self._fetch,
             "unlink": self._unlink,
             "set": self._set,
             "activate_set": self._activate_set,
@@ -209,14 +211,26 @@ class Holder:
 
     def _source(self, message: Message) -> object:
         wire = decode(ConnectorProfile, message["connector"])
-        out = self._out_port(wire)
+        port = self._out_port(wire)
         self._profiles[wire.connector_id] = wire
-
-        def done(error: RtkitError | None) -> None:
-            self._inbox.put(lambda: self._sent(message, error))
-
-        self._wires.send(wire, out, message["endpoint"], done)
+        self._wires.send(wire, port, message["endpoint"], self._later(message))
         return _LATER
+
+    def _serve_values(self, message: Message) -> str:
+        wire = decode(ConnectorProfile, message["connector"])
+        port = self._out_port(wire)
+        self._profiles[wire.connector_id] = wire
+        return self._wires.serve(wire, port)
+
+    def _fetch(self, message: Message) -> object:
+        wire = decode(ConnectorProfile, message["connector"])
+        port = self._in_port(wire)
+        self._profiles[wire.connector_id] = wire
+        self._wires.fetch(wire, port, message["endpoint"], self._later(message))
+        return _LATER
+
+    def _later(self, message: Message) -> Callable[[RtkitError | None], None]:
+        return lambda error: self._inbox.put(lambda: self._sent(message, error))
 
     def _sent(self, message: Message, error: RtkitError | None) -> None:
         if error is None:

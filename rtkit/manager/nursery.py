@@ -17,6 +17,7 @@ from typing import Any
 
 from rtkit.link.streams import remove_socket
 from rtkit.manager import events as ev
+from rtkit.manager.leftovers import end_children, end_session
 from rtkit.manager.wire import Channel
 from rtkit.manager.zygote import reason
 
@@ -40,6 +41,7 @@ class Nursery:
         self._settings = dict(settings)
         self._pids: dict[int, int] = {}
         self._keys: dict[int, int] = {}
+        self._pidfds: dict[int, int] = {}
         self._asked: dict[int, str] = {}
         self._channel, self._zygote = self._start()
 
@@ -61,14 +63,14 @@ class Nursery:
         return self._pids.get(key) == pid
 
     def signal(self, key: int, number: signal.Signals) -> None:
-        """Send a signal to a slave, if it still is ours to be waited for."""
-        pid = self._pids.get(key)
-        if pid is None:
+        """Send a signal to a slave; through its pidfd, so never to a stranger of the same pid."""
+        pidfd = self._pidfds.get(key)
+        if pidfd is None:
             return
         try:
-            os.kill(pid, number)
+            signal.pidfd_send_signal(pidfd, number)
         except ProcessLookupError:
-            _log.info("slave process %d is gone already", pid)
+            _log.debug("slave %d has ended already", key)
 
     def receive(self) -> list[ev.Event] | None:
         """Return what the zygote reports; None when it ended, and `restart` is due."""
@@ -101,12 +103,9 @@ class Nursery:
                 yield event
 
     def close(self) -> None:
-        """End the zygote and wait for it."""
+        """End the zygote, and whatever components started and left behind."""
         self._channel.close()
-        try:
-            os.waitid(os.P_PID, self._zygote, os.WEXITED)
-        except ChildProcessError:
-            _log.info("the zygote was reaped before")
+        end_children()
 
     def _event(self, message: Mapping[str, Any]) -> ev.Event | None:
         if "forked" in message:
@@ -124,12 +123,20 @@ class Nursery:
         if self._asked.pop(key, None) is not None:
             self._pids[key] = pid
             self._keys[pid] = key
+            try:
+                self._pidfds[key] = os.pidfd_open(pid)
+            except ProcessLookupError:
+                _log.debug("slave %d ended at birth", key)
 
     def _ended(self, pid: int, why: str) -> ev.Event | None:
         key = self._keys.pop(pid, None)
         if key is None:
             return None
         del self._pids[key]
+        pidfd = self._pidfds.pop(key, None)
+        if pidfd is not None:
+            os.close(pidfd)
+        end_session(pid)
         remove_socket(self._settings["data"].replace("%p", str(pid)))
         return ev.SlaveEnded(key, why)
 

@@ -6,6 +6,7 @@ A procedure yields
 * `Ask(process, message)`: the answer of a process's holder; receives its value;
 * `Tell(process, message)`: a message sent; goes on at once;
 * `Signal(process, number)`: a signal sent; goes on at once;
+* `Later(procedure)`: another procedure begun, whose outcome nobody waits for; goes on at once;
 * `UntilEnded(timeout_s)`: the end of any slave.
 
 An error that ends the wait is raised inside the procedure. What a procedure has changed when it
@@ -21,6 +22,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtkit.component.check import refusal
+from rtkit.component.options import parse_options
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
@@ -29,7 +31,7 @@ from rtkit.manager.events import OWN_PROCESS, Message
 from rtkit.manager.state import Process, State
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, check_instance_name
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, check_instance_name, is_local_host
 from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile, PortProfile, TypeProfile
 
@@ -73,10 +75,20 @@ class UntilEnded:
     timeout_s: float
 
 
+@dataclass(frozen=True, slots=True)
+class Later:
+    """Begin a procedure that goes on by itself: cleaning up must not delay an answer."""
+
+    procedure: Procedure
+
+
+MASTER_PORT = 2810
+"""Where a master listens by convention; addresses of other local ports stand for its slaves."""
+
 TERM_S = 2.0
 """Grace between TERM and KILL [s]."""
 
-Procedure = Generator[Need | Ask | Tell | Signal | UntilEnded, Any, Result]
+Procedure = Generator[Need | Ask | Tell | Signal | UntilEnded | Later, Any, Result]
 
 
 def procedure_for(action: Action, state: State) -> Procedure:
@@ -156,8 +168,6 @@ def _unload(state: State, action: act.Unload) -> Procedure:
 
 def _create(state: State, action: act.Create) -> Procedure:
     create = parse_create(action.create)
-    if create.address:
-        raise Refused(f"no manager of this installation listens at {create.address}")
     wished = create.instance_name
     known = state.components.get(wished)
     if known is not None and not known.zombie:
@@ -198,12 +208,25 @@ def _reserve(state: State, wished: str, action: act.Create, create: CreateString
 
 
 def _place(state: State, create: CreateString) -> Generator[Need, Any, Process]:
-    if create.place in ("", state.name):
+    name = create.place or _slave_at(state, create.address)
+    if name in ("", state.name):
         return state.processes[OWN_PROCESS]
-    if create.place != FRESH_SLAVE:
-        check_instance_name(create.place)
-    process: Process = yield Need(create.place)
+    if name != FRESH_SLAVE:
+        check_instance_name(name)
+    process: Process = yield Need(name)
     return process
+
+
+def _slave_at(state: State, address: str) -> str:
+    """Return the slave that stands for ``host:port``; port 2810 is the manager itself."""
+    if not address:
+        return ""
+    host, _, port = address.rpartition(":")
+    if not port.isascii() or not port.isdigit():
+        raise Malformed(f"manager address is not host:port: {address}")
+    if not is_local_host(host, state.host):
+        raise Unreachable(f"no manager is known on host {host}: {address}")
+    return "" if int(port) == MASTER_PORT else f"{state.name}_{int(port)}"
 
 
 def _make(state: State, process: Process, action: act.Create, create: CreateString) -> Procedure:
@@ -221,7 +244,7 @@ def _make(state: State, process: Process, action: act.Create, create: CreateStri
         if facts is None or facts.zombie:
             raise Refused(f"{instance} ended while it was made")
     except RtkitError:
-        yield from _unmake(state, process, instance, before)
+        yield Later(_unmake(state, process, instance, before))
         raise
     if create.place == FRESH_SLAVE:
         create = create.with_options(manager_name=process.name)
@@ -271,7 +294,8 @@ def end_slaves(slaves: list[Process]) -> Procedure:
         for process in slaves:
             if process.is_alive:
                 yield Signal(process, number)
-                yield Signal(process, signal.SIGCONT)
+                if process.state == "stopped":
+                    yield Signal(process, signal.SIGCONT)
         try:
             while any(process.is_alive for process in slaves):
                 yield UntilEnded(TERM_S)
@@ -331,18 +355,22 @@ def _ports(state: State, wire: ConnectorProfile) -> list[PortProfile]:
 
 
 def _wire(state: State, wire: ConnectorProfile) -> Procedure:
-    out, into = wire.ports
-    source, sink = living(state, out.instance), living(state, into.instance)
+    """Open both ends: first the one that listens, which is the one that takes no initiative."""
+    out, into = (living(state, end.instance) for end in wire.ports)
     plain = encode(wire)
-    if source is sink:
-        yield Ask(source, {"op": "link", "connector": plain})
+    if out is into:
+        yield Ask(out, {"op": "link", "connector": plain})
         return Result()
-    endpoint = yield Ask(sink, {"op": "sink", "connector": plain})
+    if parse_options(wire.properties).dataflow == "pull":
+        first, opens, second, joins = out, "serve", into, "fetch"
+    else:
+        first, opens, second, joins = into, "sink", out, "source"
+    endpoint = yield Ask(first, {"op": opens, "connector": plain})
     try:
-        yield Ask(source, {"op": "source", "connector": plain, "endpoint": endpoint})
+        yield Ask(second, {"op": joins, "connector": plain, "endpoint": endpoint})
     except RtkitError:
-        if sink.state == "up":
-            yield Ask(sink, {"op": "unlink", "connector_id": wire.connector_id})
+        if first.state == "up":
+            yield Tell(first, {"op": "unlink", "connector_id": wire.connector_id})
         raise
     return Result()
 

@@ -33,6 +33,8 @@ def run(key: int, name: str, settings: Any) -> None:
         level=logging.INFO,
         format=f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s",
     )
+    with open("/proc/self/comm", "w", encoding="utf-8") as comm:
+        comm.write(f"rtkit {name}")
     connection = socket.socket(socket.AF_UNIX)
     connection.connect(settings["control"])
     channel = Channel(connection)
