@@ -1,0 +1,146 @@
+"""Configuration sets."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtkit.component.config import Configuration, is_hidden
+from rtkit.errors import NotFound, Refused
+
+
+@pytest.fixture
+def reports():
+    return []
+
+
+@pytest.fixture
+def config(reports):
+    config = Configuration(reports.append)
+    config.bind("gain", 1.0)
+    config.bind("name", "x")
+    config.declare("fast", {"gain": "5"})
+    config.declare("__widget__", {"gain": "text"})
+    return config
+
+
+def test_default_exists_and_is_active(config):
+    assert config.active_set == "default"
+    assert config.sets["default"] == {"gain": "1.0", "name": "x"}
+    assert config.values == {"gain": 1.0, "name": "x"}
+
+
+def test_set_changes_text_only_and_of_one_set(config):
+    config.set("default", {"gain": "2"})
+    assert config.sets["default"]["gain"] == "2"
+    assert config.sets["fast"] == {"gain": "5"}
+    assert config.values["gain"] == 1.0
+    assert not config.is_pending
+
+
+def test_set_is_all_or_nothing(config):
+    with pytest.raises(NotFound, match="No such configuration parameter: weight"):
+        config.set("default", {"gain": "2", "weight": "3"})
+    assert config.sets["default"]["gain"] == "1.0"
+    with pytest.raises(NotFound, match="No such configuration set: slow"):
+        config.set("slow", {"gain": "2"})
+
+
+def test_activation_waits_for_update(config):
+    config.activate("fast")
+    assert config.is_pending
+    assert config.active_set == "default"
+    assert config.values["gain"] == 1.0
+    assert config.update()
+    assert config.active_set == "fast"
+    assert config.values == {"gain": 5.0, "name": "x"}
+    assert not config.update()
+
+
+def test_text_written_after_an_activation_waits_for_the_next(config):
+    config.activate("fast")
+    config.set("fast", {"gain": "6"})
+    config.update()
+    assert config.values["gain"] == 5.0
+
+
+def test_the_last_of_several_activations_counts(config):
+    config.activate("fast")
+    config.activate("default")
+    config.update()
+    assert config.active_set == "default"
+    assert not config.is_pending
+
+
+def test_text_that_cannot_be_read_gives_the_default_and_a_report(config, reports):
+    config.set("fast", {"gain": "quick"})
+    config.activate("fast")
+    config.update()
+    assert config.values["gain"] == 1.0
+    assert config.active_set == "fast"
+    (report,) = reports
+    assert "fast.gain" in report
+    assert "'quick'" in report
+
+
+@pytest.mark.parametrize("name", ["", "_x", "__widget__"])
+def test_some_sets_cannot_be_activated(config, name):
+    with pytest.raises(Refused, match="cannot be activated"):
+        config.activate(name)
+    assert not config.is_pending
+
+
+def test_an_unknown_set_cannot_be_activated(config):
+    with pytest.raises(NotFound, match="No such configuration set: slow"):
+        config.activate("slow")
+
+
+def test_only_sets_added_at_run_time_are_removed(config):
+    config.add_set("mine", {"gain": "9"})
+    with pytest.raises(Refused, match="exists already"):
+        config.add_set("mine", {})
+    for name in ("default", "fast"):
+        with pytest.raises(Refused, match="not added at run time"):
+            config.remove_set(name)
+    with pytest.raises(NotFound, match="No such configuration set: other"):
+        config.remove_set("other")
+    config.activate("mine")
+    with pytest.raises(Refused, match="active"):
+        config.remove_set("mine")
+    config.update()
+    with pytest.raises(Refused, match="active"):
+        config.remove_set("mine")
+    config.activate("default")
+    config.update()
+    config.remove_set("mine")
+    assert "mine" not in config.sets
+
+
+def test_changes_are_told(config):
+    told = []
+    config.changed = lambda change, name: told.append((change, name))
+    config.set("fast", {"gain": "6"})
+    config.add_set("mine", {})
+    config.remove_set("mine")
+    config.activate("fast")
+    config.update()
+    assert told == [
+        ("parameter_updated", "fast.gain"),
+        ("set_updated", "fast"),
+        ("set_added", "mine"),
+        ("set_removed", "mine"),
+        ("set_activated", "fast"),
+    ]
+
+
+def test_what_was_handed_out_does_not_change(config):
+    sets = config.sets
+    config.set("fast", {"gain": "7"})
+    assert sets["fast"] == {"gain": "5"}
+
+
+@pytest.mark.parametrize(
+    ("name", "hidden"),
+    [("__widget__", True), ("default", False), ("__x", False), ("x__", False), ("____", False)],
+)
+def test_hidden_sets(name, hidden):
+    assert is_hidden(name) is hidden
