@@ -10,12 +10,13 @@ from rtkit.cli._app import App
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name
 
 if TYPE_CHECKING:
-    from rtkit.manager.launch import Status
+    from rtkit.tree.managers import Status
 
 
 def run_word(app: App, word: str, name: str, is_json: bool) -> int:
     """Start, stop, be, or tell about the manager of that name; return the exit status."""
     from rtkit.manager import launch
+    from rtkit.tree import managers
 
     chosen = name.removesuffix(MANAGER_SUFFIX) or os.environ.get("RTKIT_MANAGER") or "manager"
     check_instance_name(chosen)
@@ -25,10 +26,10 @@ def run_word(app: App, word: str, name: str, is_json: bool) -> int:
         pid = launch.start(chosen, app.timeout_s)
         app.tell(f"manager {chosen} runs: pid {pid}, socket {_socket(chosen)}")
     elif word == "stop":
-        launch.stop(chosen, app.timeout_s)
+        managers.stop(chosen, app.timeout_s)
         app.tell(f"manager {chosen} ended")
     else:
-        _tell_status(chosen, launch.status(chosen, app.timeout_s), is_json)
+        _tell_status(chosen, managers.status(chosen, app.timeout_s), is_json)
     return 0
 
 
