@@ -25,6 +25,7 @@ from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.port_types import settle_types
 from rtkit.deployment.system import KnownType, System, WantedComponent, WantedConnector
 from rtkit.errors import Malformed
+from rtkit.profile.common import Property
 from rtkit.profile.rts_model import (
     Component,
     DataPortConnector,
@@ -195,6 +196,7 @@ def _as_stand_in(
         "manager_name": given.get("manager_name", "") if create else STAND_IN_SLAVE,
         **_stated(component, made),
     }
+    options.update((p.name, p.value or "") for p in _scripts(component))
     if choices.transmit:
         options[extension.TRANSMIT] = "default"
     identity = type_of(made.id)
@@ -212,6 +214,10 @@ def _as_stand_in(
         module="",
         pattern=pattern,
     )
+
+
+def _scripts(component: Component) -> Iterable[Property]:
+    return (p for p in component.properties if p.name.startswith(f"{extension.STAND_IN}."))
 
 
 def _pattern_sets(made: WantedComponent) -> dict[str, dict[str, str]]:

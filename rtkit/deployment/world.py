@@ -300,13 +300,16 @@ def component_from(
     is_stand_in: bool = False,
 ) -> ComponentFacts:
     """Return the facts of a component just made from a pattern."""
-    contexts = pattern.contexts or (ContextPattern(),)
+    contexts = pattern.contexts if is_stand_in else pattern.contexts or (ContextPattern(),)
+    sets = {name: dict(values) for name, values in pattern.sets.items()}
+    if not is_stand_in:
+        sets = {"default": {}, **sets}
     return ComponentFacts(
         instance,
         pattern.type,
         process,
         pattern.ports,
-        {"default": {}, **{name: dict(values) for name, values in pattern.sets.items()}},
+        sets,
         pattern.active_set or "default",
         tuple(ExecutionContextProfile(c.id, c.kind, c.rate, instance) for c in contexts),
         names,

@@ -1,0 +1,231 @@
+"""A live system as a system profile, with all that is needed to bring it up again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from rtkit.deployment import extension
+from rtkit.deployment.described import interfaces_to_text, is_run_time
+from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.profile import rts_model as rts
+from rtkit.profile.common import Property
+from rtkit.rtc.create import CreateString, parse_create
+from rtkit.rtc.enums import PortType
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
+
+_ATTRIBUTES = (
+    "dataport.data_type",
+    "dataport.interface_type",
+    "dataport.dataflow_type",
+    "dataport.subscription_type",
+)
+_PUSH_INTERVAL = "dataport.push_interval"
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """What a saved system is called; `date` is ``xs:dateTime`` text."""
+
+    date: str
+    name: str = "RTSystem"
+    version: str = "0"
+    vendor: str = "Me"
+    abstract: str = "RT System created by rtcryo."
+
+    @property
+    def id(self) -> str:
+        """Identity of the system."""
+        return f"RTSystem:{self.vendor}:{self.name}:{self.version}"
+
+
+def capture(
+    snapshot: Snapshot,
+    heading: Heading,
+    *,
+    takes_all: bool = False,
+    hosts: Iterable[str] = (),
+) -> rts.RtsProfile:
+    """Return the profile of what lives: components that are connected, or all of them.
+
+    With `hosts` only components registered below one of these. Zombies are left out.
+    """
+    chosen = _chosen(snapshot, takes_all, tuple(hosts))
+    names = {c.instance: c for c in chosen}
+    wires = [w for w in snapshot.connectors if all(end.instance in names for end in w.ports)]
+    wires.sort(key=lambda wire: (wire.ports, wire.connector_id))
+    data = [wire for wire in wires if _is_data(wire, names)]
+    service = [wire for wire in wires if not _is_data(wire, names)]
+    return rts.RtsProfile(
+        id=heading.id,
+        version=rts.RTS_VERSION,
+        creation_date=heading.date,
+        update_date=heading.date,
+        abstract=heading.abstract,
+        components=tuple(_component(c, snapshot) for c in chosen),
+        data_port_connectors=tuple(_data_connector(wire, names) for wire in data),
+        service_port_connectors=tuple(_service_connector(wire, names) for wire in service),
+    )
+
+
+def _chosen(
+    snapshot: Snapshot, takes_all: bool, hosts: tuple[str, ...]
+) -> tuple[ComponentFacts, ...]:
+    wired = {end.instance for wire in snapshot.connectors for end in wire.ports}
+    chosen = [
+        c
+        for c in snapshot.components
+        if not c.zombie
+        and (takes_all or c.instance in wired)
+        and (not hosts or any(name.partition("/")[0] in hosts for name in _names(c, snapshot)))
+    ]
+    return tuple(sorted(chosen, key=lambda component: component.instance))
+
+
+def _names(component: ComponentFacts, snapshot: Snapshot) -> tuple[str, ...]:
+    below = f"{LOCAL}/{snapshot.manager}{MANAGER_SUFFIX}/{component.instance}{COMPONENT_SUFFIX}"
+    return component.names or (below,)
+
+
+def _is_data(wire: ConnectorProfile, components: Mapping[str, ComponentFacts]) -> bool:
+    port = components[wire.ports[0].instance].port(wire.ports[0].port)
+    return port is None or port.port_type is not PortType.SERVICE
+
+
+def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.Component:
+    options = extension.options_of(facts)
+    unstated = options.get(extension.UNSTATED, "").split(",")
+    data_ports = [port for port in facts.ports if port.port_type is not PortType.SERVICE]
+    service_ports = [port for port in facts.ports if port.port_type is PortType.SERVICE]
+    sets = {name: values for name, values in facts.sets.items() if values or "sets" not in unstated}
+    is_open = "active-set" in unstated and facts.active_set == "default"
+    return rts.Component(
+        id=extension.stated_id(facts),
+        path_uri=_names(facts, snapshot)[0],
+        instance_name=facts.instance,
+        active_configuration_set=None if is_open else facts.active_set or None,
+        composite_type="None",
+        visible=True,
+        data_ports=tuple(_port(port, facts) for port in data_ports),
+        service_ports=tuple(_port(port, facts) for port in service_ports),
+        configuration_sets=tuple(
+            rts.ConfigurationSet(
+                name, tuple(rts.ConfigurationData(key, value) for key, value in values.items())
+            )
+            for name, values in sets.items()
+        ),
+        execution_contexts=_contexts(facts, options),
+        properties=_origin(facts, snapshot),
+    )
+
+
+def _port(port: PortProfile, facts: ComponentFacts) -> rts.Port:
+    properties = dict(port.properties)
+    stated = properties.pop(extension.STATED_TYPE, "")
+    if stated:
+        properties["dataport.data_type"] = stated
+    if facts.is_stand_in and port.interfaces:
+        properties[extension.INTERFACES] = interfaces_to_text(port.interfaces)
+    return rts.Port(f"{facts.instance}.{port.name}", True, properties=_properties(properties))
+
+
+def _contexts(
+    facts: ComponentFacts, options: Mapping[str, str]
+) -> tuple[rts.ExecutionContext, ...]:
+    own = [context for context in facts.contexts if context.owner in ("", facts.instance)]
+    return tuple(
+        rts.ExecutionContext(
+            context.id,
+            options.get(f"{extension.STATED_KIND}{context.id}", "") or context.kind.value,
+            context.rate,
+        )
+        for context in own
+    )
+
+
+def _origin(facts: ComponentFacts, snapshot: Snapshot) -> tuple[Property, ...]:
+    """Return the properties that tell how the component is made again."""
+    properties = {}
+    if facts.is_stand_in:
+        properties[extension.STAND_IN] = "yes"
+    create = _create(facts, snapshot)
+    if create is not None:
+        properties[extension.CREATE] = str(create)
+    for key, value in extension.options_of(facts).items():
+        if key.startswith(f"{extension.STAND_IN}."):
+            properties[key] = value
+    module = "" if facts.is_stand_in else facts.module or _module(facts, snapshot)
+    if module:
+        properties[extension.MODULE] = module
+    return tuple(Property(name, value) for name, value in properties.items())
+
+
+def _create(facts: ComponentFacts, snapshot: Snapshot) -> CreateString | None:
+    if not facts.create:
+        return None
+    made = parse_create(facts.create)
+    own = {key: "" for key in made.options if key.startswith("rtkit.")}
+    slaves = {process.name for process in snapshot.processes if process.is_slave}
+    place = facts.process if facts.process in slaves else ""
+    return made.with_options(**own, instance_name=facts.instance, manager_name=place)
+
+
+def _module(facts: ComponentFacts, snapshot: Snapshot) -> str:
+    for module in snapshot.modules:
+        if any(kind.id == facts.type.id for kind in module.types):
+            return f"{module.path}:{module.init}" if module.init else module.path
+    return ""
+
+
+def _data_connector(
+    wire: ConnectorProfile, components: Mapping[str, ComponentFacts]
+) -> rts.DataPortConnector:
+    properties = _lasting(wire.properties)
+    interval = properties.pop(_PUSH_INTERVAL, "")
+    data_type, interface, flow, subscription = (properties.get(k, "") for k in _ATTRIBUTES)
+    source, target = (_target(end, components) for end in wire.ports)
+    return rts.DataPortConnector(
+        connector_id=wire.connector_id,
+        name=wire.name,
+        data_type=data_type,
+        interface_type=interface or "corba_cdr",
+        dataflow_type=flow or "push",
+        subscription_type=subscription or None,
+        push_interval=float(interval) if interval else None,
+        source=source,
+        target=target,
+        visible=True,
+        properties=_properties(properties),
+    )
+
+
+def _service_connector(
+    wire: ConnectorProfile, components: Mapping[str, ComponentFacts]
+) -> rts.ServicePortConnector:
+    source, target = (_target(end, components) for end in wire.ports)
+    return rts.ServicePortConnector(
+        connector_id=wire.connector_id,
+        name=wire.name,
+        source=source,
+        target=target,
+        visible=True,
+        properties=_properties(_lasting(wire.properties)),
+    )
+
+
+def _target(end: PortRef, components: Mapping[str, ComponentFacts]) -> rts.TargetPort:
+    facts = components[end.instance]
+    path = facts.names[0] if facts.names else ""
+    known = (Property("COMPONENT_PATH_ID", path),) if path else ()
+    return rts.TargetPort(
+        extension.stated_id(facts), end.instance, f"{end.instance}.{end.port}", known
+    )
+
+
+def _lasting(properties: Mapping[str, str]) -> dict[str, str]:
+    return {key: value for key, value in properties.items() if not is_run_time(key, value)}
+
+
+def _properties(properties: Mapping[str, str]) -> tuple[Property, ...]:
+    return tuple(Property(name, value) for name, value in sorted(properties.items()))

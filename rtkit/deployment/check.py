@@ -1,0 +1,155 @@
+"""Compares what lives with what is wanted: every deviation, none hides another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from rtkit.deployment.creation import absence
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.live import Live, context_of
+from rtkit.deployment.system import System, WantedComponent, WantedConnector
+from rtkit.deployment.wiring import address
+from rtkit.rtc.enums import LifeCycleState
+
+_BASE = (
+    "dataport.data_type",
+    "dataport.interface_type",
+    "dataport.dataflow_type",
+    "dataport.subscription_type",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """One difference between a profile and what lives.
+
+    Attributes:
+        kind: ``component``, ``connection``, ``property``, ``active-set``, ``parameter``, ``state``.
+        path: The component, or the ports of a connection.
+    """
+
+    kind: str
+    path: str
+    text: str
+    is_required: bool
+
+
+def deviations(system: System, live: Live, state: LifeCycleState | None) -> Iterator[Deviation]:
+    """Yield every deviation: components, connections, active sets, parameters, states.
+
+    With `state` None each component is to have no execution context at all (``Unknown``).
+    """
+    for component in system.components:
+        why = absence(component, live)
+        if why:
+            yield Deviation("component", component.path, why, component.is_required)
+    for wire in system.connectors:
+        yield from _wire(wire, system, live)
+    there = [(c, facts) for c in system.components if (facts := _living(c, live)) is not None]
+    for component, facts in there:
+        if component.active_set and facts.active_set != component.active_set:
+            text = (
+                f"Wrong configuration set is active on {component.path}"
+                f" (Active set: {facts.active_set})"
+            )
+            yield Deviation("active-set", component.path, text, component.is_required)
+    for component, facts in there:
+        yield from _parameters(component, facts)
+    for component, facts in there:
+        yield from _states(component, facts, state)
+
+
+def check_lines(system: System, state: str) -> Iterator[str]:
+    """Yield what is compared, for a dry run."""
+    for component in system.components:
+        word, mark = ("required ", " (Required)") if component.is_required else ("", "")
+        yield (
+            f'Check for {word}component "{component.id}", "{component.instance}"'
+            f" at path {component.path}{mark}"
+        )
+    for wire in system.connectors:
+        source, target = (address(system, end) for end in wire.profile.ports)
+        mark = " (Required)" if wire.is_required else ""
+        id = wire.profile.connector_id
+        yield f"Check for connection from {source} to {target} with ID {id}{mark}"
+    for component in system.components:
+        if component.active_set:
+            path, set_id = component.path, component.active_set
+            yield f'Check set "{set_id}" is active on component at path {path}'
+    for component in system.components:
+        for set_id, values in component.sets.items():
+            for name, value in values.items():
+                yield (
+                    f'Check parameter "{name}" in set "{set_id}" on component'
+                    f' at path {component.path} is "{value}"'
+                )
+    for component in system.components:
+        for context in component.contexts:
+            yield (
+                f"Check component at path {component.path} is in state {state}"
+                f" in execution context {context.id}"
+            )
+
+
+def _living(component: WantedComponent, live: Live) -> ComponentFacts | None:
+    return None if absence(component, live) else live.at(component.instance)
+
+
+def _wire(wanted: WantedConnector, system: System, live: Live) -> Iterator[Deviation]:
+    wire = wanted.profile
+    source, target = (address(system, end) for end in wire.ports)
+    path = f"{source} {target}"
+    known = live.wire(wire.connector_id)
+    if known is None or set(known.ports) != set(wire.ports):
+        text = f"No connection between {source} and {target}"
+        others = live.wires_between(wire.ports)
+        if others:
+            ids = ", ".join(other.connector_id for other in others)
+            text += f" with ID {wire.connector_id} (there is {ids})"
+        yield Deviation("connection", path, text, wanted.is_required)
+        return
+    for key in _BASE:
+        expected, found = wire.properties.get(key, ""), known.properties.get(key, "")
+        if expected and expected.lower() != found.lower():
+            text = (
+                f"Property {key} of connection from {source} to {target} is incorrect."
+                f" (value: {found})"
+            )
+            yield Deviation("property", path, text, wanted.is_required)
+
+
+def _parameters(component: WantedComponent, facts: ComponentFacts) -> Iterator[Deviation]:
+    for set_id, values in component.sets.items():
+        present = facts.sets.get(set_id)
+        for name, value in values.items():
+            found = present.get(name) if present is not None else None
+            if found == value or (found is None and set_id.startswith("__")):
+                continue
+            where = f"Configuration parameter {name} in set {set_id} on component {component.path}"
+            text = f"{where} is incorrect (value: {found})"
+            if found is None:
+                text = f"{where} is missing"
+            yield Deviation("parameter", component.path, text, component.is_required)
+
+
+def _states(
+    component: WantedComponent, facts: ComponentFacts, state: LifeCycleState | None
+) -> Iterator[Deviation]:
+    if state is None:
+        if facts.contexts:
+            text = f"Component {component.path} is in incorrect state {facts.state}"
+            yield Deviation("state", component.path, text, component.is_required)
+        return
+    for number, wanted in enumerate(component.contexts):
+        context = context_of(facts, component, number)
+        if context is None:
+            text = f"Component {component.path} has no execution context {wanted.id}"
+            yield Deviation("state", component.path, text, component.is_required)
+        elif context.state is not state:
+            text = f"Component {component.path} is in incorrect state {context.state}"
+            if len(component.contexts) > 1:
+                text += f" in execution context {wanted.id}"
+            if facts.cause:
+                text += f" ({facts.cause})"
+            yield Deviation("state", component.path, text, component.is_required)

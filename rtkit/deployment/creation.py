@@ -1,0 +1,129 @@
+"""The first half of a resurrection: what must be there, and the making of what is not."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from rtkit.deployment.actions import Create, Load
+from rtkit.deployment.live import Live, mismatch
+from rtkit.deployment.plan import Check, Plan, Step, layer
+from rtkit.deployment.system import System, WantedComponent
+from rtkit.errors import NotFound
+from rtkit.rtc.create import FRESH_SLAVE, parse_create
+from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.profiles import ModuleProfile
+
+
+def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Plan:
+    """Return the checks of what must be there, and the creation of what is not.
+
+    Raises:
+        NotFound: A component that is to be made names a host that nobody knows.
+        Malformed: A component that is to be made has a name that none may bear.
+    """
+    missing = [c for c in system.components if may_create and _is_to_be_made(c, live)]
+    for component in missing:
+        check_instance_name(component.instance)
+    pending = {c.instance for c in missing}
+    return Plan(
+        tuple(checks(system, live, pending)),
+        (
+            *layer("load", _loads(missing, live)),
+            *layer("create", (_creation(c) for c in missing)),
+        ),
+    )
+
+
+def checks(system: System, live: Live, pending: Collection[str] = ()) -> Iterator[Check]:
+    """Yield what must hold before connections are made; `pending` are components to be made."""
+    yield from component_checks(system, live, pending)
+    seen = set()
+    for wire in system.connectors:
+        for end in wire.profile.ports if wire.is_required else ():
+            if end in seen:
+                continue
+            seen.add(end)
+            component = system.component(end.instance)
+            facts = live.at(end.instance)
+            failure = ""
+            if end.instance not in pending and (facts is None or facts.port(end.port) is None):
+                failure = f"Required port not found: {end.port} (on {component.path})"
+            text = f'Check for required port "{end.port}" on component at path {component.path}'
+            yield Check(text, failure)
+
+
+def component_checks(system: System, live: Live, pending: Collection[str] = ()) -> Iterator[Check]:
+    """Yield the checks of required components."""
+    for component in system.components:
+        if component.is_required:
+            failure = "" if component.instance in pending else absence(component, live)
+            yield Check(
+                f'Check for required component "{component.id}", "{component.instance}"'
+                f" at path {component.path}",
+                failure,
+            )
+
+
+def absence(component: WantedComponent, live: Live) -> str:
+    """Return why a component is not there as wanted; empty when it is."""
+    entry = live.entry(component.instance)
+    word = "Required component missing" if component.is_required else "Component missing"
+    if entry is not None and not entry.zombie:
+        return mismatch(component, entry)
+    if entry is not None:
+        return f"{word}: {component.path} (zombie: {entry.zombie})"
+    other = live.namesake(component.instance)
+    if other is not None and not other.zombie:
+        where = f"/{other.names[0]}" if other.names else f"no name, in {other.process}"
+        return f"{word}: {component.path} ({component.instance} is at {where})"
+    return f"{word}: {component.path}"
+
+
+def _is_to_be_made(component: WantedComponent, live: Live) -> bool:
+    entry = live.entry(component.instance)
+    if entry is not None and (not entry.zombie or entry.instance != component.instance):
+        return False
+    other = live.namesake(component.instance)
+    if other is not None and not other.zombie:
+        return False
+    if not component.create:
+        return False
+    if component.unknown_host:
+        raise NotFound(
+            f"no such host: {component.unknown_host} (component {component.instance});"
+            f" --map {component.unknown_host}=localhost makes it here"
+        )
+    return True
+
+
+def _loads(missing: list[WantedComponent], live: Live) -> Iterator[Step]:
+    required: dict[str, bool] = {}
+    for component in missing:
+        if component.module and component.pattern is None:
+            is_required = required.get(component.module, False) or component.is_required
+            required[component.module] = is_required
+    for module, is_required in required.items():
+        path, init = split_module(module)
+        holds = any(_is_loaded(known, path, init) for known in live.snapshot.modules)
+        action = None if holds else Load(path, init)
+        yield Step(f'Load module "{module}"', action, is_required, holds=holds)
+
+
+def _is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
+    return known.path == path and init in ("", known.init)
+
+
+def split_module(module: str) -> tuple[str, str]:
+    """Split ``PATH:INIT`` at the last colon that is followed by no slash."""
+    path, colon, init = module.rpartition(":")
+    return (path, init) if colon and "/" not in init else (module, "")
+
+
+def _creation(component: WantedComponent) -> Step:
+    place = parse_create(component.create).place
+    where = f"in slave {place}" if place else "in the manager"
+    if place == FRESH_SLAVE:
+        where = "in a slave of its own"
+    text = f'Create component "{component.id}", "{component.instance}" at path {component.path}'
+    action = Create(component.create, (component.name,), component.pattern)
+    return Step(f"{text} {where}", action, component.is_required)

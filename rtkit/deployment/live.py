@@ -1,0 +1,81 @@
+"""Finds in a snapshot what a wanted system names: components by path, contexts, connections."""
+
+from __future__ import annotations
+
+from rtkit.deployment.extension import stated_id
+from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.identity import is_same_id
+from rtkit.deployment.system import System, WantedComponent
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
+from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile, PortRef
+
+
+class Live:
+    """One snapshot, indexed for questions about one wanted system."""
+
+    def __init__(self, snapshot: Snapshot, system: System) -> None:
+        self.snapshot = snapshot
+        self._names = {name: c for c in snapshot.components for name in c.names}
+        self._instances = {c.instance: c for c in snapshot.components}
+        self._connectors = {wire.connector_id: wire for wire in snapshot.connectors}
+        self._found = {c.instance: self._locate(c) for c in system.components}
+
+    def at(self, instance: str) -> ComponentFacts | None:
+        """Return what lives where the wanted component of that name belongs, or None."""
+        facts = self._found[instance]
+        return facts if facts is not None and not facts.zombie else None
+
+    def entry(self, instance: str) -> ComponentFacts | None:
+        """Return the same, or the zombie that is there."""
+        return self._found[instance]
+
+    def namesake(self, instance: str) -> ComponentFacts | None:
+        """Return the component of that instance name wherever it is registered, or None."""
+        return self._instances.get(instance)
+
+    def wire(self, connector_id: str) -> ConnectorProfile | None:
+        """Return the connection of that id, or None."""
+        return self._connectors.get(connector_id)
+
+    def wires_between(self, ends: tuple[PortRef, ...]) -> list[ConnectorProfile]:
+        """Return the connections that join just these ports."""
+        return [wire for wire in self._connectors.values() if set(wire.ports) == set(ends)]
+
+    def _locate(self, wanted: WantedComponent) -> ComponentFacts | None:
+        found = self._names.get(wanted.name)
+        if found is not None:
+            return found
+        host, *rest = wanted.name.split("/")
+        *directories, leaf = rest
+        below = [d for d in directories if d.endswith(MANAGER_SUFFIX)]
+        if host != LOCAL or not below or len(below) != len(directories):
+            return None
+        facts = self._instances.get(leaf.removesuffix(COMPONENT_SUFFIX))
+        manager = below[-1].removesuffix(MANAGER_SUFFIX)
+        if facts is not None and manager in (facts.process, self.snapshot.manager):
+            return facts
+        return None
+
+
+def mismatch(wanted: WantedComponent, facts: ComponentFacts) -> str:
+    """Return why the component found at a path is not the wanted one; empty when it is."""
+    if facts.instance != wanted.instance:
+        return (
+            f"Instance name of component at {wanted.path} is {facts.instance},"
+            f" not {wanted.instance}"
+        )
+    found = stated_id(facts)
+    if not is_same_id(found, wanted.id):
+        return f"ID of component at {wanted.path} is {found}, not {wanted.id}"
+    return ""
+
+
+def context_of(
+    facts: ComponentFacts, wanted: WantedComponent, number: int
+) -> ExecutionContextProfile | None:
+    """Return the live context that the wanted one of that number means: by id, else by number."""
+    id = wanted.contexts[number].id
+    for context in facts.contexts:
+        if context.id == id:
+            return context
+    return facts.contexts[number] if number < len(facts.contexts) else None

@@ -1,0 +1,116 @@
+"""A plan: what is to be checked and done, layer by layer, as data that is shown or carried out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+from rtkit.deployment.actions import Action, SetParameters
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """A fact that must hold before anything is changed.
+
+    Attributes:
+        text: What is looked at, for a dry run.
+        failure: Why it does not hold; empty when it does.
+    """
+
+    text: str
+    failure: str = ""
+    is_required: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One action of a plan, with its words.
+
+    Attributes:
+        text: What is done, for a dry run; empty for steps that are not worth a line.
+        action: None when it cannot be done (see `blocked`), or need not be (see `holds`).
+        blocked: Why it cannot be done, known beforehand.
+        holds: What it wants is so already.
+    """
+
+    text: str
+    action: Action | None
+    is_required: bool = False
+    blocked: str = ""
+    holds: bool = False
+
+    @property
+    def line(self) -> str:
+        """The step as a line of a dry run."""
+        return self.text + (" (Required)" if self.is_required else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """Steps that need nothing of each other.
+
+    Attributes:
+        name: What the layer does, for progress.
+        is_ordered: They are carried out one after the other all the same.
+        is_announced: Each is told to the user before it is carried out.
+    """
+
+    name: str
+    steps: tuple[Step, ...]
+    is_ordered: bool = False
+    is_announced: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Checks, then layers, each of which is begun when the one before is done."""
+
+    checks: tuple[Check, ...] = ()
+    layers: tuple[Layer, ...] = ()
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """Every step, in order."""
+        return tuple(step for layer in self.layers for step in layer.steps)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether nothing is left to be done."""
+        return all(step.action is None for step in self.steps)
+
+    def lines(self) -> Iterator[str]:
+        """Yield the plan as a dry run shows it."""
+        for check in self.checks:
+            yield check.text + (" (Required)" if check.is_required else "")
+        for step in self.steps:
+            if step.text:
+                yield step.line
+
+
+def layer(name: str, steps: Iterable[Step], **how: bool) -> tuple[Layer, ...]:
+    """Return one layer of these steps, or none when there are none."""
+    made = tuple(steps)
+    return (Layer(name, made, **how),) if made else ()
+
+
+def merged(steps: Iterable[Step]) -> list[tuple[Action, list[Step]]]:
+    """Return the actions to be sent, each with the steps that it carries out.
+
+    Parameters of one configuration set are written at once.
+    """
+    found: list[tuple[Action, list[Step]]] = []
+    places: dict[tuple[str, str], int] = {}
+    for step in steps:
+        action = step.action
+        if isinstance(action, SetParameters):
+            key = (action.instance, action.set_id)
+            if key in places:
+                known, together = found[places[key]]
+                assert isinstance(known, SetParameters)
+                values = {**known.values, **action.values}
+                found[places[key]] = (replace(known, values=values), [*together, step])
+                continue
+            places[key] = len(found)
+        if action is not None:
+            found.append((action, [step]))
+    return found

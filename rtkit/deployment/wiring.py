@@ -1,0 +1,127 @@
+"""The second half of a resurrection: connections, parameters, active sets."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from rtkit.deployment.actions import ActivateSet, Connect, SetParameters
+from rtkit.deployment.creation import absence
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.live import Live
+from rtkit.deployment.plan import Plan, Step, layer
+from rtkit.deployment.system import System, WantedComponent, WantedConnector
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+
+
+def wiring_plan(system: System, live: Live, pending: Collection[str] = ()) -> Plan:
+    """Return what makes living components the wanted system; `pending` are those to be made."""
+    data = [wire for wire in system.connectors if wire.is_data]
+    service = [wire for wire in system.connectors if not wire.is_data]
+    settings = [s for c in system.components for s in _parameters(c, live, pending)]
+    active = [s for c in system.components for s in _active_set(c, live, pending)]
+    return Plan(
+        layers=(
+            *layer("connect", (_connection(wire, system, live, pending) for wire in data)),
+            *layer("connect", (_connection(wire, system, live, pending) for wire in service)),
+            *layer("configure", settings),
+            *layer("activate sets", active),
+        )
+    )
+
+
+def address(system: System, end: PortRef) -> str:
+    """Return a port as users know it."""
+    return f"{system.component(end.instance).path}:{end.port}"
+
+
+def missing_end(
+    system: System, live: Live, wire: ConnectorProfile, pending: Collection[str]
+) -> str:
+    """Return which end of a connection is not there; empty when both are."""
+    for word, end in zip(("Source", "Destination"), wire.ports, strict=True):
+        if end.instance in pending:
+            continue
+        component = system.component(end.instance)
+        why = absence(component, live)
+        if why:
+            is_there = live.at(end.instance) is not None
+            return why if is_there else f"{word} component missing: {component.path}"
+        facts = live.at(end.instance)
+        if facts is not None and facts.port(end.port) is None:
+            return f"{word} port missing: {address(system, end)}"
+    return ""
+
+
+def is_same_wire(known: ConnectorProfile | None, wire: ConnectorProfile) -> bool:
+    """Whether a connection exists just as wanted."""
+    if known is None or set(known.ports) != set(wire.ports):
+        return False
+    return all(known.properties.get(key) == value for key, value in wire.properties.items())
+
+
+def _connection(
+    wanted: WantedConnector, system: System, live: Live, pending: Collection[str]
+) -> Step:
+    wire = wanted.profile
+    source, target = (address(system, end) for end in wire.ports)
+    text = (
+        f"Connect {source} to {target} with ID {wire.connector_id}"
+        f" and properties {dict(wire.properties)}"
+    )
+    blocked = missing_end(system, live, wire, pending)
+    is_free = not {end.instance for end in wire.ports} & set(pending)
+    holds = not blocked and is_free and is_same_wire(live.wire(wire.connector_id), wire)
+    action = None if blocked or holds else Connect(wire)
+    return Step(text, action, wanted.is_required, blocked, holds)
+
+
+def _parameters(component: WantedComponent, live: Live, pending: Collection[str]) -> Iterator[Step]:
+    facts = live.at(component.instance)
+    away = "" if component.instance in pending else absence(component, live)
+    for set_id, values in component.sets.items():
+        for name, value in values.items():
+            text = (
+                f'Set parameter "{name}" in set "{set_id}" on component'
+                f' at path {component.path} to "{value}"'
+            )
+            if component.instance in pending:
+                made_so = component.pattern is not None
+                action = (
+                    None if made_so else SetParameters(component.instance, set_id, {name: value})
+                )
+                yield Step(text, action, holds=made_so)
+            elif away or facts is None:
+                yield Step(text, None, blocked=away)
+            else:
+                yield _parameter(text, facts, set_id, name, value)
+
+
+def _parameter(text: str, facts: ComponentFacts, set_id: str, name: str, value: str) -> Step:
+    present = facts.sets.get(set_id)
+    if present is None or name not in present:
+        if set_id.startswith("__"):
+            # A hidden set describes parameters to editors: one that lacks it needs no value.
+            return Step(text, None, holds=True)
+        what = f"parameter: {name}" if present is not None else f"set: {set_id}"
+        return Step(text, None, blocked=f"No such configuration {what} ({facts.instance})")
+    if present[name] == value:
+        return Step(text, None, holds=True)
+    return Step(text, SetParameters(facts.instance, set_id, {name: value}))
+
+
+def _active_set(component: WantedComponent, live: Live, pending: Collection[str]) -> Iterator[Step]:
+    if not component.active_set:
+        return
+    text = (
+        f'Set configuration set "{component.active_set}" active on component'
+        f" at path {component.path}"
+    )
+    action = ActivateSet(component.instance, component.active_set)
+    if component.instance in pending:
+        made_so = component.pattern is not None
+        yield Step(text, None if made_so else action, holds=made_so)
+        return
+    away = absence(component, live)
+    facts = live.at(component.instance)
+    holds = facts is not None and not away and facts.active_set == component.active_set
+    yield Step(text, None if away or holds else action, blocked=away, holds=holds)
