@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from rtkit.property.exchange import Reply, Request
+if TYPE_CHECKING:
+    from rtkit.property.exchange import Reply, Request
 
 
 class Link(Protocol):

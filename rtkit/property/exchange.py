@@ -7,7 +7,6 @@ Systems". How they travel is the business of `rtkit.link`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from rtkit import errors
@@ -30,8 +29,7 @@ class Reply(NamedTuple):
         return self.text
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(NamedTuple):
     """One GET (no payload) or SET (with payload) as its owner receives it.
 
     Attributes:

@@ -6,7 +6,7 @@ the last element after a colon: ``/localhost/Motor0.rtc:velocity``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from rtkit.errors import Malformed
 
@@ -16,8 +16,7 @@ MANAGER_SUFFIX = ".mgr"
 _MAX_NAME = 255
 
 
-@dataclass(frozen=True, slots=True)
-class Path:
+class Path(NamedTuple):
     """A path made absolute, with what the user typed kept for messages.
 
     Attributes:
