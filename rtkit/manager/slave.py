@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import select
 import signal
 import socket
 import sys
@@ -44,9 +45,9 @@ def run(key: int, name: str, settings: Any) -> None:
         Wires(settings["host"], Streams(data)),
         Loader(list(settings["load_path"])),
     )
-    signal.signal(signal.SIGTERM, lambda *_: holder.close())
+    wake = _catch_term()
     channel.send({"hello": key, "pid": os.getpid(), "protocol": PROTOCOL})
-    threading.Thread(target=_listen, args=(channel, holder), name="control", daemon=True).start()
+    threading.Thread(target=_listen, args=(channel, wake, holder), name="control", daemon=True).start()
     holder.run()
     logging.shutdown()
     sys.stdout.flush()
@@ -65,11 +66,29 @@ class _Voice:
             logging.getLogger(__name__).warning("cannot reach the manager: %s", error)
 
 
-def _listen(channel: Channel, holder: Holder) -> None:
+def _catch_term() -> int:
+    """Return a descriptor that turns readable at a TERM, whichever thread the kernel gives it to.
+
+    A handler alone would run only when the main thread next leaves a wait of its own.
+    """
+    read, write = os.pipe()
+    for descriptor in (read, write):
+        os.set_blocking(descriptor, False)
+    signal.signal(signal.SIGTERM, lambda *_: None)
+    signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+    return read
+
+
+def _listen(channel: Channel, wake: int, holder: Holder) -> None:
     while True:
+        ready, _, _ = select.select([channel, wake], [], [])
+        if wake in ready and signal.SIGTERM in os.read(wake, 4096):
+            break
+        if channel not in ready:
+            continue
         messages = channel.receive()
         if messages is None:
-            holder.close()
-            return
+            break
         for message in messages:
             holder.put(message)
+    holder.close()
