@@ -1,0 +1,46 @@
+# Every target sets up what it needs in .venv. Another interpreter: make test PYTHON=python3.12
+PYTHON ?= python3
+PYTEST_ARGS ?=
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: help venv demo test lint bench man clean
+
+help:
+	@echo "make demo    bring up a small robot, break it, repair it, take it down"
+	@echo "make test    linters, types, layers and all tests"
+	@echo "make bench   measure, beside a floor of the same run"
+	@echo "make man     write the manual pages anew from the commands"
+	@echo "make lint    what make test checks before the tests"
+	@echo "make venv    only set up .venv"
+	@echo "make clean   remove .venv and everything that was generated"
+
+venv: $(READY)
+
+$(READY): pyproject.toml
+	@echo "setting up .venv (once)"
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+demo: $(READY)
+	@$(BIN)/python examples/demo.py
+
+test: lint
+	$(BIN)/python -m pytest --doctest-modules rtkit tests $(PYTEST_ARGS)
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(READY)
+	@$(BIN)/python -m bench
+
+man: $(READY)
+	$(BIN)/python -m rtkit.cli._man man
+
+clean:
+	rm -rf .venv build dist .mypy_cache .pytest_cache .ruff_cache .import_linter_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
