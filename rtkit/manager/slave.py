@@ -47,7 +47,9 @@ def run(key: int, name: str, settings: Any) -> None:
     )
     wake = _catch_term()
     channel.send({"hello": key, "pid": os.getpid(), "protocol": PROTOCOL})
-    threading.Thread(target=_listen, args=(channel, wake, holder), name="control", daemon=True).start()
+    threading.Thread(
+        target=_listen, args=(channel, wake, holder), name="control", daemon=True
+    ).start()
     holder.run()
     logging.shutdown()
     sys.stdout.flush()
