@@ -1,0 +1,268 @@
+"""The base class: declarations, options, birth and death."""
+
+from __future__ import annotations
+
+import logging
+
+import pytest
+
+from rtkit.component import (
+    Component,
+    InPort,
+    OutPort,
+    Parameter,
+    Polarity,
+    PortInterfaceProfile,
+    ServicePort,
+    TimedDouble,
+    TimedLong,
+    TimedVelocity2D,
+)
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode
+from rtkit.rtc.profiles import TypeProfile
+
+
+class Controller(Component):
+    """Drive towards an obstacle
+    and stop in front of it.
+
+    More about it.
+    """
+
+    vendor = "rtkit"
+    category = "example"
+    version = "1.0"
+    rate = 100.0
+    distance = InPort(TimedDouble)
+    velocity = OutPort(TimedVelocity2D)
+    in_ = InPort(TimedLong)
+    named = OutPort(TimedLong, name="Other")
+    service = ServicePort("s", (PortInterfaceProfile("i", "T", Polarity.PROVIDED),))
+    gain = Parameter(1.0)
+
+
+class Derived(Controller):
+    type_name = "Special"
+    extra = OutPort(TimedLong)
+    distance = None
+
+
+def test_identity():
+    assert Controller("C0").type == TypeProfile(
+        "Controller",
+        "rtkit",
+        "example",
+        "1.0",
+        "Drive towards an obstacle and stop in front of it.",
+        "Python",
+    )
+    assert Derived("D0").type == TypeProfile("Special", "rtkit", "example", "1.0", "", "Python")
+
+
+def test_each_instance_has_its_own_ports():
+    one, other = Controller("C0"), Controller("C1")
+    assert list(one.ports) == ["distance", "velocity", "in", "Other", "s"]
+    assert one.distance is one.ports["distance"]
+    assert one.distance is not other.distance
+    assert one.distance is not Controller.distance
+    assert one.service.interfaces[0].type_name == "T"
+
+
+def test_declarations_are_inherited_and_may_be_taken_away():
+    derived = Derived("D0")
+    assert list(derived.ports) == ["velocity", "in", "Other", "s", "extra"]
+    assert derived.gain == 1.0
+    assert "extra" not in Controller("C0").ports
+
+
+def test_ports_added_later():
+    class Dynamic(Component):
+        def on_initialize(self):
+            for index in range(2):
+                self.add_in_port(f"in{index}", TimedLong)
+            self.add_out_port("out", TimedLong, {"description": "Why"})
+            self.add_service_port("service")
+
+    dynamic = Dynamic("D0")
+    dynamic.initialize()
+    assert list(dynamic.ports) == ["in0", "in1", "out", "service"]
+    assert dynamic.ports["out"].properties["description"] == "Why"
+    with pytest.raises(Refused, match="port out exists already"):
+        dynamic.add_in_port("out", TimedLong)
+    with pytest.raises(Refused, match="needs a name"):
+        dynamic.add_in_port("", TimedLong)
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "a:b", " a", "a\nb"])
+def test_instance_names_are_checked(name):
+    with pytest.raises(Malformed):
+        Controller(name)
+
+
+def test_initial_configuration():
+    options = {
+        "conf.default.gain": "2",
+        "conf.default.more": "x",
+        "conf.fast.gain": "9",
+        "conf.broken": "1",
+    }
+    made = Controller("C0", options)
+    assert made.gain == 2.0
+    assert made.configuration.sets == {
+        "default": {"gain": "2", "more": "x"},
+        "fast": {"gain": "9"},
+    }
+    active = Controller("C1", {**options, "configuration.active_config": "fast"})
+    assert active.gain == 9.0
+    assert active.configuration.active_set == "fast"
+    with pytest.raises(NotFound, match="slow"):
+        Controller("C2", {"configuration.active_config": "slow"})
+
+
+def test_port_defaults_from_options():
+    made = Controller(
+        "C0",
+        {
+            "dataport.inport.buffer.length": "20",
+            "port.inport.distance.dataport.fan_in": "1",
+            "port.outport.dataport.fan_out": "3",
+            "port.note": "x",
+        },
+    )
+    distance, into, velocity = made.distance, made.in_, made.velocity
+    assert distance.properties["dataport.inport.buffer.length"] == "20"
+    assert distance.properties["dataport.fan_in"] == "1"
+    assert "dataport.fan_in" not in into.properties
+    assert velocity.properties["dataport.fan_out"] == "3"
+    assert "dataport.fan_out" not in into.properties
+    assert made.service.properties["port.note"] == "x"
+    assert "dataport.inport.buffer.length" not in made.service.properties
+
+
+@pytest.mark.parametrize(
+    ("options", "contexts"),
+    [
+        ({}, {"0": 100.0}),
+        ({"execution_contexts": "none"}, {}),
+        ({"execution_contexts": "None"}, {}),
+        ({"exec_cxt.periodic.rate": "50"}, {"0": 50.0}),
+        ({"exec_cxt.periodic.type": "PeriodicExecutionContext"}, {"0": 100.0}),
+        ({"execution_contexts": "PeriodicExecutionContext"}, {"0": 100.0}),
+        (
+            {
+                "execution_contexts": "PeriodicExecutionContext(fast), Periodic(slow)",
+                "ec.Periodic.rate": "10",
+                "ec.fast.rate": "500",
+                "exec_cxt.periodic.rate": "7",
+            },
+            {"fast": 500.0, "slow": 10.0},
+        ),
+        ({"execution_contexts": "periodic,Periodic"}, {"0": 100.0, "1": 100.0}),
+    ],
+)
+def test_execution_contexts(options, contexts):
+    made = Controller("C0", options)
+    made.initialize()
+    assert {id: context.rate for id, context in made.contexts.items()} == contexts
+    assert made.participations == tuple(made.contexts.values())
+    for context in made.contexts.values():
+        assert context.is_running
+        assert context.kind is ExecutionKind.PERIODIC
+        assert context.state_of(made) is LifeCycleState.INACTIVE
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "named"),
+    [
+        ({"execution_contexts": "ExtTrigExecutionContext"}, Refused, "ExtTrigExecutionContext"),
+        ({"exec_cxt.periodic.type": "OpenHRPExecutionContext"}, Refused, "OpenHRP"),
+        ({"execution_contexts": "Periodic(a),Periodic(a)"}, Refused, "a is named twice"),
+        ({"execution_contexts": "Periodic(a"}, Malformed, r"Periodic\(a"),
+        ({"exec_cxt.periodic.rate": "0"}, Malformed, "exec_cxt.periodic.rate"),
+        ({"exec_cxt.periodic.rate": "fast"}, Malformed, "exec_cxt.periodic.rate"),
+        ({"execution_contexts": "Periodic", "ec.Periodic.rate": "nan"}, Malformed, "ec.Periodic"),
+    ],
+)
+def test_execution_contexts_that_are_refused_initialise_nothing(options, error, named):
+    called = []
+
+    class Watched(Controller):
+        def on_initialize(self):
+            called.append(True)
+
+    made = Watched("C0", options)
+    with pytest.raises(error, match=named):
+        made.initialize()
+    assert not called
+    assert not made.is_alive
+
+
+def test_birth_and_death_in_order():
+    calls = []
+
+    class Living(Component):
+        def on_initialize(self):
+            calls.append("initialize")
+
+        def on_startup(self, context):
+            calls.append(f"startup {context}")
+
+        def on_deactivated(self, context):
+            calls.append(f"deactivated {context}")
+
+        def on_shutdown(self, context):
+            calls.append(f"shutdown {context}")
+
+        def on_finalize(self):
+            calls.append("finalize")
+
+    living = Living("L0")
+    living.finalize()
+    assert calls == []
+    living.initialize()
+    with pytest.raises(Refused, match="already"):
+        living.initialize()
+    living.contexts["0"].activate_component(living)
+    living.finalize()
+    assert calls == ["initialize", "startup 0", "deactivated 0", "shutdown 0", "finalize"]
+    assert not living.is_alive
+    assert living.participations == ()
+
+
+def test_the_end_leaves_contexts_of_others():
+    one, other = Controller("C0"), Controller("C1")
+    one.initialize()
+    other.initialize()
+    foreign = one.contexts["0"]
+    foreign.add_component(other)
+    assert other.context_rate("0") == 100.0
+    foreign.activate_component(other)
+    other.finalize()
+    assert foreign.participants == (one,)
+    assert foreign.is_running
+    with pytest.raises(NotFound):
+        other.context_rate("0")
+
+
+def test_a_return_code_refuses_initialisation():
+    class Unwilling(Component):
+        def on_initialize(self):
+            return ReturnCode.OUT_OF_RESOURCES
+
+    with pytest.raises(Refused, match="U0: on_initialize failed: returned OUT_OF_RESOURCES"):
+        Unwilling("U0").initialize()
+
+
+def test_reports_go_to_the_log_of_the_instance(caplog):
+    class Sulking(Component):
+        def on_finalize(self):
+            raise ValueError("no")
+
+    sulking = Sulking("S0")
+    sulking.initialize()
+    with caplog.at_level(logging.WARNING):
+        sulking.finalize()
+    (record,) = caplog.records
+    assert record.name == "S0"
+    assert record.getMessage().startswith("on_finalize failed: ValueError: no (test_base.py:")

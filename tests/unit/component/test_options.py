@@ -1,0 +1,106 @@
+"""Connector properties."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtkit.component.options import (
+    BufferOptions,
+    ConnectorOptions,
+    EmptyPolicy,
+    FullPolicy,
+    PushPolicy,
+    parse_options,
+)
+from rtkit.errors import Malformed
+
+IN = "dataport.inport.buffer."
+
+
+def test_defaults():
+    options = parse_options({})
+    assert options == ConnectorOptions()
+    assert (options.interface, options.dataflow, options.subscription) == ("zenoh", "push", "new")
+    assert options.inport == BufferOptions(8, FullPolicy.OVERWRITE, 1.0, EmptyPolicy.READBACK, 1.0)
+
+
+def test_values_do_not_care_about_case():
+    options = parse_options(
+        {
+            "dataport.interface_type": "CORBA_CDR",
+            "dataport.dataflow_type": "Push",
+            "dataport.subscription_type": "Flush",
+            "dataport.publisher.push_policy": "ALL",
+            IN + "write.full_policy": "Do_Nothing",
+            IN + "read.empty_policy": "BLOCK",
+        }
+    )
+    assert options.interface == "zenoh"
+    assert options.dataflow == "push"
+    assert options.subscription == "flush"
+    assert options.push_policy is PushPolicy.ALL
+    assert options.inport.full_policy is FullPolicy.DO_NOTHING
+    assert options.inport.empty_policy is EmptyPolicy.BLOCK
+    assert options.outport.full_policy is FullPolicy.OVERWRITE
+
+
+@pytest.mark.parametrize(("text", "length"), [("1", 2), ("-3", 2), ("0", 2), ("2", 2), ("+9", 9)])
+def test_lengths(text, length):
+    assert parse_options({IN + "length": text}).inport.length == length
+
+
+def test_a_side_may_be_left_open():
+    options = parse_options(
+        {"dataport.buffer.length": "20", "dataport.outport.buffer.length": "30"}
+    )
+    assert (options.inport.length, options.outport.length) == (20, 30)
+
+
+def test_a_group_to_skip_fits_into_the_buffer():
+    options = parse_options(
+        {"dataport.publisher.push_policy": "skip", "dataport.publisher.skip_count": "20"}
+    )
+    assert options.outport.length == 21
+
+
+@pytest.mark.parametrize("key", ["dataport.publisher.push_rate", "dataport.push_rate"])
+def test_push_rate(key):
+    assert parse_options({key: "12.5"}).push_rate == 12.5
+
+
+def test_what_is_unknown_passes():
+    options = parse_options(
+        {
+            "dataport.subscription_type": "on_full_moon",
+            "dataport.dataflow_type": "duplex",
+            "dataport.interface_type": "csp_channel",
+            "my.key": "value",
+        }
+    )
+    assert options.subscription == "new"
+    assert options.dataflow == "duplex"
+    assert options.interface == "csp_channel"
+
+
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [
+        (IN + "length", "eight"),
+        (IN + "length", "8.5"),
+        (IN + "length", "9999999999"),
+        (IN + "length", "٣"),
+        (IN + "write.timeout", "-1"),
+        (IN + "write.timeout", "nan"),
+        (IN + "read.timeout", "inf"),
+        (IN + "write.full_policy", "maybe"),
+        (IN + "read.empty_policy", "overwrite"),
+        ("dataport.publisher.push_policy", "some"),
+        ("dataport.publisher.push_rate", "0"),
+        ("dataport.push_rate", "fast"),
+        ("dataport.publisher.skip_count", "-1"),
+        ("dataport.publisher.skip_count", "1.5"),
+    ],
+)
+def test_what_is_wrong_is_named(key, text):
+    with pytest.raises(Malformed, match=key.replace(".", r"\.") + "=" + text.replace(".", r"\.")):
+        parse_options({key: text})
