@@ -9,6 +9,7 @@ from rtkit.errors import InvalidDocument
 from rtkit.profile.common import Note
 
 _SHOWN = 50
+_TOO_MANY = 1000
 
 
 class InvalidProfile(InvalidDocument):
@@ -27,10 +28,17 @@ class InvalidProfile(InvalidDocument):
 
 
 class Findings:
-    """Collector of what was found; lines are those of the document as it was read."""
+    """Collector of what was found; lines are those of the document as it was read.
 
-    def __init__(self, scope: dict[str | None, str] | None = None) -> None:
+    Attributes:
+        scope: The prefixes, where the whole document has the same ones.
+        good_types: Values of ``xsi:type`` seen to be right in this scope, with their tables.
+    """
+
+    def __init__(self, source: str, scope: dict[str | None, str] | None = None) -> None:
+        self.source = source
         self.scope = scope
+        self.good_types: set[tuple[str, Any]] = set()
         self.repairs: list[Note] = []
         self.remarks: list[Note] = []
         self.errors: list[Note] = []
@@ -47,8 +55,14 @@ class Findings:
             self.remarks.append(Note(element.sourceline or 0, text))
 
     def wrong(self, element: Any, text: str) -> None:
-        """Record an error that no mode forgives."""
+        """Record an error that no mode forgives.
+
+        Raises:
+            InvalidProfile: There are so many that looking further is of no use.
+        """
         self.errors.append(Note(element.sourceline or 0, text))
+        if len(self.errors) > _TOO_MANY:
+            raise InvalidProfile(self.source, self.errors)
 
     def namespaces(self, element: Any) -> dict[str | None, str]:
         """Return the prefixes in force at `element`."""

@@ -14,6 +14,8 @@ from rtkit.profile.xmlnames import NAMESPACES, XSI, XSI_TYPE, clark, short, spli
 MAX_DEPTH = 64
 """Elements nested deeper than this are refused; real profiles need about ten."""
 
+_MAX_ATTRIBUTES = 200
+
 _OUR_NAMESPACES = frozenset(NAMESPACES.values()) | {""}
 
 
@@ -25,7 +27,8 @@ def normalise(element: Any, spec: Spec, found: Findings, depth: int = 1) -> None
     if spec.rule is not None:
         spec.rule(element, found)
     _attributes(element, spec, found)
-    _children(element, spec, found, depth)
+    if spec.needs or len(element) or element.text is not None:
+        _children(element, spec, found, depth)
 
 
 def _attributes(element: Any, spec: Spec, found: Findings) -> None:
@@ -43,6 +46,9 @@ def _attributes(element: Any, spec: Spec, found: Findings) -> None:
         if is_odd and not _respell(element, attribute, value, found):
             continue
         required += attribute.required
+    if len(odd) > _MAX_ATTRIBUTES:
+        found.wrong(element, f"{len(odd)} unknown attributes on {short(element.tag)}")
+        return
     for name, value in odd:
         required += _odd_attribute(element, spec, name, value, found)
     if required < spec.required_count:
@@ -56,9 +62,7 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
     better = value
     if attribute.kind == WORD:
         better = attribute.respellings.get(text.lower(), value)
-    elif not text:
-        if attribute.required and attribute.supply is None:
-            return True
+    elif not text and not (attribute.required and attribute.supply is None):
         del element.attrib[attribute.name]
         if not attribute.required:
             found.repaired(element, f"empty {short(attribute.name)} taken as absent")
@@ -75,6 +79,9 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
     if better != value:
         element.set(attribute.name, better)
         found.repaired(element, f"{short(attribute.name)} {value!r} taken as {better!r}")
+    if attribute.check is not None and not attribute.check(better):
+        name = short(attribute.name)
+        found.wrong(element, f"{name} is {value!r}; allowed: {attribute.allowed}")
     return True
 
 
@@ -110,9 +117,12 @@ def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findi
 
 def _supply(element: Any, spec: Spec, found: Findings) -> None:
     for attribute in spec.attributes:
-        if attribute.supply is None or element.get(attribute.name) is not None:
+        if not attribute.required or element.get(attribute.name) is not None:
             continue
         supply = attribute.supply
+        if supply is None:
+            found.wrong(element, f"{short(element.tag)} has no {short(attribute.name)}")
+            continue
         value = supply if isinstance(supply, str) else supply(element)
         element.set(attribute.name, value)
         found.repaired(element, f"{short(attribute.name)} is absent: taken as {value!r}")
@@ -125,10 +135,14 @@ def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
             found.repaired(element, f"xsi:type {seen!r} dropped")
         return
     if seen is not None:
+        if (seen, spec) in found.good_types:
+            return
         prefix, _, local = seen.strip().rpartition(":")
         if local == spec.xsi_type[1] or any(local == other for _, other in spec.also_types):
             namespace = found.namespaces(element).get(prefix or None)
             if (namespace, local) == spec.xsi_type or (namespace, local) in spec.also_types:
+                if found.scope is not None:
+                    found.good_types.add((seen, spec))
                 return
         found.repaired(element, f"unknown xsi:type {seen!r} taken as {spec.xsi_type_text!r}")
     else:
@@ -150,8 +164,12 @@ def set_type(element: Any, wanted: str) -> None:
 
 def _children(element: Any, spec: Spec, found: Findings, depth: int) -> None:
     index, last, is_disordered = spec.index, -1, False
-    singles: set[str] = set()
+    counts: dict[str, int] = {}
+    _no_text(element, element.text, found)
     for item in list(element):
+        tail = item.tail
+        if tail is not None and not tail.isspace():
+            _no_text(element, tail, found)
         slot = index.get(item.tag) or _odd_child(element, item, spec, found, depth)
         if slot is None:
             last = len(index)
@@ -160,10 +178,9 @@ def _children(element: Any, spec: Spec, found: Findings, depth: int) -> None:
         if rank < last:
             is_disordered = True
         last = rank
-        if not expected.is_many:
-            if expected.name in singles:
-                found.wrong(item, f"second {short(item.tag)}; at most one is allowed")
-            singles.add(expected.name)
+        counts[expected.field] = count = counts.get(expected.field, 0) + 1
+        if count > 1 and not expected.is_many:
+            found.wrong(item, f"second {short(item.tag)}; at most one is allowed")
         if expected.spec is None:
             _text(item, found)
         else:
@@ -171,12 +188,23 @@ def _children(element: Any, spec: Spec, found: Findings, depth: int) -> None:
     if is_disordered:
         _sort(element, spec)
         found.repaired(element, f"children of {short(element.tag)} put in order")
+    for field, least in spec.needs.items():
+        if counts.get(field, 0) < least:
+            names = " | ".join(short(item.name) for item in spec.children if item.field == field)
+            found.wrong(element, f"{short(element.tag)} needs at least {least} of: {names}")
+
+
+def _no_text(element: Any, text: str | None, found: Findings) -> None:
+    if text is not None and not text.isspace():
+        found.wrong(element, f"{short(element.tag)} may not hold text: {text.strip()[:40]!r}")
 
 
 def _text(item: Any, found: Findings) -> None:
     for name in list(item.attrib):
         del item.attrib[name]
         found.repaired(item, f"unknown attribute {short(name)} dropped")
+    if len(item):
+        found.wrong(item, f"{short(item.tag)} may hold text only, not {short(item[0].tag)}")
 
 
 def _sort(element: Any, spec: Spec) -> None:
@@ -210,6 +238,9 @@ def _odd_child(
 def _clean_foreign(item: Any, found: Findings, depth: int) -> None:
     if depth > MAX_DEPTH:
         found.wrong(item, f"elements are nested deeper than {MAX_DEPTH}")
+        return
+    if len(item.attrib) > _MAX_ATTRIBUTES:
+        found.wrong(item, f"{len(item.attrib)} attributes on {short(item.tag)}")
         return
     for name in list(item.attrib):
         if split(name)[0] == XSI:

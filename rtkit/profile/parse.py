@@ -12,9 +12,10 @@ from typing import Any
 from rtkit.profile.common import Note
 from rtkit.profile.findings import InvalidProfile
 
-MAX_BYTES = 16 * 2**20
-_MAX_TAGS = 1_000_000
-_MAX_EQUALS = 1_000_000
+MAX_BYTES = 12 * 2**20
+_MAX_TAGS = 150_000
+_MAX_EQUALS = 300_000
+_MAX_NAMESPACES = 1_000
 _BEFORE_ROOT = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)
 _DOCTYPE = re.compile(rb"<!DOCTYPE\s*([^\s\[>]*)")
 
@@ -58,8 +59,11 @@ def _refuse_size(data: bytes, source: str) -> None:
         raise InvalidProfile(
             source, [Note(1, f"{len(data)} bytes; a profile has at most {MAX_BYTES}")]
         )
-    if data.count(b"<") > _MAX_TAGS or data.count(b"=") > _MAX_EQUALS:
-        raise InvalidProfile(source, [Note(1, "more than a million tags or attributes")])
+    is_full = data.count(b"<") > _MAX_TAGS or data.count(b"=") > _MAX_EQUALS
+    if is_full or data.count(b"xmlns") > _MAX_NAMESPACES:
+        raise InvalidProfile(
+            source, [Note(1, "more tags, attributes or namespaces than a profile can have")]
+        )
 
 
 def _refuse_doctype(data: bytes, source: str) -> None:

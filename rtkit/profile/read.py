@@ -95,7 +95,7 @@ def _normalised(data: bytes, source: str, spec: Spec, tag: str, check: _Check) -
         text = f"root is {short(root.tag)}; it must be {local} of namespace {namespace}"
         raise InvalidProfile(source, [Note(root.sourceline or 1, text)])
     is_flat = data.count(b"xmlns") == len(root.nsmap)
-    found = Findings(dict(root.nsmap) if is_flat else None)
+    found = Findings(source, dict(root.nsmap) if is_flat else None)
     normalise(root, spec, found)
     check(root, found)
     return root, found
@@ -108,7 +108,9 @@ def _read(
     from rtkit.profile.validate import violations
 
     root, found = _normalised(data, source, spec, tag, check)
-    problems = found.errors + violations(root, schema) + (found.repairs if strict else [])
+    problems = found.errors or violations(root, schema)
+    if strict:
+        problems = problems + found.repairs
     if problems:
         raise InvalidProfile(source, problems)
     return Reading(build(root, spec), tuple(sorted(found.repairs + found.remarks)))

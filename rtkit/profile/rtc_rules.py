@@ -69,6 +69,12 @@ def fragment_configuration(configuration: Any, found: Findings) -> None:
             found.repaired(configuration, f"rtc:{local} is absent: taken as ''")
 
 
+def only_one(negation: Any, found: Findings) -> None:
+    """Refuse the negation of several constraints: nobody can tell what it means."""
+    if len(negation.findall(clark("rtc:Constraint"))) > 1:
+        found.wrong(negation, "rtc:Not holds more than one rtc:Constraint")
+
+
 def nested_language(language: Any, found: Findings) -> None:
     """Bring the language element of version 0.1, one child per language, to the present form."""
     for item in list(language):

@@ -67,7 +67,7 @@ _CONSTRAINTS = child("constraints", "rtc:Constraint", _CONSTRAINT, many=True)
 _COMPARISON = Spec(
     c.Comparison,
     [attribute("match_case", "rtc:matchCase", FLAG, supply="false")],
-    [child("literal", "rtc:Literal")],
+    [child("literal", "rtc:Literal", least=1)],
     tag_field="kind",
 )
 _LIKE = Spec(
@@ -77,36 +77,47 @@ _LIKE = Spec(
         attribute("single_char", "rtc:singleChar", required=True),
         attribute("escape_char", "rtc:escapeChar", required=True),
     ],
-    [child("literal", "rtc:Literal")],
+    [child("literal", "rtc:Literal", least=1)],
     tag_field="kind",
 )
 _BETWEEN = Spec(
     c.Between,
     children=[
-        child("lower_boundary", "rtc:LowerBoundary"),
-        child("upper_boundary", "rtc:UpperBoundary"),
+        child("lower_boundary", "rtc:LowerBoundary", least=1),
+        child("upper_boundary", "rtc:UpperBoundary", least=1),
     ],
     tag_field="kind",
 )
-_LOGICAL = Spec(c.Logical, children=[_CONSTRAINTS], tag_field="kind")
+_NOT = Spec(
+    c.Logical,
+    children=[child("constraints", "rtc:Constraint", _CONSTRAINT, many=True, least=1)],
+    tag_field="kind",
+    rule=rules.only_one,
+)
+_LOGICAL = Spec(
+    c.Logical,
+    children=[child("constraints", "rtc:Constraint", _CONSTRAINT, many=True, least=2)],
+    tag_field="kind",
+)
 _UNIT = Spec(
     c.ConstraintUnit,
     [attribute("key", "rtc:key")],
     [
-        *(child("test", f"rtc:{name}", _LOGICAL) for name in ("Not", "And", "Or")),
-        child("test", "rtc:propertyIsNullType", Spec(c.IsNull, tag_field="kind")),
-        *(child("test", f"rtc:{name}", _COMPARISON) for name in COMPARISONS),
-        child("test", "rtc:propertyIsLike", _LIKE),
-        child("test", "rtc:propertyIsBetween", _BETWEEN),
+        child("test", "rtc:Not", _NOT, least=1),
+        *(child("test", f"rtc:{name}", _LOGICAL, least=1) for name in ("And", "Or")),
+        child("test", "rtc:propertyIsNullType", Spec(c.IsNull, tag_field="kind"), least=1),
+        *(child("test", f"rtc:{name}", _COMPARISON, least=1) for name in COMPARISONS),
+        child("test", "rtc:propertyIsLike", _LIKE, least=1),
+        child("test", "rtc:propertyIsBetween", _BETWEEN, least=1),
     ],
     tag_field="kind",
 )
 _GROUP = Spec(c.ConstraintGroup, children=[_CONSTRAINTS], tag_field="kind")
 _CONSTRAINT.add_children(
     [
-        child("content", "rtc:ConstraintHashType", _GROUP),
-        child("content", "rtc:ConstraintListType", _GROUP),
-        child("content", "rtc:ConstraintUnitType", _UNIT),
+        child("content", "rtc:ConstraintHashType", _GROUP, least=1),
+        child("content", "rtc:ConstraintListType", _GROUP, least=1),
+        child("content", "rtc:ConstraintUnitType", _UNIT, least=1),
     ]
 )
 _ONE_CONSTRAINT = child("constraint", "rtc:Constraint", _CONSTRAINT)

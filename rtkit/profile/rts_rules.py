@@ -52,9 +52,12 @@ def property_or_empty(option: str) -> Callable[[Any], str]:
 
 
 def precondition(condition: Any, found: Findings) -> None:
-    """Give a target without precondition the one that waits for nothing."""
-    wait, preceding = clark("rts:WaitTime"), clark("rts:Preceding")
-    if condition.find(wait) is None and condition.find(preceding) is None:
+    """Give a target without precondition the one that waits for nothing; refuse two."""
+    wait = condition.find(clark("rts:WaitTime"))
+    preceding = condition.find(clark("rts:Preceding"))
+    if wait is not None and preceding is not None:
+        found.wrong(condition, "rts:WaitTime and rts:Preceding: one of them is allowed")
+    elif wait is None and preceding is None:
         found.repaired(condition, "target without WaitTime or Preceding: waits 0 ms")
         condition.insert(0, add(condition, "rts:WaitTime", {"rts:waitTime": "0"}))
 

@@ -58,7 +58,9 @@ _REF = (
 )
 _COMPONENT_REF = Spec(m.ComponentRef, _REF)
 _PARTICIPANTS = Spec(
-    _only, children=[child("participant", "rts:Participant", _COMPONENT_REF)], wraps="participant"
+    _only,
+    children=[child("participant", "rts:Participant", _COMPONENT_REF, least=1)],
+    wraps="participant",
 )
 _PORT = (attribute("name", "rts:name", required=True), *_SEEN)
 _DATA_PORT = Spec(m.Port, _PORT, [_PROPERTIES], xsi_type="rtsExt:dataport_ext")
@@ -131,7 +133,7 @@ _COMPONENT = Spec(
 _GROUP = Spec(
     m.Group,
     [attribute("group_id", "rts:groupId", required=True)],
-    [child("members", "rts:Members", _COMPONENT_REF, many=True), _PROPERTIES],
+    [child("members", "rts:Members", _COMPONENT_REF, many=True, least=1), _PROPERTIES],
 )
 _TARGET_PORT = Spec(
     m.TargetPort,
@@ -159,8 +161,8 @@ _DATA_CONNECTOR = Spec(
         *_SEEN,
     ],
     [
-        child("source", "rts:sourceDataPort", _TARGET_PORT),
-        child("target", "rts:targetDataPort", _TARGET_PORT),
+        child("source", "rts:sourceDataPort", _TARGET_PORT, least=1),
+        child("target", "rts:targetDataPort", _TARGET_PORT, least=1),
         _PROPERTIES,
     ],
     xsi_type="rtsExt:dataport_connector_ext",
@@ -169,8 +171,8 @@ _SERVICE_CONNECTOR = Spec(
     m.ServicePortConnector,
     [*_CONNECTOR, attribute("trans_method", "rts:transMethod"), *_SEEN],
     [
-        child("source", "rts:sourceServicePort", _TARGET_PORT),
-        child("target", "rts:targetServicePort", _TARGET_PORT),
+        child("source", "rts:sourceServicePort", _TARGET_PORT, least=1),
+        child("target", "rts:targetServicePort", _TARGET_PORT, least=1),
         _PROPERTIES,
     ],
     xsi_type="rtsExt:serviceport_connector_ext",
@@ -194,7 +196,7 @@ _CONDITION = Spec(
             Spec(m.WaitTime, [attribute("wait_time", "rts:waitTime", WHOLE, supply="0")]),
         ),
         child("preceding", "rts:Preceding", _PRECEDING),
-        child("target_component", "rts:TargetComponent", _TARGET_COMPONENT),
+        child("target_component", "rts:TargetComponent", _TARGET_COMPONENT, least=1),
         _PROPERTIES,
     ],
     xsi_type="rtsExt:condition_ext",

@@ -21,6 +21,12 @@ DATE_FORM = re.compile(
     r"\s*[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,12})?"
     r"(Z|[+-][0-9]{2}:[0-9]{2})?\s*"
 )
+_ALLOWED = {
+    FLAG: "true, false, 1, 0",
+    WHOLE: "a whole number of at most 18 digits",
+    REAL: "a finite number",
+    DATE: "a date and time as in 2024-01-31T12:00:00+09:00",
+}
 _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 
@@ -30,6 +36,7 @@ class Attr(NamedTuple):
     Attributes:
         supply: Value to fill in, with a note, where a required attribute is absent.
         words: The allowed values of an enumeration.
+        allowed: What may be written, in words for a message.
         respellings: Old or wrong spellings in lower case, and what they mean.
         check: Whether a text is as it should be; None accepts any.
         read: Turns the text into the model's value; None keeps the text.
@@ -41,6 +48,7 @@ class Attr(NamedTuple):
     required: bool
     supply: Supply | None
     words: tuple[str, ...]
+    allowed: str
     respellings: dict[str, str]
     check: Callable[[str], Any] | None
     read: Callable[[str], Any] | None
@@ -77,6 +85,7 @@ def attribute(
         required or supply is not None,
         supply,
         words,
+        ", ".join(words) or _ALLOWED.get(kind, "any text"),
         {word.lower(): word for word in words} | (respellings or {}),
         check.get(kind),
         read.get(kind),
@@ -84,17 +93,24 @@ def attribute(
 
 
 class Child(NamedTuple):
-    """One child element: its model field, its tag, what it is; None is a text element."""
+    """One child element: its model field, its tag, what it is; None is a text element.
+
+    Attributes:
+        least: How many there must be; children of one field count together.
+    """
 
     field: str
     name: str
     spec: Spec | None
     is_many: bool
+    least: int
 
 
-def child(field: str, name: str, spec: Spec | None = None, *, many: bool = False) -> Child:
+def child(
+    field: str, name: str, spec: Spec | None = None, *, many: bool = False, least: int = 0
+) -> Child:
     """Describe a child element by its short name."""
-    return Child(field, clark(name), spec, many)
+    return Child(field, clark(name), spec, many, least)
 
 
 class Spec:
@@ -106,6 +122,7 @@ class Spec:
         also_types: Further types that are right as they stand.
         tag_field: Field that holds the element's local name, for classes with several tags.
         wraps: Field of the only child, where the element has no model class of its own.
+        needs: Fields that cannot do without children, and how many they need.
         rule: A repair of its own, run before the general ones.
         respellings: Old local names of attributes and children, and the present ones.
     """
@@ -140,6 +157,7 @@ class Spec:
         self.index: dict[str, tuple[int, Child]] = {}
         self.child_by_local: dict[str, str] = {}
         self.many_fields: tuple[str, ...] = ()
+        self.needs: dict[str, int] = {}
         self.add_children(children)
 
     def add_children(self, children: Iterable[Child]) -> None:
@@ -148,6 +166,7 @@ class Spec:
         self.index = {item.name: (rank, item) for rank, item in enumerate(self.children)}
         self.child_by_local = self._locals(self.index)
         self.many_fields = tuple({item.field: None for item in self.children if item.is_many})
+        self.needs = {item.field: item.least for item in self.children if item.least}
 
     def _locals(self, names: Iterable[str]) -> dict[str, str]:
         by_local = {split(name)[1]: name for name in reversed(list(names))}

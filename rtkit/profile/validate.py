@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import islice
 from typing import Any
 
 from rtkit.profile.common import Note
@@ -10,6 +11,7 @@ from rtkit.profile.xmlnames import shorten
 from rtkit.resources import resource
 
 RTC, RTS = "RtcProfile.xsd", "RtsProfile.xsd"
+_MOST = 100
 
 
 @cache
@@ -45,5 +47,5 @@ def explained_violations(root: Any, schema_name: str) -> list[Note]:
             error.sourceline or 0,
             " ".join(shorten(f"{error.path}: {error.reason}").split()),
         )
-        for error in schema.iter_errors(root, use_location_hints=False)
+        for error in islice(schema.iter_errors(root, use_location_hints=False), _MOST)
     ]
