@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
-from rtkit.deployment.actions import Action, SetParameters
+from rtkit.deployment.actions import Action, Create, SetParameters
+from rtkit.rtc.create import parse_create
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +78,12 @@ class Plan:
     def is_done(self) -> bool:
         """Whether nothing is left to be done."""
         return all(step.action is None for step in self.steps)
+
+    @property
+    def made(self) -> frozenset[str]:
+        """Instance names of the components that the plan creates."""
+        creates = (step.action for step in self.steps if isinstance(step.action, Create))
+        return frozenset(parse_create(action.create).instance_name for action in creates)
 
     def lines(self) -> Iterator[str]:
         """Yield the plan as a dry run shows it."""

@@ -5,7 +5,7 @@ Not for what lives: that is compared in `rtkit.deployment.diff`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from rtkit.deployment import extension
@@ -58,6 +58,7 @@ class _Choices:
     transmit: bool
     hosts: Hosts
     known_types: Mapping[str, KnownType]
+    stand_ins: Collection[str]
 
 
 def wanted(
@@ -68,6 +69,7 @@ def wanted(
     transmit: bool = False,
     host_map: Mapping[str, str] | None = None,
     known_types: Mapping[str, KnownType] | None = None,
+    stand_ins: Collection[str] = (),
 ) -> System:
     """Return the system that a profile describes, as it is to be on the host `hostname`.
 
@@ -78,13 +80,14 @@ def wanted(
         transmit: Stand-ins write default values.
         host_map: Hosts that stand for another one.
         known_types: How components are made, by identity.
+        stand_ins: Instances that are stand-ins, also after their process died.
 
     Raises:
         Malformed: Two components of one name, or a property of rtkit that cannot be read.
     """
     hosts = Hosts(hostname, host_map or {}, stand_in)
     check_map(hosts)
-    choices = _Choices(stand_in, transmit, hosts, known_types or {})
+    choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins)
     _check_instances(profile.components)
     wires = [
         *map(_data, profile.data_port_connectors),
@@ -154,8 +157,8 @@ def _component(
 ) -> tuple[WantedComponent, str]:
     own = properties_of(component.properties)
     is_marked = own.get(extension.STAND_IN, "").lower() in ("yes", "true", "1")
-    is_stand_in = choices.stand_in or is_marked
-    hosts = replace(choices.hosts, any_is_local=choices.hosts.any_is_local or is_marked)
+    is_stand_in = choices.stand_in or is_marked or component.instance_name in choices.stand_ins
+    hosts = replace(choices.hosts, any_is_local=is_stand_in)
     where = place(component, hosts, taken)
     made = WantedComponent(
         id=component.id,

@@ -1,0 +1,81 @@
+"""Component types that are known here: loaded modules, and RTC profiles that can be found."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from rtkit.deployment.extension import CREATE, MODULE
+from rtkit.deployment.system import KnownType
+from rtkit.errors import RtkitError
+from rtkit.rtc.create import CreateString
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.profile.rts_model import RtsProfile
+
+SEARCH_PATH = "RTKIT_PROFILE_PATH"
+"""Folders of RTC profiles, beside those that ship with rtkit."""
+
+
+def known_types(profile: RtsProfile, snapshot: Snapshot) -> dict[str, KnownType]:
+    """Return how the components of `profile` are made that do not say it themselves.
+
+    Profiles are only read for components that do not live and that no loaded module makes.
+    """
+    alive = {c.instance for c in snapshot.components if not c.zombie}
+    unknown = {
+        component.id
+        for component in profile.components
+        if component.instance_name not in alive
+        and all(each.name != CREATE for each in component.properties)
+    }
+    found = {id: known for id, known in _loaded(snapshot) if id in unknown}
+    missing = unknown - found.keys()
+    if missing:
+        found.update((id, known) for id, known in _described() if id in missing)
+    return found
+
+
+def _loaded(snapshot: Snapshot) -> Iterator[tuple[str, KnownType]]:
+    for module in snapshot.modules:
+        for kind in module.types:
+            create = CreateString(
+                kind.type_name, kind.vendor, kind.category, kind.language, kind.version
+            )
+            path = f"{module.path}:{module.init}" if module.init else module.path
+            yield kind.id, KnownType(str(create), path)
+
+
+def _described() -> Iterator[tuple[str, KnownType]]:
+    from rtkit.profile.read import read_rtc
+    from rtkit.profile.words import property_value
+
+    for path in _files():
+        try:
+            with open(path, "rb") as stream:
+                profile = read_rtc(stream.read(), path).profile
+        except (OSError, RtkitError):
+            # A folder of profiles may hold documents of another kind.
+            continue
+        info = profile.basic_info
+        if info is None:
+            continue
+        language = profile.language.kind if profile.language is not None else ""
+        create = CreateString(info.name, info.vendor, info.category, language, info.version)
+        module = property_value(info.properties, MODULE) or ""
+        id = f"RTC:{info.vendor}:{info.category}:{info.name}:{info.version}"
+        yield id, KnownType(str(create), module)
+
+
+def _files() -> Iterator[str]:
+    from rtkit.resources import resource
+
+    folders = [f for f in os.environ.get(SEARCH_PATH, "").split(os.pathsep) if f]
+    for folder in (resource("profiles"), *folders):
+        try:
+            names = sorted(os.listdir(folder))
+        except OSError:
+            continue
+        yield from (os.path.join(folder, name) for name in names if name.endswith(".xml"))

@@ -1,0 +1,156 @@
+"""What the system commands share: reading the profile, the wanted system, talking on stderr."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtkit.cli._app import App, WrongArguments
+from rtkit.errors import Malformed, NotFound, Unreachable, UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.plan import Plan
+    from rtkit.deployment.system import KnownType, System
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.tree.apply import Runner
+
+STDIN = "-"
+
+
+def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options and the argument that every system command has."""
+    decorators = [
+        click.option("--dry-run", is_flag=True, help="Print what would be done, and do nothing."),
+        click.option("-x", "--xml", is_flag=True, expose_value=False, help="Read XML (default)."),
+        click.option("--strict", is_flag=True, help="Refuse a profile that would need repair."),
+        click.option(
+            "--map",
+            "mapped",
+            multiple=True,
+            metavar="HOST=HOST",
+            help="A host of the profile stands for another, e.g. 10.0.0.7=localhost; repeatable.",
+        ),
+        click.argument("files", nargs=-1, metavar="[FILE]"),
+    ]
+    for decorator in reversed(decorators):
+        function = decorator(function)
+    return function
+
+
+def read_profile(app: App, files: tuple[str, ...], *, strict: bool) -> RtsProfile:
+    """Read the system profile that was named, or stdin; tell repairs when verbose.
+
+    Raises:
+        NotFound: The file cannot be read.
+        InvalidDocument: It is no system profile.
+    """
+    from rtkit.profile.read import read_rts
+
+    if len(files) > 1:
+        raise WrongArguments
+    source = files[0] if files else STDIN
+    reading = read_rts(_bytes(source), "<stdin>" if source == STDIN else source, strict=strict)
+    for note in reading.notes:
+        app.tell(f"{source}:{note.line}: {note.text}")
+    return reading.profile
+
+
+def _bytes(source: str) -> bytes:
+    if source == STDIN:
+        return sys.stdin.buffer.read()
+    try:
+        with open(source, "rb") as stream:
+            return stream.read()
+    except OSError as error:
+        raise NotFound(f"cannot read {source}: {error.strerror}") from error
+
+
+def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
+    """Read ``HOST=HOST`` options.
+
+    Raises:
+        UsageProblem: One is not of that form.
+    """
+    pairs = {}
+    for item in mapped:
+        host, equals, other = item.partition("=")
+        if not (host and equals and other):
+            raise UsageProblem(f"--map needs HOST=HOST: {item}")
+        pairs[host] = other
+    return pairs
+
+
+def wanted_system(
+    app: App,
+    profile: RtsProfile,
+    snapshot: Snapshot,
+    *,
+    stand_in: bool = False,
+    transmit: bool = False,
+    mapped: tuple[str, ...] = (),
+    known_types: Mapping[str, KnownType] | None = None,
+) -> System:
+    """Return the wanted system; what had to be decided is told when verbose."""
+    from rtkit.deployment.wanted import wanted
+
+    system = wanted(
+        profile,
+        snapshot.host,
+        stand_in=stand_in,
+        transmit=transmit,
+        host_map=host_map(mapped),
+        known_types=known_types,
+        stand_ins={c.instance for c in snapshot.components if c.is_stand_in},
+    )
+    for note in system.notes:
+        app.tell(note)
+    return system
+
+
+def look(app: App, *, dry_run: bool) -> Snapshot:
+    """Return what lives; a dry run goes on without a manager and says so.
+
+    Raises:
+        Unreachable: No manager answers.
+    """
+    from rtkit.tree.apply import uninterrupted
+
+    try:
+        return uninterrupted(lambda: app.tree.snapshot())
+    except Unreachable as error:
+        if not dry_run:
+            raise
+        import os
+
+        from rtkit.deployment.facts import Snapshot
+
+        app.fail(f"{error}; shown as if nothing lived")
+        return Snapshot(os.uname().nodename, "manager", 0, "")
+
+
+def show(plan: Plan) -> None:
+    """Print a plan on stdout."""
+    for line in plan.lines():
+        click.echo(line)
+
+
+def runner(app: App) -> Runner:
+    """Return what carries plans out and talks on stderr."""
+    from rtkit.tree.apply import Runner
+
+    return Runner(app.tree, app.fail, app.say)
+
+
+def check_text(text: str) -> str:
+    """Return `text` if XML can hold it.
+
+    Raises:
+        Malformed: It has control characters.
+    """
+    if any(ord(c) < 32 for c in text):
+        raise Malformed(f"control characters cannot be saved: {text!r}")
+    return text

@@ -1,0 +1,105 @@
+"""``rtcryo``: save the live system as a profile."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli import _system
+from rtkit.cli._app import App, command
+from rtkit.errors import NotFound
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+
+
+@command("rtcryo")
+@click.option("-a", "--abstract", default="RT System created by rtcryo.", help="What it is.")
+@click.option("-n", "--system-name", "name", default="RTSystem", help="Name of the system.")
+@click.option("-v", "--system-version", "version", default="0", help="Version of the system.")
+@click.option("-e", "--vendor", default="Me", help="Who made the system.")
+@click.option("-o", "--output", default=_system.STDIN, metavar="FILE", help="Where to write it.")
+@click.option("-x", "--xml", is_flag=True, expose_value=False, help="Write XML (default).")
+@click.option("--all", "takes_all", is_flag=True, help="Also components without connections.")
+@click.argument("servers", nargs=-1, metavar="[SERVER]...")
+def main(
+    app: App,
+    servers: tuple[str, ...],
+    abstract: str,
+    name: str,
+    version: str,
+    vendor: str,
+    output: str,
+    takes_all: bool,
+) -> None:
+    """Save the live system as an RTS profile, with all that rtresurrect needs to make it again.
+
+    Components that are connected are saved, on the SERVERs named or everywhere.
+    """
+    from datetime import datetime
+
+    from rtkit.deployment.capture import Heading, capture
+    from rtkit.profile.write import write_rts
+    from rtkit.tree.apply import uninterrupted
+
+    for text in (abstract, name, version, vendor):
+        _system.check_text(text)
+    snapshot = uninterrupted(lambda: app.tree.snapshot())
+    date = datetime.now().replace(microsecond=0).isoformat()
+    heading = Heading(date, name, version, vendor, abstract)
+    hosts = [_host(server, snapshot) for server in servers]
+    _tell_gaps(app, snapshot)
+    data = write_rts(capture(snapshot, heading, takes_all=takes_all, hosts=hosts))
+    _write(data, output)
+
+
+def _host(server: str, snapshot: Snapshot) -> str:
+    from rtkit.rtc.names import LOCAL, is_local_host
+
+    host = server.strip("/")
+    if is_local_host(host, snapshot.host):
+        return LOCAL
+    if not any(n.partition("/")[0] == host for c in snapshot.components for n in c.names):
+        raise NotFound(f"No such object: {server}")
+    return host
+
+
+def _tell_gaps(app: App, snapshot: Snapshot) -> None:
+    """Say what could not be saved, or only as it was last heard of."""
+    for component in snapshot.components:
+        if component.zombie:
+            app.fail(f"not saved, zombie ({component.zombie}): {component.instance}")
+        elif component.trouble:
+            app.fail(f"saved as last reported ({component.trouble}): {component.instance}")
+
+
+def _write(data: bytes, output: str) -> None:
+    if output == _system.STDIN:
+        sys.stdout.buffer.write(data)
+        return
+    import os
+    import tempfile
+
+    output = os.path.realpath(output)
+    try:
+        if os.path.exists(output) and not os.path.isfile(output):
+            with open(output, "wb") as stream:
+                stream.write(data)
+            return
+        with tempfile.NamedTemporaryFile(dir=os.path.dirname(output), delete=False) as stream:
+            temporary = stream.name
+            stream.write(data)
+    except OSError as error:
+        raise NotFound(f"cannot write {output}: {error.strerror}") from error
+    mask = os.umask(0)
+    os.umask(mask)
+    os.chmod(temporary, 0o666 & ~mask)
+    os.replace(temporary, output)
+
+
+for _option in main.command.params:
+    # In this command alone -v is the version of the system, as users of the old tool know it.
+    if _option.name == "verbose":
+        _option.opts = ["--verbose"]

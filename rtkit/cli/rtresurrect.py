@@ -1,0 +1,69 @@
+"""``rtresurrect``: bring up the system that a profile describes."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli import _system
+from rtkit.cli._app import App, command
+from rtkit.errors import UsageProblem
+
+
+@command("rtresurrect")
+@click.option("--no-create", is_flag=True, help="Components must be there; create none.")
+@click.option(
+    "--stand-in",
+    "stand_in",
+    is_flag=True,
+    help="Generate what is missing from the profile, without its modules.",
+)
+@click.option("--transmit", is_flag=True, help="Stand-ins write default values while active.")
+@_system.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    no_create: bool,
+    stand_in: bool,
+    transmit: bool,
+    dry_run: bool,
+    strict: bool,
+    mapped: tuple[str, ...],
+) -> None:
+    """Bring up the system of an RTS profile (FILE, or stdin).
+
+    Components that are not there are created where the profile, its rtkit properties, or a known
+    component profile says how; then connections are made and configuration sets written and
+    activated. What is there already is left as it is. If something required fails, what was made
+    is removed again.
+    """
+    from rtkit.cli._known import known_types
+    from rtkit.deployment.creation import creation_plan
+    from rtkit.deployment.live import Live
+    from rtkit.deployment.wiring import wiring_plan
+    from rtkit.tree.resurrect import resurrect
+
+    if no_create and (stand_in or transmit):
+        raise UsageProblem("--no-create makes no stand-ins")
+    profile = _system.read_profile(app, files, strict=strict)
+    before = _system.look(app, dry_run=dry_run)
+    system = _system.wanted_system(
+        app,
+        profile,
+        before,
+        stand_in=stand_in,
+        transmit=transmit,
+        mapped=mapped,
+        known_types=None if no_create or stand_in else known_types(profile, before),
+    )
+    if dry_run:
+        live = Live(before, system)
+        creation = creation_plan(system, live, may_create=not no_create)
+        _system.show(creation)
+        _system.show(wiring_plan(system, live, creation.made))
+        return
+    try:
+        resurrect(app.tree, system, before, _system.runner(app), may_create=not no_create)
+    except KeyboardInterrupt as error:
+        if str(error):
+            app.fail(str(error))
+        raise

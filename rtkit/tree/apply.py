@@ -1,0 +1,180 @@
+"""Carries out a plan: one batch a layer, every failure told, an interruption kept orderly."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
+
+from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.plan import Check, Layer, Plan, Step, merged
+from rtkit.deployment.undo import traces
+from rtkit.errors import Refused, RtkitError
+from rtkit.tree.client import Tree
+
+GRACE_S = 5.0
+"""How long a batch under way may still run after an interruption [s]."""
+
+UNFINISHED = "the manager has not answered yet"
+"""Text of the interruption of a call that had not ended after its grace."""
+
+Talk = Callable[[str], None]
+T = TypeVar("T")
+
+
+class Runner:
+    """Carries plans out on one tree.
+
+    Attributes:
+        attempted: Every action sent so far.
+        done: The steps that were carried out.
+    """
+
+    def __init__(self, tree: Tree, report: Talk, announce: Talk) -> None:
+        self._tree = tree
+        self._report = report
+        self._announce = announce
+        self._told: set[str] = set()
+        self.attempted: list[Action] = []
+        self.done: list[Step] = []
+
+    def check(self, checks: Iterable[Check]) -> None:
+        """Refuse to begin when something that must hold does not.
+
+        Raises:
+            Refused: The first required check that fails.
+        """
+        for check in checks:
+            if check.failure and check.is_required:
+                raise Refused(f"Required action failed: {check.failure}")
+            self._tell(check.failure)
+
+    def run(self, plan: Plan) -> None:
+        """Carry out a plan whose checks hold.
+
+        Raises:
+            Refused: A required action failed; what follows it was not begun.
+            Unreachable: The manager does not answer.
+        """
+        for layer in plan.layers:
+            if layer.is_ordered:
+                self._run_in_order(layer)
+            else:
+                self._run_at_once(layer.steps)
+
+    def _run_at_once(self, steps: Sequence[Step]) -> None:
+        for step in steps:
+            if step.blocked:
+                self._failed([step], step.blocked)
+        sent = merged(steps)
+        failures = []
+        for (_, together), result in zip(
+            sent, self._send([a for a, _ in sent], is_ordered=False), strict=True
+        ):
+            if result.ok:
+                self.done += together
+            elif any(step.is_required for step in together):
+                failures.append(result.why)
+            else:
+                self._failed(together, result.why)
+        if failures:
+            more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
+            raise Refused(f"Required action failed: {failures[0]}{more}")
+
+    def _run_in_order(self, layer: Layer) -> None:
+        for step in layer.steps:
+            if step.blocked:
+                self._failed([step], step.blocked)
+                continue
+            if layer.is_announced:
+                self._announce(f"Executing {step.line}")
+            if step.action is None:
+                continue
+            (result,) = self._send([step.action], is_ordered=True)
+            if result.ok:
+                self.done.append(step)
+            else:
+                self._failed([step], result.why)
+
+    def _failed(self, steps: Iterable[Step], why: str) -> None:
+        if any(step.is_required for step in steps):
+            raise Refused(f"Required action failed: {why}")
+        self._tell(why)
+
+    def _tell(self, why: str) -> None:
+        if why and why not in self._told:
+            self._told.add(why)
+            self._report(f"Action failed: {why}")
+
+    def _send(self, actions: Sequence[Action], *, is_ordered: bool) -> tuple[Result, ...]:
+        if not actions:
+            return ()
+        self.attempted += actions
+        return uninterrupted(lambda: self._tree.apply(actions, is_ordered=is_ordered))
+
+    def _perform(self, action: Action) -> tuple[Result, ...]:
+        return uninterrupted(lambda: self._tree.apply([action]))
+
+    def undo(self, before: Snapshot) -> tuple[list[str], list[str]]:
+        """Take back what was attempted since `before`; return what was removed and what remains.
+
+        Raises:
+            RtkitError: The manager does not answer.
+        """
+        removed: list[str] = []
+        remaining: list[str] = []
+        now = uninterrupted(self._tree.snapshot)
+        for trace in traces(self.attempted, before, now):
+            (result,) = self._perform(trace.undo)
+            gone = result.ok or result.kind == "not-found"
+            (removed if gone else remaining).append(trace.what)
+        return removed, remaining
+
+
+def uninterrupted(call: Callable[[], T]) -> T:
+    """Return the result of `call`; an interruption waits for it first, up to `GRACE_S`.
+
+    A manager goes on with a batch whose client went away. Only when it has answered is it known
+    what there is to be taken back.
+
+    Raises:
+        KeyboardInterrupt: There was an interruption; the call has ended or had its grace.
+    """
+    ended = threading.Event()
+    outcome: list[T] = []
+    failure: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            outcome.append(call())
+        except BaseException as error:
+            failure.append(error)
+        finally:
+            ended.set()
+
+    threading.Thread(target=work, daemon=True).start()
+    try:
+        ended.wait()
+    except KeyboardInterrupt:
+        if not ended.wait(GRACE_S):
+            raise KeyboardInterrupt(UNFINISHED) from None
+        raise
+    if failure:
+        raise failure[0]
+    return outcome[0]
+
+
+def regret(runner: Runner, before: Snapshot, error: BaseException) -> str:
+    """Take back what a failed run did and tell it in a few words; empty when it did nothing."""
+    if not runner.attempted:
+        return ""
+    try:
+        removed, remaining = runner.undo(before)
+    except (RtkitError, KeyboardInterrupt) as trouble:
+        return f"what was made could not be removed ({str(trouble) or 'interrupted again'})"
+    told = [f"removed again: {', '.join(removed)}"] if removed else []
+    told += [f"remains: {', '.join(remaining)}"] if remaining else []
+    if UNFINISHED in error.args:
+        told.append("the manager may still be busy with what it was last asked for")
+    return "; ".join(told)

@@ -1,0 +1,39 @@
+"""Brings a wanted system up: check, create what is missing, connect, configure; or undo."""
+
+from __future__ import annotations
+
+from rtkit.deployment.creation import checks, creation_plan
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.live import Live
+from rtkit.deployment.system import System
+from rtkit.deployment.wiring import wiring_plan
+from rtkit.errors import RtkitError
+from rtkit.tree.apply import Runner, regret
+from rtkit.tree.client import Tree
+
+
+def resurrect(
+    tree: Tree, system: System, before: Snapshot, runner: Runner, *, may_create: bool = True
+) -> None:
+    """Make what lives (`before`) the wanted system.
+
+    Raises:
+        Refused: Something required is missing or failed; what was made is removed again.
+        KeyboardInterrupt: Interrupted; what was made is removed again. Its text tells what remains.
+    """
+    live = Live(before, system)
+    creation = creation_plan(system, live, may_create=may_create)
+    runner.check(creation.checks)
+    try:
+        runner.run(creation)
+        if not creation.is_done:
+            live = Live(tree.snapshot(), system)
+            runner.check(checks(system, live))
+        runner.run(wiring_plan(system, live))
+    except RtkitError as error:
+        more = regret(runner, before, error)
+        if not more:
+            raise
+        raise type(error)(f"{error}; {more}") from error
+    except KeyboardInterrupt as error:
+        raise KeyboardInterrupt(regret(runner, before, error)) from error
