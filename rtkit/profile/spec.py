@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from math import isfinite
 from typing import Any, NamedTuple
 
 from rtkit.profile.xmlnames import clark, split
@@ -28,6 +29,11 @@ _ALLOWED = {
     DATE: "a date and time as in 2024-01-31T12:00:00+09:00",
 }
 _FLAGS = {"true": True, "false": False, "1": True, "0": False}
+
+
+def is_real(text: str) -> bool:
+    """Whether a text is a finite number as profiles write it."""
+    return REAL_FORM.fullmatch(text) is not None and isfinite(float(text))
 
 
 class Attr(NamedTuple):
@@ -69,7 +75,7 @@ def attribute(
     check: dict[str, Callable[[str], Any] | None] = {
         FLAG: lambda text: text.strip() in _FLAGS,
         WHOLE: WHOLE_FORM.fullmatch,
-        REAL: REAL_FORM.fullmatch,
+        REAL: is_real,
         DATE: DATE_FORM.fullmatch,
         WORD: frozenset(words).__contains__,
     }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.errors import Malformed
 from rtkit.profile.common import Foreign, ForeignElement
-from rtkit.profile.spec import FLAG, REAL, REAL_FORM, WHOLE, WHOLE_FORM, Attr, Child, Spec
+from rtkit.profile.spec import FLAG, REAL, WHOLE, WHOLE_FORM, Attr, Child, Spec, is_real
 from rtkit.profile.xmlnames import NAMESPACES, XML, short, split
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def _format(item: Attr, value: Any) -> str:
         return "true" if value else "false"
     if item.kind == REAL:
         text = repr(float(value))
-        if not REAL_FORM.fullmatch(text):
+        if not is_real(text):
             raise Malformed(f"{short(item.name)} must be a finite number, not {text}")
         return text
     if item.kind == WHOLE:
