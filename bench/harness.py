@@ -1,0 +1,161 @@
+"""How everything here is measured: in pairs, beside a floor, medians, each run on its own manager.
+
+Machines are noisy, so a figure means little alone: figure and floor take turns (A B A B …) in one
+run and on one interpreter, and what is judged is the median of the ratios of neighbours. Rows whose target is
+an absolute time keep their floor beside them all the same.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import NamedTuple
+
+import rtkit
+from rtkit.manager import launch
+from rtkit.tree import managers
+from rtkit.tree.client import Tree
+
+ROUNDS = 21
+"""Pairs that are measured, after the warm-up."""
+
+WARM_UP = 3
+_START_S = 20.0
+
+
+class Row(NamedTuple):
+    """One measured line.
+
+    Attributes:
+        what: What was measured.
+        unit: Of figure and floor.
+        figure: Median of rtkit.
+        floor: Median of what is compared with.
+        ratio: Median of the ratios of the pairs.
+        target: Upper bound; None when the row only informs.
+        is_ratio: Whether the target bounds the ratio, else the figure itself.
+        floor_is: What the floor is.
+    """
+
+    what: str
+    unit: str
+    figure: float
+    floor: float
+    ratio: float
+    target: float | None
+    is_ratio: bool
+    floor_is: str
+
+    @property
+    def verdict(self) -> str:
+        """Whether the target is met."""
+        if self.target is None:
+            return "-"
+        return "ok" if (self.ratio if self.is_ratio else self.figure) <= self.target else "MISSED"
+
+    def as_json(self) -> str:
+        """Return the row as one line of JSON."""
+        return json.dumps(
+            {
+                "schema": "rtkit.bench/1",
+                "what": self.what,
+                "unit": self.unit,
+                "figure": float(f"{self.figure:.4g}"),
+                "floor": float(f"{self.floor:.4g}"),
+                "ratio": float(f"{self.ratio:.4g}"),
+                "target": self.target,
+                "target_bounds": "ratio" if self.is_ratio else "figure",
+                "floor_is": self.floor_is,
+                "verdict": self.verdict,
+            }
+        )
+
+
+Measure = Callable[[], float]
+
+
+def paired(one: Measure, other: Measure, rounds: int = ROUNDS) -> tuple[float, float, float]:
+    """Let two measurements take turns; return the medians of each and of their ratios."""
+    for _ in range(WARM_UP):
+        one()
+        other()
+    pairs = [(one(), other()) for _ in range(rounds)]
+    return (
+        statistics.median(a for a, _ in pairs),
+        statistics.median(b for _, b in pairs),
+        statistics.median(a / b for a, b in pairs),
+    )
+
+
+def timed(work: Callable[[], object]) -> float:
+    """Return how long a call takes [ms]."""
+    begin = time.perf_counter()
+    work()
+    return (time.perf_counter() - begin) * 1e3
+
+
+def process(arguments: Sequence[str]) -> float:
+    """Run a whole process, its output thrown away, and return how long it takes [ms]."""
+    # Where byte code is not kept, all of rtkit would be compiled anew by each command.
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    actions = [(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)]
+    begin = time.perf_counter()
+    pid = os.posix_spawn(arguments[0], arguments, environment, file_actions=actions)
+    _, status, _ = os.wait4(pid, 0)
+    elapsed_ms = (time.perf_counter() - begin) * 1e3
+    if status:
+        raise RuntimeError(f"{' '.join(arguments)} ended with status {status}")
+    return elapsed_ms
+
+
+def command(name: str) -> str:
+    """Return the path of an installed command of this interpreter."""
+    path = os.path.join(os.path.dirname(sys.executable), name)
+    if not os.path.exists(path):
+        raise RuntimeError(f"{name} is not installed beside {sys.executable}: run make bench")
+    return path
+
+
+@contextmanager
+def manager(*module_paths: str) -> Iterator[Tree]:
+    """Run a manager of its own for one group of rows, leaving nothing behind."""
+    base = tempfile.mkdtemp(prefix="rtb")
+    os.environ["RTKIT_RUNTIME_DIR"] = os.path.join(base, "r")
+    os.environ["RTKIT_STATE_DIR"] = os.path.join(base, "s")
+    os.environ["RTKIT_MODULE_PATH"] = os.pathsep.join(module_paths)
+    pid = launch.start("manager", _START_S)
+    try:
+        with rtkit.connect() as tree:
+            yield tree
+    finally:
+        managers.stop("manager", _START_S)
+        os.waitpid(pid, 0)
+        shutil.rmtree(base)
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Return the rows for people."""
+    cells = [("", "figure", "floor", "ratio", "target", "")]
+    for row in rows:
+        bound = "" if row.target is None else f"{row.target:g}"
+        unit = " x" if row.is_ratio else f" {row.unit}"
+        cells.append(
+            (
+                row.what,
+                f"{row.figure:.3g} {row.unit}",
+                f"{row.floor:.3g} {row.unit}",
+                f"{row.ratio:.2f}",
+                f"<= {bound}{unit}" if bound else "-",
+                row.verdict,
+            )
+        )
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = ["  ".join(f"{c:<{w}}" for c, w in zip(line, widths, strict=True)) for line in cells]
+    return "\n".join(line.rstrip() for line in lines)
