@@ -15,17 +15,13 @@ if TYPE_CHECKING:
 
 def run_word(app: App, word: str, name: str, is_json: bool) -> int:
     """Start, stop, be, or tell about the manager of that name; return the exit status."""
-    from rtkit.manager import launch
-    from rtkit.tree import managers
-
     chosen = name.removesuffix(MANAGER_SUFFIX) or os.environ.get("RTKIT_MANAGER") or "manager"
     check_instance_name(chosen)
-    if word == "run":
-        return launch.run(chosen)
-    if word == "start":
-        pid = launch.start(chosen, app.timeout_s)
-        app.tell(f"manager {chosen} runs: pid {pid}, socket {_socket(chosen)}")
-    elif word == "stop":
+    if word in ("start", "run"):
+        return _launch(app, word, chosen)
+    from rtkit.tree import managers
+
+    if word == "stop":
         managers.stop(chosen, app.timeout_s)
         app.tell(f"manager {chosen} ended")
     else:
@@ -33,10 +29,15 @@ def run_word(app: App, word: str, name: str, is_json: bool) -> int:
     return 0
 
 
-def _socket(name: str) -> str:
+def _launch(app: App, word: str, name: str) -> int:
     from rtkit.link.places import manager_socket
+    from rtkit.manager import launch
 
-    return manager_socket(name)
+    if word == "run":
+        return launch.run(name)
+    pid = launch.start(name, app.timeout_s)
+    app.tell(f"manager {name} runs: pid {pid}, socket {manager_socket(name)}")
+    return 0
 
 
 def _tell_status(name: str, status: Status, is_json: bool) -> None:

@@ -1,0 +1,131 @@
+"""A small world and a way to type commands at it."""
+
+from __future__ import annotations
+
+import importlib
+import shlex
+from collections.abc import Callable
+from typing import NamedTuple
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.world import World
+from rtkit.rtc.enums import LifeCycleState, Polarity, PortType
+from rtkit.rtc.pattern import ComponentPattern, ContextPattern
+from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
+from rtkit.tree.fake import fake_tree
+
+LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
+TEXT = {"dataport.data_type": "IDL:RTC/TimedString:1.0"}
+PUSH_ONLY = {**LONG, "dataport.dataflow_type": "push", "dataport.subscription_type": "new,flush"}
+
+
+class Outcome(NamedTuple):
+    """What a command line came to."""
+
+    status: int
+    out: str
+    err: str
+
+
+def _service(name: str, interface: str, polarity: Polarity) -> PortProfile:
+    offered = PortInterfaceProfile("acc", interface, polarity)
+    return PortProfile(name, PortType.SERVICE, {"port.port_type": "CorbaPort"}, (offered,))
+
+
+def _types() -> list[ComponentPattern]:
+    return [
+        ComponentPattern(
+            TypeProfile("Std", "Me", "test", "1.0", "A standard component"),
+            (PortProfile("in", PortType.IN, LONG), PortProfile("out", PortType.OUT, LONG)),
+            {
+                "default": {"param": "0"},
+                "set1": {"param": "1"},
+                "set2": {"param": "2"},
+                "__hidden__": {"param": "3"},
+            },
+        ),
+        ComponentPattern(
+            TypeProfile("Output", "Me", "test", "1.0"),
+            (PortProfile("out", PortType.OUT, PUSH_ONLY),),
+        ),
+        ComponentPattern(
+            TypeProfile("Input", "Me", "test", "1.0"),
+            (PortProfile("in", PortType.IN, PUSH_ONLY),),
+            contexts=(ContextPattern("0"), ContextPattern("slow", rate=10.0)),
+        ),
+        ComponentPattern(
+            TypeProfile("Text", "Me", "test", "1.0"), (PortProfile("in", PortType.IN, TEXT),)
+        ),
+        ComponentPattern(
+            TypeProfile("Adder", "Me", "test", "1.0"),
+            (_service("offer", "Add", Polarity.PROVIDED),),
+        ),
+        ComponentPattern(
+            TypeProfile("User", "Me", "test", "1.0"),
+            (
+                _service("need", "Add", Polarity.REQUIRED),
+                _service("also", "Add", Polarity.PROVIDED),
+                _service("other", "Subtract", Polarity.REQUIRED),
+            ),
+        ),
+    ]
+
+
+def make_world() -> World:
+    """Return a world with components in the manager, in slaves, in a directory, and a zombie."""
+    types = _types()
+    world = World(types, modules={"/mods/a.py": types[:1], "b.py": types[1:2]})
+    for create, name in (
+        ("Std?instance_name=Std0", ""),
+        ("Output?instance_name=Output0", "localhost/local.host_cxt/Output0.rtc"),
+        ("Input?instance_name=Input0&manager_name=slave1", ""),
+        ("Text?instance_name=Text0", ""),
+        ("Adder?instance_name=Adder0", ""),
+        ("User?instance_name=User0", ""),
+        ("Std?instance_name=Zombie0&manager_name=slave2", ""),
+        ("Std?instance_name=Err0", ""),
+    ):
+        world.perform(act.Create(create, (name,) if name else ()))
+    world.kill("slave2")
+    world.set_state("Err0", LifeCycleState.ERROR, "ValueError: no such speed (robot.py:12)")
+    world.properties.update({"manager.name": "manager", "naming.formats": "%n.rtc"})
+    world.performed.clear()
+    return world
+
+
+@pytest.fixture
+def world() -> World:
+    return make_world()
+
+
+@pytest.fixture(autouse=True)
+def plain_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing that a user may have set changes what is printed."""
+    for name in (
+        "RTKIT_CWD",
+        "RTCSH_CWD",
+        "RTKIT_MANAGER",
+        "RTKIT_EXIT_DETAIL",
+        "FORCE_COLOR",
+        "NO_COLOR",
+    ):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "80")
+
+
+@pytest.fixture
+def run(world: World, capsys: pytest.CaptureFixture[str]) -> Callable[[str], Outcome]:
+    """Return what types a command line."""
+
+    def typed(line: str) -> Outcome:
+        name, *arguments = shlex.split(line)
+        main = importlib.import_module(f"rtkit.cli.{name}").main
+        tree = fake_tree(world)
+        status = main(arguments, tree=tree)
+        captured = capsys.readouterr()
+        return Outcome(status, captured.out, captured.err)
+
+    return typed

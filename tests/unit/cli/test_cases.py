@@ -1,0 +1,64 @@
+"""The case tables of the command reference as transcripts: stdout, stderr and status exactly.
+
+In ``cases/*.txt``: ``$`` a command line, then what stdout shows (``␠`` is a blank at the end of a
+line), ``!`` a line of stderr, ``?`` the exit status where it is not 0, ``=`` the connections left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from rtkit.deployment.actions import Connect
+from rtkit.deployment.world import World
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+
+FOLDER = Path(__file__).parent / "cases"
+WIRES = {"a": ("Std0", "Std0"), "b": ("Std0", "Input0"), "c": ("Output0", "Input0")}
+
+
+class Case(NamedTuple):
+    line: str
+    out: str
+    err: str
+    status: int
+    wires: str | None
+
+
+def read_cases(file: Path) -> list[Case]:
+    cases: list[Case] = []
+    for text in file.read_text(encoding="utf-8").splitlines():
+        mark, rest = text[:2], text[2:]
+        if mark == "# ":
+            continue
+        if mark == "$ ":
+            cases.append(Case(rest, "", "", 0, None))
+            continue
+        case = cases.pop()
+        if mark == "! ":
+            case = case._replace(err=f"{case.err}{rest}\n")
+        elif mark == "? ":
+            case = case._replace(status=int(rest))
+        elif mark == "= ":
+            case = case._replace(wires=rest)
+        else:
+            case = case._replace(out=f"{case.out}{text.replace('␠', ' ')}\n")
+        cases.append(case)
+    return cases
+
+
+CASES = [case for file in sorted(FOLDER.glob("*.txt")) for case in read_cases(file)]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.line)
+def test_case(run: Callable[[str], Any], world: World, case: Case) -> None:
+    if case.wires is not None:
+        for name, (source, sink) in WIRES.items():
+            ends = (PortRef(source, "out"), PortRef(sink, "in"))
+            assert world.perform(Connect(ConnectorProfile(name, name, ends))).ok
+    assert run(case.line) == (case.status, case.out, case.err)
+    if case.wires is not None:
+        assert sorted(world.connectors) == case.wires.split()
