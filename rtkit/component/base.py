@@ -174,15 +174,20 @@ class Component(Callbacks):
     def finalize(self) -> None:
         """Come to an end: deactivate, stop own contexts, leave all, on_finalize.
 
-        No context that drives this component may tick meanwhile. Failures are reported.
+        Others that its own contexts drive are deactivated too and let go. No context that drives
+        this component may tick meanwhile. Failures are reported.
         """
         if not self.is_alive:
             return
         for context in self.participations:
             if context is self.contexts.get(context.id):
-                context.deactivate_component(self)
+                for participant in context.participants:
+                    context.deactivate_component(participant)
                 context.stop()
-            context.remove_component(self)
+                for participant in context.participants:
+                    context.remove_component(participant)
+            else:
+                context.remove_component(self)
         failure = attempt(self.on_finalize)
         if failure:
             self.report(f"on_finalize failed: {failure}")

@@ -144,3 +144,12 @@ def test_what_was_handed_out_does_not_change(config):
 )
 def test_hidden_sets(name, hidden):
     assert is_hidden(name) is hidden
+
+
+def test_a_parameter_that_the_set_does_not_name_keeps_its_value(config):
+    config.set("default", {"name": "y"})
+    config.activate("default")
+    config.update()
+    config.activate("fast")
+    config.update()
+    assert config.values == {"gain": 5.0, "name": "y"}

@@ -357,3 +357,28 @@ def test_the_profile_lists_only_others_as_participants():
     assert profile.is_running
     assert profile.rate == 1000.0
     assert profile.state is LifeCycleState.INACTIVE
+
+
+def test_a_rate_that_is_refused_in_error_is_reported_and_aborts_no_second_time():
+    calls, reports = [], []
+
+    class Picky(Component):
+        def on_activated(self, context):
+            raise ValueError("first")
+
+        def on_rate_changed(self, context):
+            raise ValueError("second")
+
+        def on_aborting(self, context):
+            calls.append(context)
+
+    picky = Picky("Picky0")
+    picky.report = reports.append
+    context = alive(picky)
+    context.activate_component(picky)
+    context.set_rate(3.0)
+    context.tick()
+    assert calls == ["0"]
+    assert picky.cause.startswith("ValueError: first")
+    (report,) = reports
+    assert report.startswith("on_rate_changed failed: ValueError: second")

@@ -75,6 +75,21 @@ def test_block_waits_for_a_value(out, into):
     assert results == [long(5)]
 
 
+def test_closing_wakes_a_reader_that_waits(out, into):
+    join(
+        out,
+        into,
+        dataport__inport__buffer__read__empty_policy="block",
+        dataport__inport__buffer__read__timeout="50",
+    )
+    results = []
+    thread = Thread(target=lambda: results.append(into.read()))
+    thread.start()
+    into.close("c0")
+    thread.join(30)
+    assert results == [None]
+
+
 def test_values_come_in_order_and_the_oldest_are_dropped(out, into):
     join(out, into, dataport__inport__buffer__length="3")
     for number in range(5):
