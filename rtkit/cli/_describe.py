@@ -42,8 +42,7 @@ _SYSTEM = (
 
 def component_lines(snapshot: Snapshot, facts: ComponentFacts, name: str, level: int) -> list[str]:
     """Describe a component that is shown under `name`."""
-    title = _out.styled(name, _out.STYLES["name"])
-    lines = [f"{title}  {_out.state(facts.state)}", *_out.pairs(_identity(facts))]
+    lines = [f"{_bold(name)}  {_out.state(facts.state)}", *_out.pairs(_identity(facts))]
     lines += _folded(" ", "Extra properties", _sorted(facts.properties), level > 1)
     for number, context in enumerate(facts.contexts):
         lines += _context_lines(context, number, level)
@@ -69,16 +68,16 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
 
 
 def _context_lines(context: ExecutionContextProfile, number: int, level: int) -> list[str]:
-    title = f"Execution Context {number}"
+    title = f"Execution Context {_bold(str(number))}"
     if level < 1:
-        return [_marked("+", title)]
+        return [f"+{title}"]
     rows = [
         ("State", "Running" if context.is_running else "Stopped"),
         ("Kind", _KINDS.get(context.kind, "Other")),
         ("Rate", str(context.rate)),
         ("Owner", context.owner),
     ]
-    lines = [_marked("-", title), *_out.pairs(rows)]
+    lines = [f"-{title}", *_out.pairs(rows)]
     members = [(name, "") for name in context.participants]
     lines += _folded(" ", "Participants", members, level > 1)
     return lines + _folded(" ", "Extra properties", _sorted(context.properties), level > 1)
@@ -88,10 +87,10 @@ def port_lines(
     snapshot: Snapshot, facts: ComponentFacts, port: PortProfile, level: int
 ) -> list[str]:
     """Describe a port of a component, with its connections."""
-    title = f"{port.port_type.value}: {port.name}"
+    title = f"{port.port_type.value}: {_bold(port.name)}"
     if level < 1:
-        return [_marked("+", title)]
-    lines = [_marked("-", title), *_out.pairs(_sorted(port.properties))]
+        return [f"+{title}"]
+    lines = [f"-{title}", *_out.pairs(_sorted(port.properties))]
     for interface in port.interfaces:
         lines += _interface_lines(interface)
     unresolved = 0
@@ -125,7 +124,7 @@ def _interface_lines(interface: PortInterfaceProfile) -> list[str]:
 def _connection_lines(wire: ConnectorProfile, paths: list[str], level: int) -> list[str]:
     mark = "-" if level > 1 else "+"
     head = f" {mark}Connected to  "
-    first, *others = [_out.styled(path, _out.STYLES["name"]) for path in paths]
+    first, *others = [_bold(path) for path in paths]
     lines = [head + first, *(" " * len(head) + other for other in others)]
     if level < 2:
         return lines
@@ -174,8 +173,8 @@ def _titled(rows: Iterable[tuple[str, str]], indent: str = "") -> list[str]:
     return [f"{indent}{title}: {_out.printable(text)}".rstrip() for title, text in rows]
 
 
-def _marked(mark: str, title: str) -> str:
-    return mark + _out.styled(title, _out.STYLES["name"])
+def _bold(text: str) -> str:
+    return _out.styled(text, _out.STYLES["name"])
 
 
 def _folded(indent: str, title: str, rows: list[tuple[str, str]], is_unfolded: bool) -> list[str]:

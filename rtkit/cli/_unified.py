@@ -40,12 +40,11 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     verb = arguments[0] if arguments else "--help"
     if verb in ("-h", "--help"):
-        return _help(name)
+        return _print(_help(name))
     if verb == "--version":
         from rtkit import __version__
 
-        print(f"rtkit {__version__}")
-        return _flushed()
+        return _print(f"rtkit {__version__}")
     module = COMMANDS.get(verb) or (verb if verb in COMMANDS.values() else None)
     if module is None:
         return _unknown(name, verb)
@@ -57,20 +56,26 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
     return int(main(arguments[1:], tree=tree, name=f"{name} {verb}"))
 
 
-def _help(name: str) -> int:
+def _help(name: str) -> str:
     width = max(map(len, COMMANDS)) + 2
-    print(_USAGE.format(name))
-    print(f"\nEach verb is also a command of its own: {name} ls is rtls.\n\nVerbs:")
-    for verb in COMMANDS:
-        print(f"  {verb:<{width}}{SUMMARIES[verb]}")
-    print("\nOptions:\n  --version   Show the version and exit.\n  -h, --help  Show this message.")
-    print(f"\n{name} VERB -h tells more.")
-    return _flushed()
+    verbs = "\n".join(f"  {verb:<{width}}{SUMMARIES[verb]}" for verb in COMMANDS)
+    return f"""{_USAGE.format(name)}
+
+Each verb is also a command of its own: {name} ls is rtls.
+
+Verbs:
+{verbs}
+
+Options:
+  --version   Show the version and exit.
+  -h, --help  Show this message.
+
+{name} VERB -h tells more."""
 
 
-def _flushed() -> int:
+def _print(text: str) -> int:
     try:
-        sys.stdout.flush()
+        print(text, flush=True)
     except BrokenPipeError:
         from rtkit.cli._app import BROKEN_PIPE, leave_pipe
 

@@ -127,7 +127,10 @@ def _trouble(state: str, reason: str) -> str:
 
 def _place(root: Node, row: Row, hostname: str) -> None:
     for name in row.names:
-        host, *directories, leaf = name.split("/")
+        host, slash, rest = name.partition("/")
+        if not slash:
+            continue
+        *directories, leaf = rest.split("/")
         node = _below(root, LOCAL if is_local_host(host, hostname) else host, Kind.HOST)
         for directory in directories:
             node = _below(node, directory, Kind.DIRECTORY)
