@@ -1,0 +1,67 @@
+"""The floor of the round trip: bare zenoh between two processes, on the route that rtkit takes.
+
+Each end listens on a unix socket as a peer and opens a client session to the other one's:
+``python -m bench.raw ping|echo OWN_SOCKET OTHER_SOCKET``. ``ping`` reads a number of round trips
+and the bytes in hex a line, and answers with the median of one [us].
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import sys
+import time
+
+import zenoh
+
+from rtkit.link.zenoh import open_client, open_listener, unix_endpoint
+
+_THERE, _BACK = "bench/there", "bench/back"
+_PATIENCE_S = 10.0
+
+
+def main(role: str, own: str, other: str) -> None:
+    """Be one end until the input ends."""
+    listener = open_listener(unix_endpoint(own), "peer")
+    hears, says = (_BACK, _THERE) if role == "ping" else (_THERE, _BACK)
+    arrivals = listener.declare_subscriber(hears, zenoh.handlers.FifoChannel(64))
+    deadline = time.monotonic() + _PATIENCE_S
+    while not os.path.exists(other) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    client = open_client(unix_endpoint(other), _PATIENCE_S)
+    publisher = client.declare_publisher(says)
+    (_ping if role == "ping" else _echo)(arrivals, publisher)
+    client.close()
+    listener.close()
+
+
+def _echo(arrivals: zenoh.Subscriber, publisher: zenoh.Publisher) -> None:
+    for sample in arrivals:
+        payload = sample.payload.to_bytes()
+        if not payload:
+            return
+        publisher.put(payload)
+
+
+def _ping(arrivals: zenoh.Subscriber, publisher: zenoh.Publisher) -> None:
+    for line in sys.stdin:
+        count, payload = line.split()
+        taken = _trips(arrivals, publisher, bytes.fromhex(payload), int(count))
+        print(statistics.median(taken) * 1e6, flush=True)
+    publisher.put(b"")
+
+
+def _trips(
+    arrivals: zenoh.Subscriber, publisher: zenoh.Publisher, payload: bytes, count: int
+) -> list[float]:
+    taken = []
+    for _ in range(count):
+        begin = time.perf_counter()
+        publisher.put(payload)
+        arrivals.recv().payload.to_bytes()
+        taken.append(time.perf_counter() - begin)
+    return taken
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
