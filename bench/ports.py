@@ -21,8 +21,8 @@ from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
-_TRIPS = 300
-_ROUNDS = 15
+_TRIPS = 200
+_ROUNDS = 41
 _CALLS = 20_000
 _COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
 _CALL_IS = "a method that calls a list of one callback"
