@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
 __all__ = ["Tree", "__version__", "connect"]
 
 if TYPE_CHECKING:
     from rtkit.tree.client import Tree, connect
+    from rtkit.version import __version__
 
 
 def __getattr__(name: str) -> Any:
@@ -19,4 +19,8 @@ def __getattr__(name: str) -> Any:
         from rtkit.tree import client
 
         return getattr(client, name)
+    if name == "__version__":
+        from rtkit.version import __version__
+
+        return __version__
     raise AttributeError(f"module 'rtkit' has no attribute {name!r}")

@@ -13,7 +13,6 @@ import threading
 import time
 from contextlib import ExitStack
 
-from rtkit import __version__
 from rtkit.errors import Refused, RtkitError
 from rtkit.link import keys, places
 from rtkit.manager.core import Core
@@ -21,6 +20,7 @@ from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, StopAsked
 from rtkit.manager.nursery import Nursery, become_subreaper
 from rtkit.manager.state import Process, State
 from rtkit.resources import resource
+from rtkit.version import __version__
 
 _DATA_SUFFIX = ".data"
 
