@@ -82,8 +82,9 @@ def _catch_term() -> int:
 
 
 def _listen(channel: Channel, wake: int, holder: Holder) -> None:
+    sources: list[Any] = [channel, wake]
     while True:
-        ready, _, _ = select.select([channel, wake], [], [])
+        ready: list[object] = select.select(sources, [], [])[0]
         if wake in ready and signal.SIGTERM in os.read(wake, 4096):
             break
         if channel not in ready:
