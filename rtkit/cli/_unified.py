@@ -16,19 +16,19 @@ if TYPE_CHECKING:
 SUMMARIES: dict[str, str] = {
     "act": "Activate components: Inactive to Active.",
     "cat": "Describe a component, a port or a manager.",
-    "check": "Compare a running system with a system profile.",
-    "con": "Connect ports.",
-    "conf": "Show and change configuration sets.",
-    "cryo": "Save the running system as a system profile.",
+    "check": "Compare the live system with an RTS profile.",
+    "con": "Connect the first port to each of the others.",
+    "conf": "Show and change the configuration sets of a component.",
+    "cryo": "Save the live system as an RTS profile.",
     "deact": "Deactivate components: Active to Inactive.",
     "dis": "Remove connections.",
     "ls": "List directories, managers and components of the tree.",
     "mgr": "Start, stop and command managers.",
     "reset": "Reset components: Error to Inactive.",
-    "resurrect": "Bring a system up from a system profile.",
-    "start": "Activate the components of a system profile.",
-    "stop": "Deactivate the components of a system profile.",
-    "teardown": "Remove the connections of a system profile.",
+    "resurrect": "Bring up the system of an RTS profile.",
+    "start": "Activate every component of an RTS profile.",
+    "stop": "Deactivate every component of an RTS profile.",
+    "teardown": "Remove every connection of an RTS profile.",
 }
 _USAGE = "Usage: {} VERB [OPTIONS] [ARGUMENTS]..."
 _BAD_LINE = 2

@@ -91,5 +91,6 @@ def check_instance_name(name: str) -> str:
 
 def is_local_host(host: str, hostname: str) -> bool:
     """Whether `host` (with or without ``:port``) means the machine named `hostname`."""
-    name = host.rpartition(":")[0] if host.rpartition(":")[2].isdigit() else host
-    return (name or host) in (LOCAL, "127.0.0.1", "::1", "[::1]", hostname, hostname.split(".")[0])
+    names = (LOCAL, "127.0.0.1", "::1", "[::1]", hostname, hostname.split(".")[0])
+    name, _, port = host.rpartition(":")
+    return host in names or (port.isdigit() and name in names)

@@ -50,8 +50,8 @@ def test_columns_take_styled_text_for_what_is_seen() -> None:
 def test_a_terminal_gets_columns(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     assert run("rtls /localhost").out == (
-        "Adder0.rtc  Err0.rtc      Input0.rtc       Std0.rtc      Text0.rtc\n"
-        "User0.rtc   *Zombie0.rtc  local.host_cxt/  manager.mgr/\n"
+        "Adder0.rtc    Err0.rtc         Input0.rtc    Std0.rtc  Text0.rtc  User0.rtc\n"
+        "*Zombie0.rtc  local.host_cxt/  manager.mgr/\n"
     )
     assert run("rtls -1 /localhost/manager.mgr/slave1.mgr").out == "Input0.rtc\n"
 

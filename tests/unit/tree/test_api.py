@@ -1,0 +1,120 @@
+"""The calls by path that scripts make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.world import World
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.enums import LifeCycleState, PortType, Transition
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.tree.client import Tree
+from rtkit.tree.fake import fake_tree
+
+LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
+A, B = "/localhost/A.rtc", "/localhost/B.rtc"
+
+
+@pytest.fixture
+def world() -> World:
+    ports = (PortProfile("in", PortType.IN, LONG), PortProfile("out", PortType.OUT, LONG))
+    pattern = ComponentPattern(
+        TypeProfile("Std"), ports, {"default": {"gain": "1"}, "fast": {"gain": "9"}}
+    )
+    world = World([pattern])
+    for name in "AB":
+        world.perform(act.Create(f"Std?instance_name={name}"))
+    world.performed.clear()
+    return world
+
+
+@pytest.fixture
+def tree(world: World) -> Iterator[Tree]:
+    with fake_tree(world) as tree:
+        yield tree
+
+
+def test_ls(tree: Tree) -> None:
+    assert tree.ls() == ["A.rtc", "B.rtc", "manager.mgr"]
+    assert tree.ls("/") == ["localhost"]
+    assert tree.ls(A) == ["A.rtc"]
+    with pytest.raises(NotFound, match=r"No such object: /localhost/C.rtc"):
+        tree.ls("/localhost/C.rtc")
+
+
+def test_component(tree: Tree) -> None:
+    assert tree.component(A).type.type_name == "Std"
+    with pytest.raises(NotFound):
+        tree.component("/localhost/C.rtc")
+    with pytest.raises(Refused, match="Not a component: /localhost"):
+        tree.component("/localhost")
+
+
+def test_create_and_delete(tree: Tree, world: World) -> None:
+    assert tree.create("Std") == "Std0"
+    tree.delete("/localhost/Std0.rtc")
+    assert "Std0" not in world.components
+    with pytest.raises(NotFound, match="No such object"):
+        tree.delete("/localhost/Std0.rtc")
+    with pytest.raises(NotFound, match="Not a component: /localhost"):
+        tree.delete("/localhost")
+    with pytest.raises(NotFound, match="no component type Nix"):
+        tree.create("Nix")
+
+
+def test_a_zombie_can_be_deleted(tree: Tree, world: World) -> None:
+    tree.create("Std?instance_name=Z&manager_name=s")
+    world.kill("s")
+    tree.delete("/localhost/Z.rtc")
+    assert "Z" not in world.components
+
+
+def test_transitions(tree: Tree, world: World) -> None:
+    tree.activate(A)
+    assert world.state_of("A") == "Active"
+    tree.deactivate(A)
+    assert world.state_of("A") == "Inactive"
+    world.set_state("A", LifeCycleState.ERROR)
+    with pytest.raises(Refused, match="precondition not met"):
+        tree.activate(A)
+    tree.reset(A)
+    assert world.state_of("A") == "Inactive"
+    with pytest.raises(NotFound, match="A has no execution context 7"):
+        tree.activate(A, "7")
+    assert world.performed[0] == act.ChangeState("A", "0", Transition.ACTIVATE)
+
+
+def test_connections(tree: Tree, world: World) -> None:
+    made = tree.connect(f"{A}:in", f"{B}:out", dataport__subscription_type="flush")
+    wire = world.connectors[made]
+    assert str(wire.ports[0]) == "B.out"
+    assert wire.properties["dataport.subscription_type"] == "flush"
+    assert tree.connect(f"{A}:out", f"{B}:in", "mine") == "mine"
+    assert tree.disconnect(f"{A}:in", f"{B}:out") == 1
+    assert list(world.connectors) == ["mine"]
+    assert tree.disconnect(f"{A}:out") == 1
+    assert tree.disconnect(f"{A}:out") == 0
+    with pytest.raises(Refused, match="Wrong port type"):
+        tree.connect(f"{A}:in", f"{B}:in")
+
+
+def test_configuration(tree: Tree, world: World) -> None:
+    tree.configure(A, gain="2")
+    assert world.components["A"].sets["default"] == {"gain": "2"}
+    assert world.performed[-1] == act.ActivateSet("A", "default")
+    tree.configure(A, "fast", gain="10")
+    assert world.components["A"].sets["fast"] == {"gain": "10"}
+    assert world.performed[-1] == act.SetParameters("A", "fast", {"gain": "10"})
+    with pytest.raises(NotFound, match="No such configuration parameter: nix"):
+        tree.configure(A, nix="1")
+    with pytest.raises(NotFound, match="No such configuration set: slow"):
+        tree.configure(A, "slow", gain="1")
+
+
+def test_paths_must_be_readable(tree: Tree) -> None:
+    with pytest.raises(Malformed, match="Bad path"):
+        tree.activate("a:b:c")

@@ -1,0 +1,84 @@
+"""Paths to nodes, and the errors that users know."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtkit.deployment.listing import Listing, Row
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.rtc.names import parse_path
+from rtkit.tree import resolve
+from rtkit.tree.view import Node, build
+
+
+def row(instance: str, zombie: str = "") -> Row:
+    names = (f"localhost/{instance}.rtc",)
+    return Row(instance, "Inactive", 1, 0, 1, 0, 0, 0, "s1", zombie, "", False, names)
+
+
+@pytest.fixture
+def root() -> Node:
+    rows = (row("A"), row("Z", "signal 9"))
+    return build(Listing("box.lan", "manager", 1, (("s1", "up", ""),), rows))
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [
+        "/localhost/A.rtc",
+        "localhost/A.rtc",
+        "/localhost:2810/A.rtc",
+        "/box.lan/A.rtc",
+        "/box/A.rtc",
+        "/box.lan:9/./x/../A.rtc",
+        "/127.0.0.1/A.rtc",
+        "/[::1]:2810/A.rtc",
+    ],
+)
+def test_this_host_has_many_names(root: Node, typed: str) -> None:
+    node = resolve.find(root, parse_path(typed), "box.lan")
+    assert node is not None
+    assert node.path == "/localhost/A.rtc"
+
+
+@pytest.mark.parametrize("typed", ["/far/A.rtc", "/localhost/B.rtc", "/localhost/A.rtc/x"])
+def test_what_is_not_there(root: Node, typed: str) -> None:
+    assert resolve.find(root, parse_path(typed), "box.lan") is None
+    with pytest.raises(NotFound, match=f"^No such object: {typed}$"):
+        resolve.entry(root, parse_path(typed), "box.lan")
+
+
+@pytest.mark.parametrize(
+    ("function", "typed", "error", "why"),
+    [
+        ("component", "/localhost/A.rtc", None, ""),
+        ("component", "/localhost/B.rtc", NotFound, "No such object"),
+        ("component", "/localhost/Z.rtc", Refused, "Zombie object"),
+        ("component", "/localhost", Refused, "Not a component"),
+        ("component", "/localhost/manager.mgr", Refused, "Not a component"),
+        ("component", "/localhost/A.rtc/", Malformed, "Not a component"),
+        ("component", "/localhost/A.rtc:in", Malformed, "Not a component"),
+        ("component_of_port", "/localhost/A.rtc:in", None, ""),
+        ("component_of_port", "/localhost/A.rtc/:in", NotFound, "No such object"),
+        ("component_of_port", "/localhost/Z.rtc:in", Refused, "Zombie object"),
+        ("component_of_port", "/localhost:in", Refused, "Not a component"),
+        ("manager", "/localhost/manager.mgr", None, ""),
+        ("manager", "/localhost/manager.mgr/", None, ""),
+        ("manager", "/localhost/manager.mgr/s1.mgr", None, ""),
+        ("manager", "/localhost/manager.mgr:in", Refused, "Not a manager"),
+        ("manager", "/localhost/A.rtc", Refused, "Not a manager"),
+        ("manager", "/localhost", Refused, "Not a manager"),
+        ("manager", "/", Refused, "Not a manager"),
+        ("manager", "/localhost/Z.rtc", Refused, "Zombie object"),
+        ("manager", "/localhost/x.mgr", NotFound, "No such object"),
+    ],
+)
+def test_kinds(
+    root: Node, function: str, typed: str, error: type[RtkitError] | None, why: str
+) -> None:
+    find = getattr(resolve, function)
+    if error is None:
+        assert find(root, parse_path(typed), "box.lan").name in typed
+        return
+    with pytest.raises(error, match=f"^{why}: {typed}$"):
+        find(root, parse_path(typed), "box.lan")
