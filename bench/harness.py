@@ -101,7 +101,7 @@ def timed(work: Callable[[], object]) -> float:
     return (time.perf_counter() - begin) * 1e3
 
 
-def process(arguments: Sequence[str]) -> float:
+def process(arguments: list[str]) -> float:
     """Run a whole process, its output thrown away, and return how long it takes [ms]."""
     # Where byte code is not kept, all of rtkit would be compiled anew by each command.
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}

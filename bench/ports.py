@@ -79,7 +79,9 @@ def _each_us(check: Callable[[], object], names: dict[str, object], call: str) -
 
 def _ping(tree: Tree) -> Callable[[], float]:
     result = os.path.join(tempfile.mkdtemp(prefix="rtb"), "median")
-    there = ConnectorProfile("there", "there", (PortRef("P", "out"), PortRef("E", "into")), _WAITING)
+    there = ConnectorProfile(
+        "there", "there", (PortRef("P", "out"), PortRef("E", "into")), _WAITING
+    )
     back = ConnectorProfile("back", "back", (PortRef("E", "out"), PortRef("P", "back")), _WAITING)
     _do(
         tree,

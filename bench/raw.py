@@ -11,6 +11,7 @@ import os
 import statistics
 import sys
 import time
+from typing import TypeAlias
 
 import zenoh
 
@@ -18,6 +19,7 @@ from rtkit.link.zenoh import open_client, open_listener, unix_endpoint
 
 _THERE, _BACK = "bench/there", "bench/back"
 _PATIENCE_S = 10.0
+_Arrivals: TypeAlias = "zenoh.Subscriber[zenoh.handlers.Handler[zenoh.Sample]]"
 
 
 def main(role: str, own: str, other: str) -> None:
@@ -31,11 +33,11 @@ def main(role: str, own: str, other: str) -> None:
     client = open_client(unix_endpoint(other), _PATIENCE_S)
     publisher = client.declare_publisher(says)
     (_ping if role == "ping" else _echo)(arrivals, publisher)
-    client.close()
-    listener.close()
+    client.close()  # type: ignore[no-untyped-call]
+    listener.close()  # type: ignore[no-untyped-call]
 
 
-def _echo(arrivals: zenoh.Subscriber, publisher: zenoh.Publisher) -> None:
+def _echo(arrivals: _Arrivals, publisher: zenoh.Publisher) -> None:
     for sample in arrivals:
         payload = sample.payload.to_bytes()
         if not payload:
@@ -43,7 +45,7 @@ def _echo(arrivals: zenoh.Subscriber, publisher: zenoh.Publisher) -> None:
         publisher.put(payload)
 
 
-def _ping(arrivals: zenoh.Subscriber, publisher: zenoh.Publisher) -> None:
+def _ping(arrivals: _Arrivals, publisher: zenoh.Publisher) -> None:
     for line in sys.stdin:
         count, payload = line.split()
         taken = _trips(arrivals, publisher, bytes.fromhex(payload), int(count))
@@ -52,7 +54,7 @@ def _ping(arrivals: zenoh.Subscriber, publisher: zenoh.Publisher) -> None:
 
 
 def _trips(
-    arrivals: zenoh.Subscriber, publisher: zenoh.Publisher, payload: bytes, count: int
+    arrivals: _Arrivals, publisher: zenoh.Publisher, payload: bytes, count: int
 ) -> list[float]:
     taken = []
     for _ in range(count):
