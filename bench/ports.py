@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -40,8 +39,12 @@ def rows() -> Iterator[Row]:
     what = "write to the buffer of an in port, same process"
     yield Row(f"{what}, ratio", "us", *measured, 5.0, True, _CALL_IS)
     yield Row(f"{what}, time", "us", *measured, 1.0, False, _CALL_IS)
-    with manager(_COMPONENTS) as tree, _raw() as raw:
-        measured = paired(_ping(tree), raw, _ROUNDS)
+    with (
+        tempfile.TemporaryDirectory(prefix="rtb") as folder,
+        manager(_COMPONENTS) as tree,
+        _raw(folder) as raw,
+    ):
+        measured = paired(_ping(tree, os.path.join(folder, "median")), raw, _ROUNDS)
         what = "round trip of a TimedPose2D through two processes"
         yield Row(what, "us", *measured, 1.4, True, _RAW_IS)
 
@@ -77,8 +80,7 @@ def _each_us(check: Callable[[], object], names: dict[str, object], call: str) -
     return timeit.timeit(call, globals=names, number=_CALLS) / _CALLS * 1e6
 
 
-def _ping(tree: Tree) -> Callable[[], float]:
-    result = os.path.join(tempfile.mkdtemp(prefix="rtb"), "median")
+def _ping(tree: Tree, result: str) -> Callable[[], float]:
     there = ConnectorProfile(
         "there", "there", (PortRef("P", "out"), PortRef("E", "into")), _WAITING
     )
@@ -87,8 +89,8 @@ def _ping(tree: Tree) -> Callable[[], float]:
         tree,
         Create("Ping?instance_name=P&manager_name=p"),
         Create("Echo?instance_name=E&manager_name=e"),
-        Connect(there),
-        Connect(back),
+        Connect(ConnectorProfile("there", "there", there, _WAITING)),
+        Connect(ConnectorProfile("back", "back", back, _WAITING)),
         SetParameters("P", "default", {"result": result, "count": str(_TRIPS)}),
         ChangeState("E", "0", Transition.ACTIVATE),
     )
@@ -108,26 +110,25 @@ def _do(tree: Tree, *actions: Action) -> None:
 
 
 @contextmanager
-def _raw() -> Iterator[Callable[[], float]]:
+def _raw(folder: str) -> Iterator[Callable[[], float]]:
     payload = codec_for(TimedPose2D).encode(TimedPose2D(Time(), Pose2D())).hex()
-    with tempfile.TemporaryDirectory(prefix="rtb") as folder:
-        ends = [os.path.join(folder, name) for name in ("a", "b")]
-        start = [sys.executable, "-m", "bench.raw"]
-        echo = subprocess.Popen([*start, "echo", ends[1], ends[0]])
-        ping = subprocess.Popen(
-            [*start, "ping", *ends], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-        assert ping.stdin is not None
-        assert ping.stdout is not None
-        asked, answers = ping.stdin, ping.stdout
+    ends = [os.path.join(folder, name) for name in ("a", "b")]
+    start = [sys.executable, "-m", "bench.raw"]
+    echo = subprocess.Popen([*start, "echo", ends[1], ends[0]])
+    ping = subprocess.Popen(
+        [*start, "ping", *ends], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert ping.stdin is not None
+    assert ping.stdout is not None
+    asked, answers = ping.stdin, ping.stdout
 
-        def measure() -> float:
-            asked.write(f"{_TRIPS} {payload}\n")
-            asked.flush()
-            return float(answers.readline())
+    def measure() -> float:
+        asked.write(f"{_TRIPS} {payload}\n")
+        asked.flush()
+        return float(answers.readline())
 
-        try:
-            yield measure
-        finally:
-            ping.communicate()
-            echo.wait(10)
+    try:
+        yield measure
+    finally:
+        ping.communicate()
+        echo.wait(10)
