@@ -98,7 +98,11 @@ def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.Component:
     unstated = options.get(extension.UNSTATED, "").split(",")
     data_ports = [port for port in facts.ports if port.port_type is not PortType.SERVICE]
     service_ports = [port for port in facts.ports if port.port_type is PortType.SERVICE]
-    sets = {name: values for name, values in facts.sets.items() if values or "sets" not in unstated}
+    sets = {
+        name: values
+        for name, values in facts.sets.items()
+        if values or f"set:{name}" not in unstated
+    }
     is_open = "active-set" in unstated and facts.active_set == "default"
     return rts.Component(
         id=extension.stated_id(facts),

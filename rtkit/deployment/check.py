@@ -46,6 +46,11 @@ def deviations(system: System, live: Live, state: LifeCycleState | None) -> Iter
             yield Deviation("component", component.path, why, component.is_required)
     for wire in system.connectors:
         yield from _wire(wire, system, live)
+    for component in system.components:
+        facts = live.at(component.instance)
+        if facts is not None and facts.trouble:
+            text = f"Component {component.path} does not answer ({facts.trouble})"
+            yield Deviation("component", component.path, text, component.is_required)
     there = [(c, facts) for c in system.components if (facts := _living(c, live)) is not None]
     for component, facts in there:
         if component.active_set and facts.active_set != component.active_set:

@@ -25,8 +25,9 @@ def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Pla
     for component in missing:
         check_instance_name(component.instance)
     pending = {c.instance for c in missing}
+    unmakable = {c.instance for c in system.components if may_create and not c.create}
     return Plan(
-        tuple(checks(system, live, pending)),
+        tuple(checks(system, live, pending, unmakable)),
         (
             *layer("load", _loads(missing, live)),
             *layer("create", (_creation(c) for c in missing)),
@@ -34,9 +35,11 @@ def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Pla
     )
 
 
-def checks(system: System, live: Live, pending: Collection[str] = ()) -> Iterator[Check]:
+def checks(
+    system: System, live: Live, pending: Collection[str] = (), unmakable: Collection[str] = ()
+) -> Iterator[Check]:
     """Yield what must hold before connections are made; `pending` are components to be made."""
-    yield from component_checks(system, live, pending)
+    yield from component_checks(system, live, pending, unmakable)
     seen = set()
     for wire in system.connectors:
         for end in wire.profile.ports if wire.is_required else ():
@@ -52,16 +55,21 @@ def checks(system: System, live: Live, pending: Collection[str] = ()) -> Iterato
             yield Check(text, failure)
 
 
-def component_checks(system: System, live: Live, pending: Collection[str] = ()) -> Iterator[Check]:
-    """Yield the checks of required components."""
+def component_checks(
+    system: System, live: Live, pending: Collection[str] = (), unmakable: Collection[str] = ()
+) -> Iterator[Check]:
+    """Yield the checks of required components; of the `unmakable` nobody knows how to make one."""
     for component in system.components:
-        if component.is_required:
-            failure = "" if component.instance in pending else absence(component, live)
-            yield Check(
-                f'Check for required component "{component.id}", "{component.instance}"'
-                f" at path {component.path}",
-                failure,
-            )
+        if not component.is_required:
+            continue
+        failure = "" if component.instance in pending else absence(component, live)
+        if failure and component.instance in unmakable and live.entry(component.instance) is None:
+            failure += " (nothing tells how to make it; --stand-in generates it)"
+        yield Check(
+            f'Check for required component "{component.id}", "{component.instance}"'
+            f" at path {component.path}",
+            failure,
+        )
 
 
 def absence(component: WantedComponent, live: Live) -> str:

@@ -31,7 +31,7 @@ STATED_ID = "rtkit.id"
 STATED_KIND = "rtkit.kind."
 """Option: the kind of the context that follows, as the profile writes it."""
 UNSTATED = "rtkit.unstated"
-"""Option: what the profile leaves open: ``active-set``, ``sets``, or both, comma separated."""
+"""Option: what the profile leaves open: ``active-set``, ``set:NAME``, comma separated."""
 TRANSMIT = "standin.transmit"
 """Option: ``default`` to have a stand-in write default values."""
 

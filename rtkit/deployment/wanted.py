@@ -238,7 +238,7 @@ def _stated(component: Component, made: WantedComponent) -> dict[str, str]:
         if context.kind and context.kind != kind_of(context.kind).value:
             stated[f"{extension.STATED_KIND}{live.id}"] = context.kind
     open_points = [] if made.active_set else ["active-set"]
-    open_points += [] if made.sets else ["sets"]
+    open_points += [f"set:{name}" for name in _pattern_sets(made) if name not in made.sets]
     if open_points:
         stated[extension.UNSTATED] = ",".join(open_points)
     return stated

@@ -1,0 +1,149 @@
+"""Short ways to write system profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from rtkit.deployment.live import Live
+from rtkit.deployment.wanted import wanted
+from rtkit.deployment.world import World
+from rtkit.profile import rts_model as rts
+from rtkit.profile.common import Property
+from rtkit.rtc.enums import PortType
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import PortProfile, TypeProfile
+
+LONG = "IDL:RTC/TimedLong:1.0"
+NO_SETS: Mapping[str, Mapping[str, str]] = {}
+
+
+def properties(table: Mapping[str, str]) -> tuple[Property, ...]:
+    return tuple(Property(name, value) for name, value in table.items())
+
+
+def port(name: str, told: Mapping[str, str] | None = None) -> rts.Port:
+    return rts.Port(name, properties=properties(told or {}))
+
+
+def component(instance: str, **told: Any) -> rts.Component:
+    """Return a component ``Source0`` of type ``Source`` whose ports are called in… and out…."""
+    kind = instance.rstrip("0123456789")
+    names = told.get("ports", ("out",) if kind == "Source" else ("in",))
+    sets = told.get("sets", NO_SETS)
+    contexts = told.get("contexts", (("0", "PERIODIC", 1000.0),))
+    return rts.Component(
+        id=told.get("id", f"RTC:Me:test:{kind}:1.0"),
+        path_uri=told.get("uri", f"localhost/{instance}.rtc"),
+        instance_name=instance,
+        is_required=told.get("required", True),
+        active_configuration_set=told.get("active"),
+        data_ports=tuple(p if isinstance(p, rts.Port) else port(p) for p in names),
+        service_ports=tuple(port(p) for p in told.get("services", ())),
+        configuration_sets=tuple(
+            rts.ConfigurationSet(
+                name, tuple(rts.ConfigurationData(key, value) for key, value in values.items())
+            )
+            for name, values in sets.items()
+        ),
+        execution_contexts=tuple(rts.ExecutionContext(*each) for each in contexts),
+        properties=properties(told.get("properties", {})),
+    )
+
+
+def end(text: str) -> rts.TargetPort:
+    instance, name = text.split(".")
+    return rts.TargetPort(f"RTC:Me:test:{instance.rstrip('0123456789')}:1.0", instance, name)
+
+
+def data(id: str, source: str, target: str, **told: Any) -> rts.DataPortConnector:
+    return rts.DataPortConnector(
+        id,
+        told.get("name", id),
+        told.get("data_type", LONG),
+        told.get("interface_type", "corba_cdr"),
+        "push",
+        end(source),
+        end(target),
+        told.get("subscription", "new"),
+        told.get("interval"),
+        properties=properties(told.get("properties", {})),
+    )
+
+
+def service(id: str, source: str, target: str, told: Any = None) -> rts.ServicePortConnector:
+    return rts.ServicePortConnector(
+        id, id, end(source), end(target), properties=properties(told or {})
+    )
+
+
+def profile(*items: Any) -> rts.RtsProfile:
+    def of(kind: type) -> tuple[Any, ...]:
+        return tuple(item for item in items if isinstance(item, kind))
+
+    return rts.RtsProfile(
+        "RTSystem:Me:Test:1.0",
+        "0.2",
+        "2025-01-01T00:00:00",
+        "2025-01-01T00:00:00",
+        components=of(rts.Component),
+        data_port_connectors=of(rts.DataPortConnector),
+        service_port_connectors=of(rts.ServicePortConnector),
+    )
+
+
+def pattern(kind: str, name: str, port_type: PortType) -> ComponentPattern:
+    told = {"port.port_type": port_type.value, "dataport.data_type": LONG}
+    sets = {"default": {"gain": "1", "mode": "a"}, "fast": {"gain": "9", "mode": "b"}}
+    return ComponentPattern(
+        TypeProfile(kind, "Me", "test", "1.0"), (PortProfile(name, port_type, told),), sets
+    )
+
+
+def make_world() -> World:
+    return World([pattern("Source", "out", PortType.OUT), pattern("Sink", "in", PortType.IN)])
+
+
+def pair(**told: Any) -> rts.RtsProfile:
+    """Return a source connected to a sink, both made in slaves of their own."""
+    parts = [
+        component(
+            instance,
+            sets={"default": {"gain": "2", "mode": "a"}, "fast": {"gain": "9"}},
+            active="fast",
+            properties={"rtkit.create": f"{instance[:-1]}?manager_name=slave{instance}"},
+            required=told.get("required", True),
+        )
+        for instance in ("Source0", "Sink0")
+    ]
+    return profile(*parts, data("wire", "Source0.out", "Sink0.in"))
+
+
+def live(rts_profile: rts.RtsProfile, world: World, **how: Any) -> tuple[Any, Live]:
+    system = wanted(rts_profile, world.host, **how)
+    return system, Live(world.snapshot(), system)
+
+
+@pytest.fixture
+def make() -> SimpleNamespace:
+    """Return the functions above."""
+    functions: tuple[Callable[..., Any], ...] = (
+        port,
+        component,
+        data,
+        service,
+        profile,
+        pair,
+        live,
+        make_world,
+        pattern,
+    )
+    return SimpleNamespace(**{function.__name__: function for function in functions})
+
+
+@pytest.fixture
+def world() -> World:
+    return make_world()
