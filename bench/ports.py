@@ -81,10 +81,8 @@ def _each_us(check: Callable[[], object], names: dict[str, object], call: str) -
 
 
 def _ping(tree: Tree, result: str) -> Callable[[], float]:
-    there = ConnectorProfile(
-        "there", "there", (PortRef("P", "out"), PortRef("E", "into")), _WAITING
-    )
-    back = ConnectorProfile("back", "back", (PortRef("E", "out"), PortRef("P", "back")), _WAITING)
+    there = PortRef("P", "out"), PortRef("E", "into")
+    back = PortRef("E", "out"), PortRef("P", "back")
     _do(
         tree,
         Create("Ping?instance_name=P&manager_name=p"),

@@ -7,7 +7,6 @@ and the bytes in hex a line, and answers with the median of one [us].
 
 from __future__ import annotations
 
-import os
 import statistics
 import sys
 import time
@@ -15,6 +14,7 @@ from typing import TypeAlias
 
 import zenoh
 
+from rtkit.errors import Unreachable
 from rtkit.link.zenoh import open_client, open_listener, unix_endpoint
 
 _THERE, _BACK = "bench/there", "bench/back"
@@ -27,14 +27,22 @@ def main(role: str, own: str, other: str) -> None:
     listener = open_listener(unix_endpoint(own), "peer")
     hears, says = (_BACK, _THERE) if role == "ping" else (_THERE, _BACK)
     arrivals = listener.declare_subscriber(hears, zenoh.handlers.FifoChannel(64))
-    deadline = time.monotonic() + _PATIENCE_S
-    while not os.path.exists(other) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    client = open_client(unix_endpoint(other), _PATIENCE_S)
+    client = _reach(unix_endpoint(other))
     publisher = client.declare_publisher(says)
     (_ping if role == "ping" else _echo)(arrivals, publisher)
     client.close()  # type: ignore[no-untyped-call]
     listener.close()  # type: ignore[no-untyped-call]
+
+
+def _reach(endpoint: str) -> zenoh.Session:
+    deadline = time.monotonic() + _PATIENCE_S
+    while True:
+        try:
+            return open_client(endpoint, _PATIENCE_S)
+        except Unreachable:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.01)
 
 
 def _echo(arrivals: _Arrivals, publisher: zenoh.Publisher) -> None:
