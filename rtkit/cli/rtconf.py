@@ -139,14 +139,12 @@ def _list(facts: ComponentFacts, sets: Mapping[str, Mapping[str, str]], asked: _
     if asked.is_json:
         _print_json({"active": facts.active_set, "sets": {k: dict(v) for k, v in sets.items()}})
         return
-    notes = facts.sets.get("__description__", {})
     lines = []
     for name in sorted(sets):
         is_active = name == facts.active_set
         style = _out.STYLES["active-set" if is_active else "name"]
-        note = f"  ({_out.printable(notes[name])})" if name in notes else ""
         line = ("-" if asked.is_long else "+") + _out.styled(name, style)
-        lines.append(line + ("*" if is_active else " " if not asked.is_long else "") + note)
+        lines.append(line + ("*" if is_active else "" if asked.is_long else " "))
         if asked.is_long:
             lines += _out.pairs(sorted(sets[name].items()))
     _out.write(lines)

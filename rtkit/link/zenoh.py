@@ -9,6 +9,7 @@ fork.
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import Thread
 
 import zenoh
 
@@ -52,10 +53,26 @@ def open_client(endpoint: str, timeout_s: float) -> zenoh.Session:
         "connect/exit_on_failure": "true",
         "transport/unicast/open_timeout": timeout_ms,
     }
-    try:
-        return zenoh.open(_config("client", settings))
-    except zenoh.ZError as error:
-        raise Unreachable(f"cannot reach {endpoint}") from error
+    opened = _in_background(lambda: zenoh.open(_config("client", settings)))
+    if isinstance(opened, zenoh.ZError):
+        raise Unreachable(f"cannot reach {endpoint}") from opened
+    return opened
+
+
+def _in_background(work: Callable[[], zenoh.Session]) -> zenoh.Session | zenoh.ZError:
+    # zenoh.open does not hear a Ctrl-C before it is done, a wait for a thread does.
+    outcome: list[zenoh.Session | zenoh.ZError] = []
+
+    def run() -> None:
+        try:
+            outcome.append(work())
+        except zenoh.ZError as error:
+            outcome.append(error)
+
+    thread = Thread(target=run, daemon=True)
+    thread.start()
+    thread.join()
+    return outcome[0]
 
 
 def open_listener(endpoint: str, mode: str = "router") -> zenoh.Session:

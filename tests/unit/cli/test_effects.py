@@ -238,11 +238,6 @@ def test_values_are_kept_as_they_are(
     assert capsys.readouterr().out == f"{value}\n"
 
 
-def test_descriptions_of_sets_are_shown(world: World, run: Run) -> None:
-    world.update("Std0", sets={"default": {}, "__description__": {"default": "as delivered"}})
-    assert run(f"rtconf {STD}").out == "+default*  (as delivered)\n"
-
-
 # managers
 
 
