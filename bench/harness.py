@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
+import signal
 import statistics
 import sys
 import tempfile
@@ -81,17 +81,26 @@ class Row(NamedTuple):
 Measure = Callable[[], float]
 
 
-def paired(one: Measure, other: Measure, rounds: int = ROUNDS) -> tuple[float, float, float]:
-    """Let two measurements take turns; return the medians of each and of their ratios."""
+def pairs_of(one: Measure, other: Measure, rounds: int = ROUNDS) -> list[tuple[float, float]]:
+    """Let two measurements take turns, after a warm-up."""
     for _ in range(WARM_UP):
         one()
         other()
-    pairs = [(one(), other()) for _ in range(rounds)]
+    return [(one(), other()) for _ in range(rounds)]
+
+
+def medians(pairs: Sequence[tuple[float, float]]) -> tuple[float, float, float]:
+    """Return the medians of the first, of the second, and of their ratios."""
     return (
         statistics.median(a for a, _ in pairs),
         statistics.median(b for _, b in pairs),
         statistics.median(a / b for a, b in pairs),
     )
+
+
+def paired(one: Measure, other: Measure, rounds: int = ROUNDS) -> tuple[float, float, float]:
+    """Let two measurements take turns; return the medians of each and of their ratios."""
+    return medians(pairs_of(one, other, rounds))
 
 
 def timed(work: Callable[[], object]) -> float:
@@ -126,18 +135,20 @@ def command(name: str) -> str:
 @contextmanager
 def manager(*module_paths: str) -> Iterator[Tree]:
     """Run a manager of its own for one group of rows, leaving nothing behind."""
-    base = tempfile.mkdtemp(prefix="rtb")
-    os.environ["RTKIT_RUNTIME_DIR"] = os.path.join(base, "r")
-    os.environ["RTKIT_STATE_DIR"] = os.path.join(base, "s")
-    os.environ["RTKIT_MODULE_PATH"] = os.pathsep.join(module_paths)
-    pid = launch.start("manager", _START_S)
-    try:
-        with rtkit.connect() as tree:
-            yield tree
-    finally:
-        managers.stop("manager", _START_S)
-        os.waitpid(pid, 0)
-        shutil.rmtree(base)
+    with tempfile.TemporaryDirectory(prefix="rtb") as base:
+        os.environ["RTKIT_RUNTIME_DIR"] = os.path.join(base, "r")
+        os.environ["RTKIT_STATE_DIR"] = os.path.join(base, "s")
+        os.environ["RTKIT_MODULE_PATH"] = os.pathsep.join(module_paths)
+        pid = launch.start("manager", _START_S)
+        try:
+            with rtkit.connect() as tree:
+                yield tree
+            managers.stop("manager", _START_S)
+        except BaseException:
+            os.kill(pid, signal.SIGTERM)
+            raise
+        finally:
+            os.waitpid(pid, 0)
 
 
 def table(rows: Sequence[Row]) -> str:
