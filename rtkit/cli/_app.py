@@ -197,8 +197,8 @@ def _run(command: click.Command, app: App, arguments: list[str]) -> int:
     except BrokenPipeError:
         leave_pipe()
         return BROKEN_PIPE
-    except KeyboardInterrupt:
-        return _interrupted(app)
+    except KeyboardInterrupt as error:
+        return _interrupted(app, str(error))
     except Exception as error:
         return _failed(command, app, error)
     return status
@@ -243,14 +243,14 @@ def _show(app: App, error: RtkitError) -> None:
         app.fail(str(error))
 
 
-def _interrupted(app: App) -> int:
+def _interrupted(app: App, told: str) -> int:
     import signal
     import threading
 
     if threading.current_thread() is threading.main_thread():
         # Whoever presses Ctrl-C again wants out now, not a traceback.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    app.fail("interrupted")
+    app.fail(f"interrupted; {told}" if told else "interrupted")
     return INTERRUPTED
 
 

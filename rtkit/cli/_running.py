@@ -29,7 +29,7 @@ def run(
 
     Raises:
         Refused: Something required failed; the message tells how far it went.
-        KeyboardInterrupt: Interrupted; how far it went was told.
+        KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
     from rtkit.deployment.live import Live
 
@@ -44,11 +44,11 @@ def run(
     try:
         runner.run(plan)
     except RtkitError as error:
-        raise type(error)(f"{error}{_progress(len(runner.done), plan, remains)}") from error
-    except KeyboardInterrupt:
-        app.fail(f"stopped{_progress(len(runner.done), plan, remains)}")
-        raise
+        progress = _progress(len(runner.done), plan, remains)
+        raise type(error)(f"{error} ({progress})") from error
+    except KeyboardInterrupt as error:
+        raise KeyboardInterrupt(_progress(len(runner.done), plan, remains)) from error
 
 
 def _progress(done: int, plan: Plan, remains: str) -> str:
-    return f" ({done} of {len(plan.steps)} {remains} before)"
+    return f"{done} of {len(plan.steps)} {remains} before"

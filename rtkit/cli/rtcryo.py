@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @command("rtcryo")
 @click.option("-a", "--abstract", default="RT System created by rtcryo.", help="What it is.")
 @click.option("-n", "--system-name", "name", default="RTSystem", help="Name of the system.")
-@click.option("-v", "--system-version", "version", default="0", help="Version of the system.")
+@click.option("-v", "--system-version", default="0", help="Version of the system.")
 @click.option("-e", "--vendor", default="Me", help="Who made the system.")
 @click.option("-o", "--output", default=_system.STDIN, metavar="FILE", help="Where to write it.")
 @click.option("-x", "--xml", is_flag=True, expose_value=False, help="Write XML (default).")
@@ -29,7 +29,7 @@ def main(
     servers: tuple[str, ...],
     abstract: str,
     name: str,
-    version: str,
+    system_version: str,
     vendor: str,
     output: str,
     takes_all: bool,
@@ -44,11 +44,11 @@ def main(
     from rtkit.profile.write import write_rts
     from rtkit.tree.apply import uninterrupted
 
-    for text in (abstract, name, version, vendor):
+    for text in (abstract, name, system_version, vendor):
         _system.check_text(text)
     snapshot = uninterrupted(lambda: app.tree.snapshot())
     date = datetime.now().replace(microsecond=0).isoformat()
-    heading = Heading(date, name, version, vendor, abstract)
+    heading = Heading(date, name, system_version, vendor, abstract)
     hosts = [_host(server, snapshot) for server in servers]
     _tell_gaps(app, snapshot)
     data = write_rts(capture(snapshot, heading, takes_all=takes_all, hosts=hosts))

@@ -61,9 +61,4 @@ def main(
         _system.show(creation)
         _system.show(wiring_plan(system, live, creation.made))
         return
-    try:
-        resurrect(app.tree, system, before, _system.runner(app), may_create=not no_create)
-    except KeyboardInterrupt as error:
-        if str(error):
-            app.fail(str(error))
-        raise
+    resurrect(app.tree, system, before, _system.runner(app), may_create=not no_create)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterable, Sequence
+from threading import Event, Thread
 from typing import TypeVar
 
 from rtkit.deployment.actions import Action, Result
@@ -141,7 +141,7 @@ def uninterrupted(call: Callable[[], T]) -> T:
     Raises:
         KeyboardInterrupt: There was an interruption; the call has ended or had its grace.
     """
-    ended = threading.Event()
+    ended = Event()
     outcome: list[T] = []
     failure: list[BaseException] = []
 
@@ -153,8 +153,8 @@ def uninterrupted(call: Callable[[], T]) -> T:
         finally:
             ended.set()
 
-    threading.Thread(target=work, daemon=True).start()
     try:
+        Thread(target=work, daemon=True).start()
         ended.wait()
     except KeyboardInterrupt:
         if not ended.wait(GRACE_S):

@@ -15,7 +15,7 @@ INACTIVE = LifeCycleState.INACTIVE
 
 @pytest.fixture
 def system(make, world):
-    system, live = make.live(make.pair(), world)
+    system, _ = make.live(make.pair(), world)
     for plan in (creation_plan, wiring_plan):
         for action, _ in merged(plan(system, Live(world.snapshot(), system)).steps):
             assert world.perform(action).ok

@@ -1,0 +1,488 @@
+"""The system commands as users type them, on the fake world: rows of §10 and §23."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+
+import pytest
+
+from rtkit.cli import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.world import World
+from rtkit.errors import Unreachable
+from rtkit.profile.read import read_rts
+from rtkit.profile.words import property_value
+from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.tree.fake import fake_tree
+
+COMMANDS = {
+    "rtcheck": rtcheck,
+    "rtcryo": rtcryo,
+    "rtresurrect": rtresurrect,
+    "rtstart": rtstart,
+    "rtstop": rtstop,
+    "rtteardown": rtteardown,
+}
+SOURCE, SINK = "/localhost/Source0.rtc", "/localhost/Sink0.rtc"
+
+PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
+<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
+  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
+  rts:id="RTSystem:Me:Pair:1.0" rts:version="0.2" rts:abstract="A pair"
+  rts:creationDate="2025-01-01T00:00:00" rts:updateDate="2025-01-01T00:00:00">
+{components}
+{connectors}
+</rts:RtsProfile>
+"""
+COMPONENT = """
+<rts:Components rts:id="RTC:Me:test:{kind}:1.0" rts:pathUri="{host}/{kind}0.rtc"
+  rts:instanceName="{kind}0" rts:isRequired="{required}" rts:activeConfigurationSet="default">
+ <rts:DataPorts rts:name="{kind}0.{port}"/>
+ <rts:ConfigurationSets rts:id="default">
+  <rts:ConfigurationData rts:name="gain" rts:data="2"/>
+ </rts:ConfigurationSets>
+ <rts:ExecutionContexts rts:id="0" rts:kind="PERIODIC" rts:rate="1000.0"/>
+ {create}
+</rts:Components>
+"""
+CREATE = '<rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="{kind}?manager_name=s"/>'
+CONNECTOR = """
+<rts:DataPortConnectors rts:connectorId="wire" rts:name="wire" rts:interfaceType="corba_cdr"
+  rts:dataType="IDL:RTC/TimedLong:1.0" rts:dataflowType="push" rts:subscriptionType="new">
+ <rts:sourceDataPort rts:componentId="RTC:Me:test:Source:1.0" rts:instanceName="Source0"
+   rts:portName="Source0.out"/>
+ <rts:targetDataPort rts:componentId="RTC:Me:test:Sink:1.0" rts:instanceName="Sink0"
+   rts:portName="Sink0.in"/>
+</rts:DataPortConnectors>
+"""
+
+
+def document(required="true", create=True, host="localhost", sink="Sink"):
+    parts = [
+        COMPONENT.format(
+            kind=kind,
+            port=port,
+            required=required,
+            host=host,
+            create=CREATE.format(kind=sink if kind == "Sink" else kind) if create else "",
+        )
+        for kind, port in (("Source", "out"), ("Sink", "in"))
+    ]
+    return PROFILE.format(components="".join(parts), connectors=CONNECTOR)
+
+
+def make(kind, port, port_type):
+    sets = {"default": {"gain": "1"}}
+    return ComponentPattern(
+        TypeProfile(kind, "Me", "test", "1.0"), (PortProfile(port, port_type),), sets
+    )
+
+
+@pytest.fixture
+def world():
+    return World([make("Source", "out", PortType.OUT), make("Sink", "in", PortType.IN)])
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(**how):
+        path = tmp_path / "pair.xml"
+        path.write_text(document(**how), encoding="utf-8")
+        return str(path)
+
+    return write
+
+
+@pytest.fixture
+def run(world, capsys):
+    def typed(name, *arguments, tree=None):
+        status = COMMANDS[name].main(list(arguments), tree=tree or fake_tree(world))
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    return typed
+
+
+@pytest.fixture
+def absent(monkeypatch):
+    """No manager runs."""
+
+    def connect(**_):
+        raise Unreachable("manager 'manager' is not running")
+
+    monkeypatch.setattr("rtkit.tree.client.connect", connect)
+
+
+def executing(verb, *turns):
+    return "".join(f"Executing {{{n}}} {verb} {turn}\n" for n, turn in enumerate(turns, 1))
+
+
+START = executing(
+    "Activate",
+    f"{SOURCE} in execution context 0 (Required)",
+    f"{SINK} in execution context 0 (Required)",
+)
+STOP = executing("Deactivate", f"{SINK} in execution context 0", f"{SOURCE} in execution context 0")
+
+
+def test_from_nothing_and_back(run, file, world, tmp_path):
+    path, saved = file(), str(tmp_path / "saved.xml")
+    assert run("rtresurrect", path) == (0, "", "")
+    assert run("rtresurrect", path) == (0, "", "")
+    assert run("rtstart", path) == (0, "", START)
+    assert run("rtcheck", path) == (0, "", "")
+    assert run("rtcryo", "-o", saved) == (0, "", "")
+    assert run("rtstop", path) == (0, "", STOP)
+    assert run("rtcheck", "-s", "inactive", saved) == (0, "", "")
+    assert run("rtteardown", path) == (0, "", "")
+    assert sorted(world.components) == ["Sink0", "Source0"]
+    assert run("rtteardown", "--exit", path)[0] == 0
+    assert not world.components
+    assert run("rtresurrect", saved) == (0, "", "")
+    assert run("rtcheck", "-s", "Inactive", path) == (0, "", "")
+
+
+def test_stdin_is_read_when_no_file_is_named(run, monkeypatch, world):
+    for name in ("", "-"):
+        stream = io.TextIOWrapper(io.BytesIO(document().encode()))
+        monkeypatch.setattr(sys, "stdin", stream)
+        assert run("rtresurrect", *([name] if name else [])) == (0, "", "")
+    assert len(world.components) == 2
+
+
+@pytest.mark.parametrize("name", ["rtresurrect", "rtstart", "rtstop", "rtteardown", "rtcheck"])
+def test_bad_command_lines(run, name, file, tmp_path):
+    status, out, err = run(name, "a", "b")
+    assert (status, out) == (1, "")
+    assert err.startswith(f"Usage: {name}")
+    assert run(name, "-y", "a")[0] == 2
+    assert run(name, "no-such-file") == (
+        1,
+        "",
+        f"{name}: cannot read no-such-file: No such file or directory\n",
+    )
+    bad = tmp_path / "bad.xml"
+    bad.write_text("<a/>")
+    status, out, err = run(name, str(bad))
+    assert (status, out) == (1, "")
+    assert err.startswith(f"{name}: {bad}:1: root is a")
+    assert run(name, "--exit-detail", str(bad))[0] == 3
+    assert run(name, "--map", "x", file())[0] == 2
+
+
+@pytest.mark.parametrize("name", ["rtresurrect", "rtstart", "rtstop", "rtteardown", "rtcheck"])
+def test_dry_runs_change_nothing_and_need_no_manager(run, name, file, world, absent, capsys):
+    path = file()
+    status, out, err = run(name, "--dry-run", path)
+    assert (status, err) == (0, "")
+    assert not world.performed
+    assert COMMANDS[name].main(["--dry-run", path]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == out
+    assert captured.err == f"{name}: manager 'manager' is not running; shown as if nothing lived\n"
+    assert COMMANDS[name].main([path]) == 1
+
+
+def test_dry_run_of_start_and_stop(run, file):
+    path = file()
+    assert run("rtstart", "--dry-run", path)[1].splitlines() == [
+        f'Check for required component "RTC:Me:test:Source:1.0", "Source0" at path {SOURCE}'
+        " (Required)",
+        f'Check for required component "RTC:Me:test:Sink:1.0", "Sink0" at path {SINK} (Required)',
+        f"{{1}} Activate {SOURCE} in execution context 0 (Required)",
+        f"{{2}} Activate {SINK} in execution context 0 (Required)",
+    ]
+    assert run("rtstop", "--dry-run", path)[1].splitlines() == [
+        f"{{1}} Deactivate {SINK} in execution context 0",
+        f"{{2}} Deactivate {SOURCE} in execution context 0",
+    ]
+
+
+def test_components_must_be_there_without_creation(run, file, world):
+    missing = f"Required action failed: Required component missing: {SOURCE}"
+    assert run("rtresurrect", "--no-create", file()) == (1, "", f"rtresurrect: {missing}\n")
+    assert run("rtstart", file()) == (1, "", f"rtstart: {missing}\n")
+    assert run("rtresurrect", "--no-create", "--stand-in", file())[0] == 2
+    assert not world.performed
+
+
+def test_without_a_hint_of_how_to_make_it(run, file, monkeypatch):
+    status, out, err = run("rtresurrect", file(create=False))
+    assert (status, out) == (1, "")
+    assert err == (
+        f"rtresurrect: Required action failed: Required component missing: {SOURCE}"
+        " (nothing tells how to make it; --stand-in generates it)\n"
+    )
+
+
+def test_loaded_modules_tell_how_to_make_a_component(run, file, world):
+    world.modules["/m.py"] = tuple(world.types.values())
+    world.types = {}
+    world.perform(act.Load("/m.py", "init"))
+    assert run("rtresurrect", file(create=False)) == (0, "", "")
+    assert world.components["Sink0"].create == "RTC:Me:test:Sink:Python:1.0?instance_name=Sink0"
+
+
+def test_known_component_profiles_tell_how(run, tmp_path, world, monkeypatch):
+    kinds = [make("Sensor", "out", PortType.OUT)]
+    kinds = [ComponentPattern(TypeProfile("Sensor", "rtkit", "example", "1.0"), kinds[0].ports)]
+    world.types = {}
+    world.modules["Sensor.py"] = tuple(kinds)
+    component = COMPONENT.format(
+        kind="Sensor", port="out", required="true", host="localhost", create=""
+    ).replace("RTC:Me:test", "RTC:rtkit:example")
+    path = tmp_path / "sensor.xml"
+    path.write_text(PROFILE.format(components=component, connectors=""), encoding="utf-8")
+    assert run("rtresurrect", str(path)) == (
+        0,
+        "",
+        "rtresurrect: Action failed: No such configuration parameter: gain (Sensor0)\n",
+    )
+    assert [type(action) for action in world.performed] == [act.Load, act.Create]
+
+
+def test_stand_ins_need_no_modules(run, file, world):
+    world.types = {}
+    path = file(create=False, host="10.0.0.9")
+    status, out, err = run("rtresurrect", path)
+    assert (status, out) == (1, "")
+    assert "Required component missing: /10.0.0.9/Source0.rtc" in err
+    assert run("rtresurrect", "--stand-in", "--transmit", path) == (0, "", "")
+    assert all(c.is_stand_in for c in world.components.values())
+    assert "standin.transmit=default" in world.components["Sink0"].create
+    assert run("rtstart", path)[0] == 0
+    assert run("rtcheck", path) == (0, "", "")
+    status, out, err = run("rtcryo")
+    saved = read_rts(out.encode())
+    assert saved.notes == ()
+    assert {c.path_uri for c in saved.profile.components} == {
+        "10.0.0.9/Source0.rtc",
+        "10.0.0.9/Sink0.rtc",
+    }
+    world.kill("stand-ins")
+    assert run("rtresurrect", path) == (0, "", "")
+    assert run("rtcheck", "-s", "Inactive", path) == (0, "", "")
+
+
+def test_hosts_that_nobody_knows(run, file, world):
+    path = file(host="10.0.0.9")
+    assert run("rtresurrect", path) == (
+        1,
+        "",
+        "rtresurrect: no such host: 10.0.0.9 (component Source0);"
+        " --map 10.0.0.9=localhost makes it here\n",
+    )
+    assert not world.performed
+    assert run("rtresurrect", "--map", "10.0.0.9=localhost", path) == (0, "", "")
+    assert world.components["Sink0"].names == ("10.0.0.9/Sink0.rtc",)
+    assert run("rtstop", path)[0] == 0
+    assert run("rtresurrect", "--map", "10.0.0.9=other", path)[2] == (
+        "rtresurrect: cannot map 10.0.0.9 to other: no manager is known on other\n"
+    )
+
+
+def test_nothing_half_made(run, file, world):
+    before = world.snapshot()
+    assert run("rtresurrect", file(sink="Nobody")) == (
+        1,
+        "",
+        "rtresurrect: Required action failed: no component type Nobody; removed again: Source0\n",
+    )
+    assert world.snapshot() == before
+
+
+def test_optional_failures_are_told_and_forgiven(run, file, world):
+    status, out, err = run("rtresurrect", file(sink="Nobody", required="false"))
+    assert (status, out) == (0, "")
+    assert err.splitlines() == [
+        "rtresurrect: Action failed: no component type Nobody",
+        f"rtresurrect: Action failed: Destination component missing: {SINK}",
+        f"rtresurrect: Action failed: Component missing: {SINK}",
+    ]
+    assert list(world.components) == ["Source0"]
+
+
+def test_start_tells_the_truth(run, file, world):
+    path = file()
+    run("rtresurrect", path)
+    world.set_state("Sink0", LifeCycleState.ERROR)
+    status, out, err = run("rtstart", path)
+    assert (status, out) == (1, "")
+    assert err == START + (
+        "rtstart: Required action failed: precondition not met (state is Error)"
+        " (1 of 2 activated before)\n"
+    )
+    run("rtstop", path)
+    status, out, err = run("rtstop", path)
+    assert (status, out) == (0, "")
+    assert err.splitlines()[1] == "rtstop: Action failed: precondition not met (state is Error)"
+
+
+def test_start_and_stop_may_not_wait(run, file, world):
+    path = file()
+    run("rtresurrect", path)
+    for name in ("rtstart", "rtstop"):
+        world.performed.clear()
+        assert run(name, "--no-wait", path)[0] == 0
+        assert not any(action.wait for action in world.performed)
+        world.performed.clear()
+        assert run(name, path)[0] == 0
+        assert all(action.wait for action in world.performed)
+
+
+def test_stop_and_teardown_forgive_what_is_missing(run, file):
+    path = file()
+    assert run("rtstop", path) == (
+        0,
+        "",
+        f"rtstop: Action failed: Component missing: {SINK}\n"
+        f"rtstop: Action failed: Component missing: {SOURCE}\n",
+    )
+    assert run("rtteardown", path) == (
+        0,
+        "",
+        f"rtteardown: Action failed: Source component missing: {SOURCE}\n",
+    )
+
+
+def test_check_tells_every_deviation(run, file, world):
+    path = file()
+    run("rtresurrect", path)
+    world.perform(act.Disconnect("wire"))
+    world.perform(act.SetParameters("Sink0", "default", {"gain": "7"}))
+    wire = f"No connection between {SOURCE}:out and {SINK}:in"
+    gain = f"Configuration parameter gain in set default on component {SINK} is incorrect"
+    states = [f"Component {path} is in incorrect state Inactive" for path in (SOURCE, SINK)]
+    assert run("rtcheck", path) == (
+        1,
+        "",
+        "\n".join([wire, f"{gain} (value: 7)", *states, ""]),
+    )
+    status, out, err = run("rtcheck", "-s", "INACTIVE", "--json", path)
+    assert (status, err) == (1, "")
+    assert [json.loads(line) for line in out.splitlines()] == [
+        {
+            "schema": "rtkit.check/1",
+            "kind": "connection",
+            "path": f"{SOURCE}:out {SINK}:in",
+            "text": wire,
+            "required": True,
+        },
+        {
+            "schema": "rtkit.check/1",
+            "kind": "parameter",
+            "path": SINK,
+            "text": f"{gain} (value: 7)",
+            "required": True,
+        },
+    ]
+    assert run("rtcheck", "-s", "Sleepy", path)[0] == 2
+    assert run("rtcheck", "--exit-detail", path)[0] == 1
+
+
+def test_check_forgives_what_is_optional(run, file):
+    path = file(required="false")
+    status, out, err = run("rtcheck", path)
+    assert (status, out) == (0, "")
+    assert err.splitlines()[0] == f"Component missing: {SOURCE}"
+
+
+def test_cryo_options(run, file):
+    run("rtresurrect", file())
+    status, out, err = run("rtcryo", "-a", "Abs", "-n", "Name", "-v", "3", "-e", "Vend", "-x")
+    assert (status, err) == (0, "")
+    assert out.startswith("<?xml")
+    profile = read_rts(out.encode(), strict=True).profile
+    assert (profile.id, profile.abstract) == ("RTSystem:Vend:Name:3", "Abs")
+    sink = profile.components[0]
+    assert property_value(sink.properties, "rtkit.create") == "Sink?manager_name=s&" + (
+        "instance_name=Sink0"
+    )
+    assert run("rtcryo", "-y")[0] == 2
+    assert run("rtcryo", "-a", "a\x01b")[0] == 1
+
+
+def test_cryo_servers(run, file):
+    run("rtresurrect", file())
+    for server, count in (("localhost", 2), ("/localhost:2809/", 2), ("box", 2)):
+        status, out, _ = run("rtcryo", server)
+        assert (status, len(read_rts(out.encode()).profile.components)) == (0, count)
+    assert run("rtcryo", "/elsewhere") == (1, "", "rtcryo: No such object: /elsewhere\n")
+
+
+def test_cryo_says_what_it_leaves_out(run, file, world):
+    run("rtresurrect", file())
+    world.update("Source0", trouble="stopped")
+    world.perform(act.Create("Sink?instance_name=Zombie0&manager_name=z"))
+    world.kill("z")
+    status, out, err = run("rtcryo")
+    assert status == 0
+    assert err.splitlines() == [
+        "rtcryo: saved as last reported (stopped): Source0",
+        "rtcryo: not saved, zombie (signal 9): Zombie0",
+    ]
+    assert len(read_rts(out.encode()).profile.components) == 2
+
+
+def test_cryo_leaves_an_old_file_when_it_cannot_write(run, file, tmp_path):
+    run("rtresurrect", file())
+    target = tmp_path / "no" / "such" / "dir.xml"
+    status, out, err = run("rtcryo", "-o", str(target))
+    assert (status, out) == (1, "")
+    assert err.startswith(f"rtcryo: cannot write {target}: No such file")
+
+
+def test_interrupted(run, file, world, monkeypatch):
+    path = file()
+    before = world.snapshot()
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    made = []
+
+    def fault(action):
+        if isinstance(action, act.Connect) and not made:
+            made.append(action)
+            raise KeyboardInterrupt
+        return None
+
+    world.fault = fault
+    status, out, err = run("rtresurrect", path)
+    assert (status, out) == (130, "")
+    assert err == "rtresurrect: interrupted; removed again: Sink0, Source0\n"
+    assert world.snapshot() == before
+
+
+def test_interrupted_at_the_start_of_a_system(run, file, world, monkeypatch):
+    path = file()
+    run("rtresurrect", path)
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+
+    def fault(action):
+        if action.instance == "Sink0":
+            raise KeyboardInterrupt
+        return None
+
+    world.fault = fault
+    status, _, err = run("rtstart", path)
+    assert status == 130
+    assert err == START + "rtstart: interrupted; 1 of 2 activated before\n"
+
+
+def test_a_manager_that_goes_away(run, file, world):
+    lost = Result(ReturnCode.ERROR, "unreachable", "slave s ended: signal 9")
+    world.fault = lambda action: lost if isinstance(action, act.Connect) else None
+    status, _, err = run("rtresurrect", file())
+    assert status == 1
+    assert "Required action failed: slave s ended: signal 9; removed again" in err
+
+
+def test_notes_only_when_verbose(run, file, world):
+    assert run("rtresurrect", file())[2] == ""
+    status, out, err = run("rtteardown", "-v", "--exit", file())
+    assert (status, out) == (0, "")
+    assert "xsi:type" in err
+    assert run("rtresurrect", "--strict", file())[0] == 1

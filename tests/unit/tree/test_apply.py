@@ -1,0 +1,188 @@
+"""Carrying out plans on the fake world, failures and interruptions included."""
+
+import threading
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.plan import Check, Layer, Plan, Step
+from rtkit.deployment.world import World
+from rtkit.errors import Refused, Unreachable
+from rtkit.rtc.enums import ReturnCode
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import TypeProfile
+from rtkit.tree import apply
+from rtkit.tree.apply import UNFINISHED, Runner, regret, uninterrupted
+from rtkit.tree.fake import fake_tree
+
+SETS = {"default": {"a": "1", "b": "1"}}
+NO = Result(ReturnCode.ERROR, "refused", "no")
+
+
+@pytest.fixture
+def world():
+    world = World([ComponentPattern(TypeProfile("Sink"), sets=SETS)])
+    world.perform(act.Create("Sink"))
+    world.performed.clear()
+    return world
+
+
+@pytest.fixture
+def talk():
+    return []
+
+
+@pytest.fixture
+def runner(world, talk):
+    return Runner(fake_tree(world), talk.append, talk.append)
+
+
+def step(action, required=False, **more):
+    return Step("text", action, required, **more)
+
+
+def plan(*steps, **how):
+    return Plan(layers=(Layer("do", steps, **how),))
+
+
+def test_checks_are_told_or_refused(runner, talk):
+    runner.check([Check("a"), Check("b", "b is odd", is_required=False)])
+    assert talk == ["Action failed: b is odd"]
+    with pytest.raises(Refused, match=r"^Required action failed: c is bad$"):
+        runner.check([Check("c", "c is bad"), Check("d", "never seen")])
+
+
+def test_parameters_of_a_set_are_written_at_once(runner, world):
+    steps = [step(act.SetParameters("Sink0", "default", {name: "2"})) for name in "ab"]
+    runner.run(plan(*steps))
+    assert world.performed == [act.SetParameters("Sink0", "default", {"a": "2", "b": "2"})]
+    assert runner.done == steps
+
+
+def test_a_required_failure_stops_before_the_next_layer(runner, world):
+    two = Plan(
+        layers=(
+            Layer("1", (step(act.Create("No"), True), step(act.Create("Nor"), True))),
+            Layer("2", (step(act.Create("Sink"), True),)),
+        )
+    )
+    with pytest.raises(Refused, match=r"^Required action failed: no component type No \(and 1 mor"):
+        runner.run(two)
+    assert len(world.components) == 1
+
+
+def test_optional_failures_are_told_once_and_the_rest_goes_on(runner, world, talk):
+    blocked = [step(None, blocked="it is not there") for _ in range(2)]
+    runner.run(plan(*blocked, step(act.Create("No")), step(act.Create("Sink"))))
+    assert talk == ["Action failed: it is not there", "Action failed: no component type No"]
+    assert len(world.components) == 2
+
+
+def test_what_is_known_to_fail_and_required_is_not_begun(runner, world):
+    with pytest.raises(Refused, match=r"^Required action failed: no port$"):
+        runner.run(plan(step(act.Create("Sink")), step(None, True, blocked="no port")))
+    assert world.performed == []
+
+
+def test_in_order_one_after_the_other_announced(runner, world, talk):
+    steps = [
+        Step("{1} first", act.Create("Sink"), True),
+        Step("{2} second", act.Create("No")),
+        Step("{3} third", None, blocked="gone"),
+        Step("{4} fourth", act.Create("Sink"), True),
+    ]
+    runner.run(plan(*steps, is_ordered=True, is_announced=True))
+    assert talk == [
+        "Executing {1} first (Required)",
+        "Executing {2} second",
+        "Action failed: no component type No",
+        "Action failed: gone",
+        "Executing {4} fourth (Required)",
+    ]
+    assert [s.text for s in runner.done] == ["{1} first", "{4} fourth"]
+
+
+def test_in_order_a_required_failure_ends_the_plan(runner, world):
+    steps = [step(act.Create("No"), True), step(act.Create("Sink"))]
+    with pytest.raises(Refused, match="no component type No"):
+        runner.run(plan(*steps, is_ordered=True))
+    assert len(world.components) == 1
+
+
+def test_regret_takes_back_and_tells(runner, world):
+    before = world.snapshot()
+    runner.run(plan(step(act.Create("Sink?instance_name=New"))))
+    assert regret(runner, before, Refused()) == "removed again: New"
+    assert world.snapshot() == before
+
+
+def test_regret_says_nothing_when_nothing_was_tried(runner, world):
+    assert regret(runner, world.snapshot(), Refused()) == ""
+
+
+def test_regret_says_what_remains(runner, world):
+    before = world.snapshot()
+    runner.run(
+        plan(step(act.Create("Sink?instance_name=A")), step(act.Create("No?instance_name=B")))
+    )
+    world.fault = lambda action: NO if isinstance(action, act.Delete) else None
+    assert regret(runner, before, Refused()) == "remains: A"
+
+
+def test_regret_without_a_manager_says_so(world, talk):
+    tree = fake_tree(world)
+    runner = Runner(tree, talk.append, talk.append)
+    before = world.snapshot()
+    runner.run(plan(step(act.Create("Sink?instance_name=A"))))
+    tree.close()
+    assert "could not be removed (manager on box" in regret(runner, before, Refused())
+
+
+def test_a_call_that_fails_raises_in_the_caller():
+    def fail():
+        raise Unreachable("gone")
+
+    with pytest.raises(Unreachable, match="gone"):
+        uninterrupted(fail)
+
+
+class _Interrupted(threading.Event):
+    """An event whose first wait is broken off by Ctrl-C."""
+
+    def __init__(self):
+        super().__init__()
+        self.waits = 0
+
+    def wait(self, timeout=None):
+        self.waits += 1
+        if self.waits == 1:
+            raise KeyboardInterrupt
+        return super().wait(timeout)
+
+
+def test_an_interruption_waits_for_the_call_under_way(monkeypatch):
+    monkeypatch.setattr(apply, "Event", _Interrupted)
+    finished = []
+    with pytest.raises(KeyboardInterrupt) as caught:
+        uninterrupted(lambda: finished.append(1))
+    assert finished == [1]
+    assert caught.value.args == ()
+
+
+def test_an_interruption_does_not_wait_for_ever(monkeypatch, runner, world):
+    monkeypatch.setattr(apply, "Event", _Interrupted)
+    monkeypatch.setattr(apply, "GRACE_S", 0.01)
+    release = threading.Lock()
+    release.acquire()
+    with pytest.raises(KeyboardInterrupt) as caught:
+        uninterrupted(release.acquire)
+    release.release()
+    assert caught.value.args == (UNFINISHED,)
+    monkeypatch.undo()
+    before = world.snapshot()
+    runner.run(plan(step(act.Create("Sink?instance_name=New"))))
+    told = regret(runner, before, caught.value)
+    assert told == (
+        "removed again: New; the manager may still be busy with what it was last asked for"
+    )

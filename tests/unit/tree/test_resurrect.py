@@ -1,0 +1,159 @@
+"""Bringing a system up on the fake world: all of it, or nothing."""
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.system import System, WantedComponent, WantedConnector
+from rtkit.deployment.world import World
+from rtkit.errors import NotFound, Refused
+from rtkit.rtc.enums import PortType, ReturnCode
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.tree.apply import Runner
+from rtkit.tree.fake import fake_tree
+from rtkit.tree.resurrect import resurrect
+
+SETS = {"default": {"gain": "1"}, "fast": {"gain": "9"}}
+PORTS = {"Source": PortProfile("out", PortType.OUT), "Sink": PortProfile("in", PortType.IN)}
+
+
+def wanted(kind, **told):
+    return WantedComponent(
+        f"RTC:::{kind}:",
+        f"{kind}0",
+        f"localhost/{kind}0.rtc",
+        f"/localhost/{kind}0.rtc",
+        told.pop("required", True),
+        (PORTS[kind],),
+        {"default": {"gain": "2"}},
+        "fast",
+        create=told.pop("create", f"{kind}?manager_name={kind}&instance_name={kind}0"),
+        **told,
+    )
+
+
+def system(source=None, sink=None, required=True):
+    ends = (PortRef("Source0", "out"), PortRef("Sink0", "in"))
+    wire = WantedConnector(ConnectorProfile("w", "w", ends), True, required)
+    return System((source or wanted("Source"), sink or wanted("Sink")), (wire,))
+
+
+@pytest.fixture
+def world():
+    return World([ComponentPattern(TypeProfile(k), (p,), SETS) for k, p in PORTS.items()])
+
+
+@pytest.fixture
+def bring_up(world):
+    def run(what, **how):
+        tree, talk = fake_tree(world), []
+        before = tree.snapshot()
+        runner = Runner(tree, talk.append, talk.append)
+        resurrect(tree, what, before, runner, **how)
+        return talk
+
+    return run
+
+
+def test_all_of_it(world, bring_up):
+    assert bring_up(system()) == []
+    assert set(world.connectors) == {"w"}
+    assert world.components["Sink0"].sets["default"] == {"gain": "2"}
+    assert world.components["Sink0"].active_set == "fast"
+
+
+def test_again_changes_nothing(world, bring_up):
+    bring_up(system())
+    world.performed.clear()
+    bring_up(system())
+    assert world.performed == []
+
+
+def test_after_a_slave_was_killed_only_that_is_repaired(world, bring_up):
+    bring_up(system())
+    sound = world.components["Source0"]
+    world.kill("Sink")
+    world.performed.clear()
+    bring_up(system())
+    assert world.components["Source0"] is sound
+    assert world.components["Sink0"].active_set == "fast"
+    assert {type(action) for action in world.performed} == {
+        act.Create,
+        act.Connect,
+        act.SetParameters,
+        act.ActivateSet,
+    }
+    assert not any(getattr(a, "instance", "") == "Source0" for a in world.performed)
+
+
+@pytest.mark.parametrize(
+    ("what", "why"),
+    [
+        (system(sink=wanted("Sink", create="Nobody")), "no component type Nobody"),
+        (system(sink=wanted("Sink", create="Source?instance_name=Sink0")), "ID of component at"),
+        (system(source=wanted("Source", create="Sink?instance_name=Source0")), "ID of component"),
+    ],
+)
+def test_nothing_is_left_of_a_failure(world, bring_up, what, why):
+    before = world.snapshot()
+    with pytest.raises(Refused, match=f"^Required action failed: {why}.*; removed again: "):
+        bring_up(what)
+    assert world.snapshot() == before
+
+
+def test_what_is_missing_is_found_before_anything_changes(world, bring_up):
+    with pytest.raises(Refused, match=r"Required component missing: /localhost/Sink0\.rtc"):
+        bring_up(system(sink=wanted("Sink", create="")))
+    assert world.performed == []
+
+
+def test_a_connection_that_is_refused_takes_everything_back(world, bring_up):
+    refusal = Result(ReturnCode.ERROR, "refused", "Wrong port type.")
+    world.fault = lambda action: refusal if isinstance(action, act.Connect) else None
+    before = world.snapshot()
+    with pytest.raises(Refused, match=r"Wrong port type\.; removed again: Sink0, Source0"):
+        bring_up(system())
+    assert world.snapshot() == before
+
+
+def test_optional_components_may_fail(world, bring_up):
+    sink = wanted("Sink", create="Nobody", required=False)
+    assert bring_up(system(sink=sink, required=False)) == [
+        "Action failed: no component type Nobody",
+        "Action failed: Destination component missing: /localhost/Sink0.rtc",
+        "Action failed: Component missing: /localhost/Sink0.rtc",
+    ]
+    assert list(world.components) == ["Source0"]
+
+
+def test_without_creation(world, bring_up):
+    with pytest.raises(Refused, match=r"Required component missing: /localhost/Source0\.rtc"):
+        bring_up(system(), may_create=False)
+    for kind in ("Source", "Sink"):
+        world.perform(act.Create(f"{kind}?instance_name={kind}0"))
+    bring_up(system(), may_create=False)
+    assert set(world.connectors) == {"w"}
+
+
+def test_unknown_hosts_are_named_before_anything_changes(world, bring_up):
+    with pytest.raises(NotFound, match="no such host: far"):
+        bring_up(system(sink=wanted("Sink", unknown_host="far")))
+    assert world.performed == []
+
+
+@pytest.mark.parametrize("kind", [act.Create, act.Connect, act.SetParameters, act.ActivateSet])
+def test_an_interruption_leaves_nothing(world, bring_up, kind, monkeypatch):
+    class Impatient(Runner):
+        def _send(self, actions, *, is_ordered):
+            results = super()._send(actions, is_ordered=is_ordered)
+            if any(isinstance(action, kind) for action in actions):
+                raise KeyboardInterrupt
+            return results
+
+    monkeypatch.setitem(globals(), "Runner", Impatient)
+    before = world.snapshot()
+    with pytest.raises(KeyboardInterrupt) as caught:
+        bring_up(system())
+    assert str(caught.value) == "removed again: Sink0, Source0"
+    assert world.snapshot() == before
