@@ -26,11 +26,20 @@ class Outlet:
     def __init__(self, publisher: zenoh.Publisher, release: Callable[[], None]) -> None:
         self._publisher = publisher
         self._release = release
-        self.put: Callable[[bytes], None] = publisher.put
+
+    def put(self, payload: bytes) -> bool:
+        """Send one value; False when the stream is closed."""
+        try:
+            self._publisher.put(payload)
+        except zenoh.ZError:
+            return False
+        return True
 
     def close(self) -> None:
         """End this end; the other one just hears nothing more."""
-        with contextlib.suppress(zenoh.ZError):
+        # While another thread is inside `put`, zenoh refuses ("Already borrowed"); the publisher
+        # then goes with its last reference.
+        with contextlib.suppress(zenoh.ZError, RuntimeError):
             self._publisher.undeclare()  # type: ignore[no-untyped-call]
         self._release()
 

@@ -13,7 +13,13 @@ from typing import Any, Protocol
 
 from rtkit.component.buffer import Sink, make_ring
 from rtkit.component.codec import codec_for
-from rtkit.component.options import ConnectorOptions, FullPolicy, PushPolicy, parse_options
+from rtkit.component.options import (
+    ConnectorOptions,
+    FullPolicy,
+    PortStatus,
+    PushPolicy,
+    parse_options,
+)
 from rtkit.component.period import Period
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
@@ -116,8 +122,12 @@ class Wires:
         blocking = FullPolicy.BLOCK in (options.inport.full_policy, options.outport.full_policy)
         outlet = self._streams.send(endpoint, self._key(wire), blocking, MATCH_S)
         encode, put = codec_for(out.data_type).encode, outlet.put
+
+        def write(value: Any) -> PortStatus | None:
+            return None if put(encode(value)) else PortStatus.CONNECTION_LOST
+
         try:
-            self._attach(wire, out, lambda value: put(encode(value)), options)
+            self._attach(wire, out, write, options)
         except RtkitError:
             outlet.close()
             raise

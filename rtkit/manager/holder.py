@@ -243,7 +243,6 @@ class Holder:
 
     def _cut(self, connector_id: str) -> None:
         wire = self._profiles.pop(connector_id, None)
-        self._wires.cut(connector_id)
         for end in wire.ports if wire is not None else ():
             component = self._components.get(end.instance)
             port = component.ports.get(end.port) if component is not None else None
@@ -251,6 +250,7 @@ class Holder:
                 port.detach(connector_id)
             elif isinstance(port, InPort):
                 port.close(connector_id)
+        self._wires.cut(connector_id)
 
     def _out_port(self, wire: ConnectorProfile) -> OutPort[Any]:
         port = self._port(wire, 0)

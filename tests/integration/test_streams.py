@@ -1,0 +1,75 @@
+"""Streams of port data between two real zenoh sessions."""
+
+from __future__ import annotations
+
+import os
+import queue
+import tempfile
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from rtkit.errors import Unreachable
+from rtkit.link.streams import Streams
+
+KEY = "rtd/test/host/wire"
+
+
+@pytest.fixture
+def ends() -> Iterator[tuple[Streams, Streams]]:
+    with tempfile.TemporaryDirectory(prefix="rt") as folder:
+        receiver, sender = Streams(f"{folder}/a"), Streams(f"{folder}/b")
+        yield receiver, sender
+        sender.close()
+        receiver.close()
+        assert os.listdir(folder) == []
+
+
+def test_every_value_arrives_in_order(ends: tuple[Streams, Streams]) -> None:
+    receiver, sender = ends
+    heard: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    endpoint, _ = receiver.receive(KEY, heard.put)
+    outlet = sender.send(endpoint, KEY, True, 5.0)
+    values = [b"%d" % n for n in range(1000)]
+    assert all(outlet.put(value) for value in values)
+    assert [heard.get(timeout=5.0) for _ in values] == values
+
+
+def test_a_sender_without_receiver_is_told(ends: tuple[Streams, Streams]) -> None:
+    receiver, sender = ends
+    endpoint, _ = receiver.receive(KEY, lambda _: None)
+    with pytest.raises(Unreachable, match="nobody takes data"):
+        sender.send(endpoint, KEY + "/other", False, 0.2)
+
+
+def test_an_end_closes_while_another_thread_writes(ends: tuple[Streams, Streams]) -> None:
+    receiver, sender = ends
+    endpoint, _ = receiver.receive(KEY, lambda _: None)
+    for _ in range(50):
+        outlet = sender.send(endpoint, KEY, False, 5.0)
+        is_writing = threading.Event()
+        failures: list[BaseException] = []
+
+        def write(outlet=outlet, is_writing=is_writing, failures=failures) -> None:
+            try:
+                while outlet.put(bytes(100_000)):
+                    is_writing.set()
+            except BaseException as error:
+                failures.append(error)
+
+        writer = threading.Thread(target=write)
+        writer.start()
+        assert is_writing.wait(5.0)
+        outlet.close()
+        writer.join(5.0)
+        assert not writer.is_alive()
+        assert failures == []
+
+
+def test_values_are_asked_for(ends: tuple[Streams, Streams]) -> None:
+    owner, asker = ends
+    values = iter([b"first", None, b"third"])
+    endpoint, _ = owner.answer(KEY, lambda: next(values))
+    fetcher = asker.ask(endpoint, KEY, 5.0)
+    assert [fetcher.fetch(5.0) for _ in range(3)] == [b"first", None, b"third"]
