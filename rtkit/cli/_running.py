@@ -23,9 +23,9 @@ def run(
     *,
     dry_run: bool,
     mapped: tuple[str, ...],
-    remains: str,
+    tell: Callable[[System, Live], str],
 ) -> None:
-    """Carry out a plan for the system of `profile`; `remains` is the word for what was done.
+    """Carry out a plan for the system of `profile`; `tell` says how far one got that broke off.
 
     Raises:
         Refused: Something required failed; the message tells how far it went.
@@ -44,11 +44,15 @@ def run(
     try:
         runner.run(plan)
     except RtkitError as error:
-        progress = _progress(len(runner.done), plan, remains)
-        raise type(error)(f"{error} ({progress})") from error
+        raise type(error)(f"{error}; {_progress(app, system, tell)}") from error
     except KeyboardInterrupt as error:
-        raise KeyboardInterrupt(_progress(len(runner.done), plan, remains)) from error
+        raise KeyboardInterrupt(_progress(app, system, tell)) from error
 
 
-def _progress(done: int, plan: Plan, remains: str) -> str:
-    return f"{done} of {len(plan.steps)} {remains} before"
+def _progress(app: App, system: System, tell: Callable[[System, Live], str]) -> str:
+    from rtkit.deployment.live import Live
+
+    try:
+        return tell(system, Live(_system.snapshot(app), system))
+    except (RtkitError, KeyboardInterrupt) as trouble:
+        return f"how far it got is not known ({str(trouble) or 'interrupted again'})"

@@ -111,16 +111,25 @@ def wanted_system(
     return system
 
 
-def look(app: App, *, dry_run: bool) -> Snapshot:
-    """Return what lives; a dry run goes on without a manager and says so.
+def snapshot(app: App) -> Snapshot:
+    """Return what lives.
 
     Raises:
         Unreachable: No manager answers.
     """
     from rtkit.tree.apply import uninterrupted
 
+    return uninterrupted(lambda: app.tree.snapshot())
+
+
+def look(app: App, *, dry_run: bool) -> Snapshot:
+    """Return what lives; a dry run goes on without a manager and says so.
+
+    Raises:
+        Unreachable: No manager answers.
+    """
     try:
-        return uninterrupted(lambda: app.tree.snapshot())
+        return snapshot(app)
     except Unreachable as error:
         if not dry_run:
             raise

@@ -42,11 +42,10 @@ def main(
 
     from rtkit.deployment.capture import Heading, capture
     from rtkit.profile.write import write_rts
-    from rtkit.tree.apply import uninterrupted
 
     for text in (abstract, name, system_version, vendor):
         _system.check_text(text)
-    snapshot = uninterrupted(lambda: app.tree.snapshot())
+    snapshot = _system.snapshot(app)
     date = datetime.now().replace(microsecond=0).isoformat()
     heading = Heading(date, name, system_version, vendor, abstract)
     hosts = [_host(server, snapshot) for server in servers]

@@ -24,7 +24,7 @@ def main(
     Each is active before the next is told. Required components must be there and must become
     active, else the rest is not begun.
     """
-    from rtkit.deployment.running import start_plan
+    from rtkit.deployment.running import active_now, start_plan
 
     profile = _system.read_profile(app, files, strict=strict)
     _running.run(
@@ -33,5 +33,5 @@ def main(
         lambda system, live: start_plan(system, live, wait=not no_wait),
         dry_run=dry_run,
         mapped=mapped,
-        remains="activated",
+        tell=active_now,
     )

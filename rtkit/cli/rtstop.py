@@ -23,7 +23,7 @@ def main(
 
     A component that is missing or refuses is reported; the others are stopped all the same.
     """
-    from rtkit.deployment.running import stop_plan
+    from rtkit.deployment.running import active_now, stop_plan
 
     profile = _system.read_profile(app, files, strict=strict)
     _running.run(
@@ -32,5 +32,5 @@ def main(
         lambda system, live: stop_plan(system, live, wait=not no_wait),
         dry_run=dry_run,
         mapped=mapped,
-        remains="deactivated",
+        tell=active_now,
     )

@@ -23,7 +23,7 @@ def main(
 
     What is missing is reported; the rest is removed all the same.
     """
-    from rtkit.deployment.running import teardown_plan
+    from rtkit.deployment.running import left_now, teardown_plan
 
     profile = _system.read_profile(app, files, strict=strict)
     _running.run(
@@ -32,5 +32,5 @@ def main(
         lambda system, live: teardown_plan(system, live, ends_components=ends),
         dry_run=dry_run,
         mapped=mapped,
-        remains="removed",
+        tell=left_now,
     )

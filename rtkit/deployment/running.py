@@ -8,7 +8,7 @@ from rtkit.deployment.live import Live, context_of, mismatch
 from rtkit.deployment.plan import Plan, Step, layer
 from rtkit.deployment.system import System, WantedComponent, WantedConnector
 from rtkit.deployment.wiring import address, missing_end
-from rtkit.rtc.enums import Transition
+from rtkit.rtc.enums import LifeCycleState, Transition
 
 
 def start_plan(system: System, live: Live, *, wait: bool = True) -> Plan:
@@ -41,6 +41,25 @@ def teardown_plan(system: System, live: Live, *, ends_components: bool = False) 
             *layer("exit", (_end(component, live) for component in ends), is_ordered=True),
         )
     )
+
+
+def active_now(system: System, live: Live) -> str:
+    """Tell which components are active, for a user whose start or stop broke off."""
+    active = [
+        component.path
+        for component in system.components
+        if (facts := live.at(component.instance)) is not None
+        and any(context.state is LifeCycleState.ACTIVE for context in facts.contexts)
+    ]
+    return f"active now: {', '.join(active) or 'none'}"
+
+
+def left_now(system: System, live: Live) -> str:
+    """Tell what of a system is still there, for a user whose teardown broke off."""
+    ids = [wire.profile.connector_id for wire in system.connectors]
+    left = [f"connection {id}" for id in ids if live.wire(id) is not None]
+    left += [c.path for c in system.components if live.entry(c.instance) is not None]
+    return f"left now: {', '.join(left) or 'none'}"
 
 
 def _change(

@@ -314,8 +314,8 @@ def test_start_tells_the_truth(run, file, world):
     status, out, err = run("rtstart", path)
     assert (status, out) == (1, "")
     assert err == START + (
-        "rtstart: Required action failed: precondition not met (state is Error)"
-        " (1 of 2 activated before)\n"
+        "rtstart: Required action failed: precondition not met (state is Error);"
+        f" active now: {SOURCE}\n"
     )
     run("rtstop", path)
     status, out, err = run("rtstop", path)
@@ -462,14 +462,17 @@ def test_interrupted_at_the_start_of_a_system(run, file, world, monkeypatch):
     monkeypatch.setattr("signal.signal", lambda *_: None)
 
     def fault(action):
-        if action.instance == "Sink0":
+        if getattr(action, "instance", "") == "Sink0":
             raise KeyboardInterrupt
         return None
 
     world.fault = fault
     status, _, err = run("rtstart", path)
     assert status == 130
-    assert err == START + "rtstart: interrupted; 1 of 2 activated before\n"
+    assert err == START + f"rtstart: interrupted; active now: {SOURCE}\n"
+    status, _, err = run("rtteardown", "--exit", path)
+    assert status == 130
+    assert err == f"rtteardown: interrupted; left now: {SOURCE}, {SINK}\n"
 
 
 def test_a_manager_that_goes_away(run, file, world):
