@@ -68,8 +68,8 @@ def change(
     results = app.tree.apply([action for _, action in asked], is_ordered=False)
     failures = [
         (path.typed, error)
-        for (path, _), result in zip(asked, results, strict=True)
-        if (error := _error(path, result)) is not None
+        for (path, action), result in zip(asked, results, strict=True)
+        if (error := _error(path, action, result)) is not None
     ]
     if len(failures) == 1 == len(asked):
         raise failures[0][1]
@@ -123,5 +123,9 @@ def _context_ids(facts: ComponentFacts) -> list[str]:
     return own + [each.id for each in facts.contexts if each.owner != facts.instance]
 
 
-def _error(path: Path, result: Result) -> RtkitError | None:
-    return None if result.ok else from_kind(result.kind, f"{result.why}: {path.typed}")
+def _error(path: Path, action: ChangeState, result: Result) -> RtkitError | None:
+    if result.ok:
+        return None
+    # What the user typed stands in place of the name by which the manager knows it.
+    why = result.why.removesuffix(f": {action.instance}")
+    return from_kind(result.kind, f"{why}: {path.typed}")

@@ -172,7 +172,9 @@ class Streams:
     def _listening(self) -> zenoh.Session:
         with self._lock:
             if self._listener is None:
-                self._listener = control.open_listener(self._endpoint, "peer")
+                self._listener = control.open_listener(
+                    self._endpoint, "peer", has_shared_memory=True
+                )
             return self._listener
 
     def _sender(self, endpoint: str, timeout_s: float) -> zenoh.Session:
@@ -180,7 +182,8 @@ class Streams:
             if endpoint in self._senders:
                 session, users = self._senders[endpoint]
             else:
-                session, users = control.open_client(endpoint, timeout_s), 0
+                session = control.open_client(endpoint, timeout_s, has_shared_memory=True)
+                users = 0
             self._senders[endpoint] = session, users + 1
             return session
 

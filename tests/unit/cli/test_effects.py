@@ -403,3 +403,11 @@ def test_the_working_directory_in_the_tree_is_respected(
     monkeypatch.setenv("RTKIT_CWD", "/localhost/manager.mgr/slave1.mgr")
     assert run("rtls").out == "Input0.rtc\n"
     assert run("rtcat No.rtc").err == "rtcat: No such object: No.rtc\n"
+
+
+def test_a_refusal_names_what_was_typed_only(world: World, run: Run) -> None:
+    world.fault = lambda _: Result(
+        ReturnCode.PRECONDITION_NOT_MET, "refused", "precondition not met (state is Error): Std0"
+    )
+    told = f"rtact: precondition not met (state is Error): {STD}\n"
+    assert run(f"rtact {STD}") == (1, "", told)

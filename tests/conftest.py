@@ -1,0 +1,201 @@
+"""What every test of real processes starts from, and what must be gone after it."""
+
+from __future__ import annotations
+
+import os
+import select
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+RUN_ID = "RTKIT_TEST_RUN"
+SHARED_MEMORY = Path("/dev/shm")
+_SETTINGS = (
+    "COLUMNS",
+    "FORCE_COLOR",
+    "NO_COLOR",
+    "RTCSH_CWD",
+    "RTKIT_CWD",
+    "RTKIT_EXIT_DETAIL",
+    "RTKIT_MANAGER",
+    "RTKIT_MODULE_PATH",
+    "RTKIT_REALM",
+)
+
+
+class Outcome(NamedTuple):
+    """What a command line came to."""
+
+    status: int
+    out: str
+    err: str
+
+
+class Shell:
+    """Types commands at a manager of its own.
+
+    Attributes:
+        folder: A short folder of this test alone; `modules` below it is a load path.
+        environment: What commands, and so the manager, are started with.
+    """
+
+    def __init__(self, folder: Path, run_id: str) -> None:
+        self.folder = folder
+        self.modules = folder / "modules"
+        self.modules.mkdir()
+        for name in ("run", "state"):
+            (folder / name).mkdir(mode=0o700)
+        kept = {key: value for key, value in os.environ.items() if key not in _SETTINGS}
+        paths = [str(ROOT), os.environ.get("PYTHONPATH", "")]
+        self.environment = {
+            **kept,
+            "PYTHONPATH": os.pathsep.join(path for path in paths if path),
+            "RTKIT_RUNTIME_DIR": str(folder / "run"),
+            "RTKIT_STATE_DIR": str(folder / "state"),
+            "RTKIT_MODULE_PATH": str(self.modules),
+            RUN_ID: run_id,
+        }
+
+    def command(self, line: str) -> list[str]:
+        """Return what to execute for a command line."""
+        name, *arguments = shlex.split(line)
+        module = "rtkit.cli" if name == "rtkit" else f"rtkit.cli.{name}"
+        script = f"import sys; sys.argv[0] = {name!r}; from {module} import main; sys.exit(main())"
+        return [sys.executable, "-c", script, *arguments]
+
+    def run(self, line: str, text: str = "", timeout_s: float = 30.0) -> Outcome:
+        """Run a command to its end."""
+        done = subprocess.run(
+            self.command(line),
+            input=text,
+            capture_output=True,
+            text=True,
+            env=self.environment,
+            cwd=self.folder,
+            timeout=timeout_s,
+            check=False,
+        )
+        return Outcome(done.returncode, done.stdout, done.stderr)
+
+    def ok(self, line: str) -> str:
+        """Run a command that must succeed in silence and return what it printed."""
+        outcome = self.run(line)
+        assert (outcome.status, outcome.err) == (0, ""), f"{line}: {outcome.err}{self.log()}"
+        return outcome.out
+
+    def open(self, line: str) -> subprocess.Popen[str]:
+        """Start a command."""
+        return subprocess.Popen(
+            self.command(line),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=self.environment,
+            cwd=self.folder,
+        )
+
+    def log(self) -> str:
+        """Return what managers logged."""
+        files = sorted((self.folder / "state").glob("*.log"))
+        return "".join(f"\n{file.name}:\n{file.read_text()}" for file in files)
+
+
+@pytest.fixture
+def shell() -> Iterator[Shell]:
+    """A shell without a manager; whatever it starts must be gone at the end."""
+    run_id = uuid.uuid4().hex
+    before = set(SHARED_MEMORY.iterdir())
+    # A socket's path may have 107 bytes: the folders that pytest makes are too long.
+    folder = Path(tempfile.mkdtemp(prefix="rtk"))
+    shell = Shell(folder, run_id)
+    try:
+        yield shell
+        for socket in (folder / "run").glob("*.sock"):
+            shell.run(f"rtmgr stop {socket.stem}")
+        left = _wait_for_end(_processes(run_id), 5.0)
+        found = {
+            "processes": [_describe(pid) for pid in left],
+            "files": sorted(path.name for path in (folder / "run").iterdir()),
+            "shared memory": _orphans(set(SHARED_MEMORY.iterdir()) - before),
+        }
+        assert not any(found.values()), f"left behind: {found}{shell.log()}"
+    finally:
+        for pid in _processes(run_id):
+            os.kill(pid, 9)
+        shutil.rmtree(folder)
+
+
+@pytest.fixture
+def manager(shell: Shell) -> Shell:
+    """A shell with a running manager."""
+    shell.ok("rtmgr start")
+    return shell
+
+
+def _processes(run_id: str) -> list[int]:
+    wanted = f"{RUN_ID}={run_id}".encode()
+    found = []
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            environment = (entry / "environ").read_bytes()
+        except OSError:
+            continue
+        if wanted in environment.split(b"\0"):
+            found.append(int(entry.name))
+    return found
+
+
+def _wait_for_end(pids: list[int], timeout_s: float) -> list[int]:
+    """Wait for processes to end and return those that did not."""
+    deadline = time.monotonic() + timeout_s
+    left = []
+    for pid in pids:
+        try:
+            pidfd = os.pidfd_open(pid)
+        except ProcessLookupError:
+            continue
+        try:
+            if not select.select([pidfd], [], [], max(0.0, deadline - time.monotonic()))[0]:
+                left.append(pid)
+        finally:
+            os.close(pidfd)
+    return left
+
+
+def _describe(pid: int) -> str:
+    try:
+        return f"{pid} {Path(f'/proc/{pid}/cmdline').read_bytes()!r}"
+    except OSError:
+        return str(pid)
+
+
+def _orphans(files: set[Path]) -> list[str]:
+    """Return those files of shared memory that no living process maps.
+
+    Not those of zenoh: a session that carries port data leaves 12 kB, the next one sweeps them.
+    """
+    files = {file for file in files if file.suffix != ".zenoh"}
+    if not files:
+        return []
+    mapped = set()
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                text = (entry / "maps").read_text(errors="replace")
+            except OSError:
+                continue
+            mapped |= {str(file) for file in files if str(file) in text}
+    return sorted(str(file) for file in files if str(file) not in mapped and file.exists())
