@@ -31,12 +31,14 @@ def variables(shell: Any) -> dict[str, str]:
     kept = {k: v for k, v in shell.environment.items() if not k.startswith(strangers)}
     commands = shell.folder / "bin"
     commands.mkdir()
-    for name in COMMANDS.values():
-        file = commands / name
-        text = f"import sys\nfrom rtkit.cli.{name} import main\nsys.exit(main())\n"
-        file.write_text(f"#!{sys.executable}\n{text}", encoding="utf-8")
-        file.chmod(0o755)
-    (commands / "python").symlink_to(sys.executable)
+    python = f'exec "{sys.executable}"'
+    scripts = {
+        name: f"{python} -c 'from rtkit.cli.{name} import main; exit(main())' \"$@\""
+        for name in COMMANDS.values()
+    }
+    for name, line in {**scripts, "python": f'{python} "$@"'}.items():
+        (commands / name).write_text(f"#!/bin/sh\n{line}\n", encoding="utf-8")
+        (commands / name).chmod(0o755)
     (shell.folder / "x").mkdir(mode=0o700)
     return {
         **kept,
