@@ -1,0 +1,85 @@
+"""What a system profile states, without its layout: to compare a file with what was saved of it.
+
+Port names lose their instance prefix; drawings, dates and rtkit's own properties do not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from rtkit.deployment.described import properties_of, sets_of
+from rtkit.profile.rts_model import Component, RtsProfile, TargetPort
+from rtkit.profile.words import strip_instance
+
+
+class StatedComponent(NamedTuple):
+    """What is stated of one component; data types of ports are empty where none is stated."""
+
+    id: str
+    data_ports: Mapping[str, str]
+    service_ports: frozenset[str]
+    active_set: str | None
+    parameters: Mapping[str, Mapping[str, str]]
+    contexts: tuple[tuple[str, str, float | None], ...]
+
+
+class StatedConnector(NamedTuple):
+    """What is stated of one connector: name, attributes and ends."""
+
+    name: str
+    attributes: tuple[str | None, ...]
+    source: tuple[str, str]
+    target: tuple[str, str]
+
+
+class Stated(NamedTuple):
+    """What a profile states, by instance name and by connector id."""
+
+    components: Mapping[str, StatedComponent]
+    connectors: Mapping[str, StatedConnector]
+
+
+def stated(profile: RtsProfile) -> Stated:
+    """Return what a profile states."""
+    connectors = {
+        wire.connector_id: StatedConnector(
+            wire.name,
+            (
+                wire.data_type,
+                wire.interface_type,
+                wire.dataflow_type,
+                wire.subscription_type,
+                f"{wire.push_interval or 0:g}",
+            ),
+            _end(wire.source),
+            _end(wire.target),
+        )
+        for wire in profile.data_port_connectors
+    }
+    for service in profile.service_port_connectors:
+        connectors[service.connector_id] = StatedConnector(
+            service.name, (), _end(service.source), _end(service.target)
+        )
+    return Stated({c.instance_name: _component(c) for c in profile.components}, connectors)
+
+
+def _component(component: Component) -> StatedComponent:
+    instance = component.instance_name
+    return StatedComponent(
+        component.id,
+        {
+            strip_instance(port.name, instance): properties_of(port.properties).get(
+                "dataport.data_type", ""
+            )
+            for port in component.data_ports
+        },
+        frozenset(strip_instance(port.name, instance) for port in component.service_ports),
+        component.active_configuration_set,
+        sets_of(component.configuration_sets),
+        tuple((c.id, c.kind, c.rate) for c in component.execution_contexts),
+    )
+
+
+def _end(end: TargetPort) -> tuple[str, str]:
+    return end.instance_name, strip_instance(end.port_name, end.instance_name)
