@@ -116,11 +116,12 @@ def command(name: str, **settings: Any) -> Callable[[Callable[..., int | None]],
     """Turn a function that takes an `App` and its options into a command."""
 
     def decorate(function: Callable[..., int | None]) -> Main:
-        wrapped: Any = pass_app(function)
-        for option in _common_options():
-            wrapped = option(wrapped)
         make: Any = click.command(name=name, context_settings=_SETTINGS, **settings)
-        return Main(name, make(wrapped))
+        made: click.Command = make(pass_app(function))
+        made.params += _common_options()
+        # The mark of text that is not to be filled, as a raw docstring has it.
+        made.help = made.help and made.help.replace("\\b\n", "\b\n")
+        return Main(name, made)
 
     return decorate
 
@@ -135,33 +136,32 @@ def prepare_streams() -> None:
             reconfigure(errors="backslashreplace")
 
 
-def _common_options() -> list[Callable[[Any], Any]]:
+def _common_options() -> list[click.Option]:
     return [
-        click.option(
-            "--exit-detail",
-            is_flag=True,
-            expose_value=False,
-            callback=_set("has_exit_detail"),
-            help="Tell kinds of failure apart by exit status.",
-        ),
-        click.option(
-            "--timeout",
+        click.Option(
+            ["--timeout"],
             type=click.FloatRange(min=0.01),
             metavar="SECONDS",
             expose_value=False,
             callback=_set("timeout_s"),
             help="Bound on every call (default 10).",
         ),
-        click.option(
-            "-v",
-            "--verbose",
+        click.Option(
+            ["--exit-detail"],
+            is_flag=True,
+            expose_value=False,
+            callback=_set("has_exit_detail"),
+            help="Tell kinds of failure apart by exit status.",
+        ),
+        click.Option(
+            ["-v", "--verbose"],
             is_flag=True,
             expose_value=False,
             callback=_set("is_verbose"),
             help="Tell progress on stderr; on failure also a traceback.",
         ),
-        click.option(
-            "--version",
+        click.Option(
+            ["--version"],
             is_flag=True,
             is_eager=True,
             expose_value=False,

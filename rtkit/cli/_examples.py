@@ -1,0 +1,85 @@
+"""Examples of the manual pages: a command line, and what it does."""
+
+from __future__ import annotations
+
+EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
+    "rtact": (
+        ("rtact /localhost/Robot0.rtc", "Activate one component and wait until it is active."),
+        ("rtact -e all /localhost/Robot0.rtc", "In all of its execution contexts."),
+        ("rtact A.rtc B.rtc C.rtc", "Several at once, below the working directory of the tree."),
+    ),
+    "rtcat": (
+        ("rtcat /localhost/Robot0.rtc", "Identity, state and ports of a component."),
+        ("rtcat -ll /localhost/Robot0.rtc:velocity", "A port with all of its connections."),
+        ("rtcat /localhost/manager.mgr", "A manager and the modules that it loaded."),
+    ),
+    "rtcheck": (
+        ("rtcheck robot.xml", "Is everything there, connected, configured and active?"),
+        ("rtcheck -s inactive --json robot.xml", "Each deviation as JSON, for another program."),
+    ),
+    "rtcon": (
+        (
+            "rtcon /localhost/Sensor0.rtc:range /localhost/Control0.rtc:range",
+            "Connect an out port to an in port.",
+        ),
+        (
+            "rtcon -p dataport.subscription_type=flush Sensor0.rtc:range Control0.rtc:range",
+            "Have values sent within the writer's call.",
+        ),
+        (
+            "rtcon -d -i range Sensor0.rtc:range Control0.rtc:range",
+            "With an id of one's own, and never twice.",
+        ),
+    ),
+    "rtconf": (
+        ("rtconf -l /localhost/Robot0.rtc", "All configuration sets with their values."),
+        ("rtconf /localhost/Robot0.rtc get speed", "The value of a parameter of the active set."),
+        ("rtconf /localhost/Robot0.rtc set speed=0.5 turn=-0.1", "Two changes, both or none."),
+        ("rtconf -s careful /localhost/Robot0.rtc act", "Make another set the active one."),
+    ),
+    "rtcryo": (
+        ("rtcryo -n Robot -o robot.xml", "Save what is running."),
+        ("rtcryo --all", "Also components without connections, on stdout."),
+    ),
+    "rtdeact": (("rtdeact /localhost/Robot0.rtc", "Stop a component from executing."),),
+    "rtdis": (
+        ("rtdis /localhost/Robot0.rtc", "Remove every connection of a component."),
+        ("rtdis -i range /localhost/Sensor0.rtc:range", "Only the one of that id."),
+        ("rtdis Sensor0.rtc:range Control0.rtc:range", "Those between two ports."),
+    ),
+    "rtkit": (
+        ("rtkit ls /localhost", "The same as rtls /localhost."),
+        ("rtkit conf -h", "Tell about one verb."),
+    ),
+    "rtls": (
+        ("rtls -l /localhost", "State, ports and connections of what runs here."),
+        ("rtls -R /", "Everything."),
+        ("rtls -R --json /", "Everything, for another program."),
+    ),
+    "rtmgr": (
+        ("rtmgr start", "Start the manager of this host in the background."),
+        ("rtmgr -c ConsoleIn -c ConsoleOut /localhost/manager.mgr", "Make two components."),
+        (
+            "rtmgr -c 'Motor?instance_name=Left&manager_name=drives' /localhost/manager.mgr",
+            "In a slave process of its own, which is started when it is not there.",
+        ),
+        (
+            "rtmgr -l ./Arm.py:ArmInit -c Arm --print /localhost/manager.mgr",
+            "Load a module, make a component with it, tell where it is found.",
+        ),
+        ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
+        ("rtmgr stop", "End the manager with everything that it holds."),
+    ),
+    "rtreset": (("rtreset /localhost/Robot0.rtc", "Bring a component out of Error."),),
+    "rtresurrect": (
+        ("rtresurrect robot.xml", "Make, configure and connect what a profile describes."),
+        ("rtresurrect --dry-run robot.xml", "Tell what would be done."),
+        ("rtresurrect --stand-in robot.xml", "Without the modules: stand-ins for components."),
+    ),
+    "rtstart": (("rtstart robot.xml", "Activate the components of a profile in its order."),),
+    "rtstop": (("rtstop robot.xml", "Deactivate them in reverse order."),),
+    "rtteardown": (
+        ("rtteardown robot.xml", "Remove the connections of a profile."),
+        ("rtteardown --exit robot.xml", "End its components too."),
+    ),
+}

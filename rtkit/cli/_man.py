@@ -1,0 +1,139 @@
+"""Writes the manual pages from the commands: ``python -m rtkit.cli._man FOLDER``."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+from inspect import cleandoc
+
+import click
+
+from rtkit import __version__
+from rtkit.cli import COMMANDS
+from rtkit.cli._examples import EXAMPLES
+from rtkit.cli._unified import SUMMARIES
+
+_STATUSES = (
+    ("0", "Success."),
+    ("1", "It could not be done, or something else was found than was to be."),
+    ("2", "The command line cannot be read."),
+    ("130", "Interrupted."),
+)
+_DETAILS = (
+    "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart: 1 refused, 2 malformed,"
+    " 3 invalid document, 4 not found, 5 no answer, 6 only a part was done, 70 a bug."
+)
+_ENVIRONMENT = (
+    ("RTKIT_MANAGER", "Name of the manager to ask, by default manager."),
+    ("RTKIT_CWD", "Working directory in the tree, from which relative paths are meant."),
+    ("RTKIT_RUNTIME_DIR", "Folder of sockets and locks, for this user alone."),
+    ("RTKIT_STATE_DIR", "Folder of logs."),
+    ("RTKIT_MODULE_PATH", "Folders where managers look for modules, with : between them."),
+    ("RTKIT_EXIT_DETAIL", "1 has failures told apart by the exit status."),
+    ("NO_COLOR, FORCE_COLOR", "Never, or always, colour what goes to stdout."),
+)
+
+
+def pages() -> dict[str, str]:
+    """Return the text of each page by file name."""
+    made = {f"{module}.1": _page(verb, module) for verb, module in COMMANDS.items()}
+    return {**made, "rtkit.1": _unified()}
+
+
+def _page(verb: str, name: str) -> str:
+    command: click.Command = importlib.import_module(f"rtkit.cli.{name}").main.command
+    context = click.Context(command, info_name=name, **command.context_settings)
+    usage = " ".join(command.collect_usage_pieces(context))
+    lines = [*_head(name, SUMMARIES[verb], usage), ".SH DESCRIPTION"]
+    lines += _paragraphs(cleandoc(command.help or ""))
+    lines.append(".SH OPTIONS")
+    for parameter in command.get_params(context):
+        is_option = isinstance(parameter, click.Option)
+        record = parameter.get_help_record(context) if is_option else None
+        if record is not None:
+            lines += _item(record[0], record[1].partition("  [")[0])
+    others = ", ".join(f"{other}(1)" for other in ("rtkit", *COMMANDS.values()) if other != name)
+    return _text([*lines, *_tail(name), ".SH SEE ALSO", _escape(others)])
+
+
+def _unified() -> str:
+    lines = [*_head("rtkit", "All commands behind one word.", "VERB [OPTIONS] [ARGUMENTS]...")]
+    lines += [".SH DESCRIPTION", "Each verb is also a command of its own, with a page of its own."]
+    lines += [".SH VERBS"]
+    for verb, module in COMMANDS.items():
+        lines += _item(verb, f"{SUMMARIES[verb]} See {module}(1).")
+    lines += [".SH OPTIONS"]
+    lines += _item("--version", "Show the version and exit.")
+    lines += _item("-h, --help", "List the verbs.")
+    return _text([*lines, *_tail("rtkit")])
+
+
+def _head(name: str, summary: str, usage: str) -> Iterator[str]:
+    yield f'.TH {name.upper()} 1 "" "rtkit {__version__}" "rtkit"'
+    yield ".SH NAME"
+    yield f"{name} \\- {_escape(summary[0].lower() + summary[1:].removesuffix('.'))}"
+    yield ".SH SYNOPSIS"
+    yield f".B {name}"
+    yield _escape(usage)
+
+
+def _tail(name: str) -> Iterator[str]:
+    yield ".SH EXIT STATUS"
+    for status, meaning in _STATUSES:
+        yield from _item(status, meaning)
+    yield ".PP"
+    yield _escape(_DETAILS)
+    yield ".SH ENVIRONMENT"
+    for variable, meaning in _ENVIRONMENT:
+        yield from _item(variable, meaning)
+    yield ".SH EXAMPLES"
+    for line, meaning in EXAMPLES[name]:
+        yield from _item(line, meaning)
+
+
+def _paragraphs(help_text: str) -> Iterator[str]:
+    for paragraph in help_text.split("\n\n"):
+        is_verbatim = paragraph.startswith("\b\n")
+        yield ".PP"
+        if is_verbatim:
+            yield ".nf"
+        for line in paragraph.removeprefix("\b\n").splitlines():
+            yield _escape(line)
+        if is_verbatim:
+            yield ".fi"
+
+
+def _item(term: str, meaning: str) -> Iterator[str]:
+    yield ".TP"
+    yield f"\\fB{_escape(term)}\\fR"
+    yield _escape(meaning)
+
+
+def _escape(text: str) -> str:
+    safe = text.replace("\\", "\\e").replace("-", "\\-")
+    return f"\\&{safe}" if safe.startswith((".", "'")) else safe
+
+
+def _text(lines: list[str]) -> str:
+    return "\n".join(
+        ['.\\" Written by "make man" from the command itself: change that.', *lines, ""]
+    )
+
+
+def main() -> None:
+    """Write every page into the folder named, and remove pages of commands that went."""
+    (folder,) = sys.argv[1:]
+    os.makedirs(folder, exist_ok=True)
+    made = pages()
+    for name in os.listdir(folder):
+        if name.endswith(".1") and name not in made:
+            os.unlink(os.path.join(folder, name))
+    for name, text in made.items():
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+
+if __name__ == "__main__":
+    main()
