@@ -5,57 +5,51 @@ A slave runs code of others: nothing that it sends is trusted to have the right 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from rtkit import errors
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, RtkitError
 from rtkit.manager.events import Message
-from rtkit.manager.state import State
+from rtkit.manager.state import Process, State
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.plain import decode
 
-_KEPT = ("names", "create", "process", "trouble")
 
-
-def take(state: State, key: int, message: Message) -> None:
-    """Fold one report of the process `key` into the state.
+def take(state: State, process: Process, report: object) -> ComponentFacts:
+    """Fold the facts of one component, as its process reports them, into the state.
 
     Raises:
-        Malformed: The report cannot be read; nothing is changed.
+        Malformed: They cannot be read, or are none of its business; nothing is changed.
     """
-    if "facts" in message:
-        facts = decode(ComponentFacts, message["facts"])
-        _check_owner(state, key, facts.instance)
-        _take_facts(state, key, facts)
-    elif "gone" in message:
-        instance = str(message["gone"])
-        if state.holders.get(instance) == key:
-            state.forget(instance)
-    else:
-        raise Malformed(f"unknown report from process {key}: {sorted(message)}")
-
-
-def _check_owner(state: State, key: int, instance: str) -> None:
-    holder = state.holders.get(instance)
+    facts = decode(ComponentFacts, report)
+    instance = facts.instance
     known = state.components.get(instance)
-    if holder not in (None, key) and known is not None and not known.zombie:
-        raise Malformed(f"{instance} is held by another process")
+    claim = state.claims.get(instance)
+    if state.holders.get(instance) != process.key:
+        if claim is None or claim.key != process.key:
+            raise Malformed(f"{process.name} reports {instance}, which it does not hold")
+        if known is not None:
+            state.forget(instance)
+            known = None
+    state.components[instance] = facts = _completed(facts, known, process)
+    state.holders[instance] = process.key
+    return facts
 
 
-def _take_facts(state: State, key: int, facts: ComponentFacts) -> None:
-    process = state.processes.get(key)
-    if process is None:
-        return
-    known = state.components.get(facts.instance)
-    if known is not None and known.zombie:
-        state.forget(facts.instance)
-        known = None
-    state.components[facts.instance] = facts
-    state.holders[facts.instance] = key
-    if known is not None:
-        state.update(facts.instance, **{name: getattr(known, name) for name in _KEPT})
-    else:
-        state.update(facts.instance, process=process.name)
+def _completed(
+    facts: ComponentFacts, known: ComponentFacts | None, process: Process
+) -> ComponentFacts:
+    """Return the facts with those that are the manager's own, whatever was reported of them."""
+    return replace(
+        facts,
+        process=process.name,
+        names=known.names if known is not None else (),
+        create=known.create if known is not None else "",
+        trouble="stopped" if process.state == "stopped" else "",
+        zombie="",
+    )
 
 
 def result(message: Message) -> Result:
@@ -64,12 +58,7 @@ def result(message: Message) -> Result:
         code = ReturnCode(message.get("code", ReturnCode.OK.value))
     except ValueError:
         code = ReturnCode.ERROR
-    return Result(
-        code,
-        str(message.get("kind", "")),
-        str(message.get("why", "")),
-        message.get("value", ""),
-    )
+    return Result(code, str(message.get("kind", "")), str(message.get("why", "")))
 
 
 def error(outcome: Result) -> RtkitError:

@@ -8,6 +8,9 @@ from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.manager.events import OWN_PROCESS
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 
+NOWHERE = -1
+"""Key of no process."""
+
 
 @dataclass(slots=True)
 class Process:
@@ -36,6 +39,34 @@ class Process:
         """Whether the kernel still runs it."""
         return self.state != "lost"
 
+    @property
+    def is_ready(self) -> bool:
+        """Whether it takes messages, though it may be stopped and take them later."""
+        return self.state in ("up", "stopped")
+
+    @property
+    def unfit(self) -> str:
+        """Why it answers nothing at present; empty when it does."""
+        if not self.is_alive:
+            return f"slave {self.name} ended: {self.reason}"
+        return f"slave {self.name} does not answer: it is stopped" * (self.state == "stopped")
+
+
+@dataclass(slots=True)
+class Claim:
+    """What a component will have that is being made: its names, and its process once chosen."""
+
+    names: tuple[str, ...]
+    key: int = NOWHERE
+
+
+@dataclass(slots=True)
+class Opening:
+    """A connector that is being made; `is_broken` when an end has gone meanwhile."""
+
+    wire: ConnectorProfile
+    is_broken: bool = False
+
 
 @dataclass(slots=True)
 class State:
@@ -43,7 +74,9 @@ class State:
 
     Attributes:
         holders: Key of the process that holds, or held, each component.
-        reserved: Instance names of components that are being made.
+        claims: Instance names of components that are being made.
+        ending: Instance names of components that are being deleted.
+        openings: Connectors that are being made, by id.
     """
 
     host: str
@@ -56,7 +89,9 @@ class State:
     connectors: dict[str, ConnectorProfile] = field(default_factory=dict)
     modules: dict[str, ModuleProfile] = field(default_factory=dict)
     properties: dict[str, str] = field(default_factory=dict)
-    reserved: set[str] = field(default_factory=set)
+    claims: dict[str, Claim] = field(default_factory=dict)
+    ending: set[str] = field(default_factory=set)
+    openings: dict[str, Opening] = field(default_factory=dict)
 
     def living_process(self, name: str) -> Process | None:
         """Return the living process of that name, or None."""
@@ -71,33 +106,41 @@ class State:
 
     def process_of(self, instance: str) -> Process | None:
         """Return the process that holds (or held) a component."""
-        return self.processes.get(self.holders.get(instance, -1))
+        return self.processes.get(self.holders.get(instance, NOWHERE))
 
     def held_by(self, key: int) -> list[str]:
         """Return the instances in a process, in the order of their creation."""
         return [instance for instance, holder in self.holders.items() if holder == key]
 
+    def is_needed(self, key: int) -> bool:
+        """Whether a process holds a component, or one is being made in it."""
+        return key in self.holders.values() or any(c.key == key for c in self.claims.values())
+
     def connectors_of(self, instance: str) -> list[ConnectorProfile]:
         """Return the connectors that have an end at a component."""
-        return [
-            wire
-            for wire in self.connectors.values()
-            if any(end.instance == instance for end in wire.ports)
-        ]
+        return [wire for wire in self.connectors.values() if _has_end(wire, instance)]
 
     def name_owner(self, name: str) -> str:
-        """Return the instance registered under a full name, or nothing."""
+        """Return the instance that is, or is to be, registered under a full name, or nothing."""
         for instance, facts in self.components.items():
             if name in facts.names:
                 return instance
-        return ""
+        return next((i for i, claim in self.claims.items() if name in claim.names), "")
 
     def forget(self, instance: str) -> None:
-        """Drop a component; a lost process goes with its last one."""
+        """Drop a component with its connectors; a lost process goes with its last one."""
+        self.drop_connectors(instance)
         self.components.pop(instance, None)
         key = self.holders.pop(instance, None)
         if key is not None:
             self.drop_if_empty(key)
+
+    def drop_connectors(self, instance: str) -> None:
+        """Drop the connectors of a component; those that are being made will not be kept."""
+        for wire in self.connectors_of(instance):
+            del self.connectors[wire.connector_id]
+        for opening in self.openings.values():
+            opening.is_broken |= _has_end(opening.wire, instance)
 
     def drop_if_empty(self, key: int) -> None:
         """Drop a lost process of which no component is shown any more."""
@@ -125,3 +168,33 @@ class State:
             modules=tuple(self.modules.values()),
             properties=dict(self.properties),
         )
+
+    def validate(self) -> None:
+        """Check that the facts do not contradict each other.
+
+        Raises:
+            AssertionError: They do; names the fact.
+        """
+        own = self.processes[OWN_PROCESS]
+        assert own.state == "up", own
+        assert self.components.keys() == self.holders.keys(), "component without holder"
+        for key, process in self.processes.items():
+            assert process.key == key, process
+            assert process.is_alive or self.held_by(key), f"empty lost process: {process}"
+        for instance, facts in self.components.items():
+            holder = self.process_of(instance)
+            assert facts.instance == instance, facts
+            assert holder is not None, f"no process holds {instance}"
+            assert bool(facts.zombie) is not holder.is_alive, f"{instance} in {holder}"
+        names = [name for facts in self.components.values() for name in facts.names]
+        assert len(names) == len(set(names)), f"a name is used twice: {names}"
+        for connector_id, wire in self.connectors.items():
+            assert wire.connector_id == connector_id, wire
+            for end in wire.ports:
+                facts = self.components[end.instance]
+                assert not facts.zombie, f"zombie is connected: {wire}"
+                assert facts.port(end.port) is not None, f"no such port: {wire}"
+
+
+def _has_end(wire: ConnectorProfile, instance: str) -> bool:
+    return any(end.instance == instance for end in wire.ports)

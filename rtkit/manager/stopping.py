@@ -1,28 +1,69 @@
-"""The orderly end: components in reverse order of their creation, then the slaves."""
+"""Orderly ends: of slaves that hold nothing any more, and of everything."""
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterable
+
 from rtkit.deployment.actions import Result
-from rtkit.errors import RtkitError
-from rtkit.manager.procedures import Ask, Procedure, end_slaves
-from rtkit.manager.state import State
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.manager.state import Process, State
+from rtkit.manager.wishes import AllEnded, Ask, Clock, Procedure, Signal
 
 FINALISE_S = 5.0
-"""Grace that a component has to finalise [s]; a process that exceeds it is not asked again."""
+"""Grace that all components together have to finalise, one after the other [s]."""
+
+TERM_S = 2.0
+"""Grace between TERM and KILL, and after KILL [s]."""
+
+
+def retire(state: State, process: Process) -> Procedure:
+    """End a slave that holds nothing any more (``manager.shutdown_on_nortcs``)."""
+    if process.is_slave and process.is_ready and not state.is_needed(process.key):
+        yield from end_slaves([process])
+    return Result()
+
+
+def end_slaves(slaves: Iterable[Process]) -> Procedure:
+    """End these processes: TERM, a grace, KILL; return when the kernel reported their end."""
+    meant = tuple(slaves)
+    for process in meant:
+        process.is_wanted = False
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        for process in meant:
+            if process.is_alive:
+                yield Signal(process, number)
+                if process.state == "stopped":
+                    yield Signal(process, signal.SIGCONT)
+        try:
+            yield AllEnded(meant, TERM_S)
+        except Unreachable:
+            continue
+        break
+    return Result()
 
 
 def stop_everything(state: State) -> Procedure:
-    """End all components, then all slaves; never fails, never waits longer than its graces."""
+    """End all components in reverse order of their creation, then all slaves.
+
+    It never fails and never takes longer than its graces: components that did not come to their
+    turn are finalised by their own process when it is told to end.
+    """
+    began: float = yield Clock()
     silent: set[int] = set()
     for instance in reversed(list(state.components)):
         process = state.process_of(instance)
-        facts = state.components.get(instance)
-        if facts is None or process is None or facts.zombie or process.key in silent:
+        now: float = yield Clock()
+        left_s = began + FINALISE_S - now
+        if left_s <= 0:
+            break
+        if process is None or not process.is_alive or process.key in silent:
             continue
         try:
-            yield Ask(process, {"op": "delete", "instance": instance}, FINALISE_S)
-            state.forget(instance)
+            yield Ask(process, {"op": "delete", "instance": instance}, left_s)
         except RtkitError:
             silent.add(process.key)
-    yield from end_slaves([p for p in state.processes.values() if p.is_slave and p.is_alive])
+        else:
+            state.forget(instance)
+    yield from end_slaves(p for p in state.processes.values() if p.is_slave and p.is_alive)
     return Result()

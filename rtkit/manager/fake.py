@@ -1,0 +1,237 @@
+"""A shell without processes: feeds a core with events at a fake time and keeps what it instructs.
+
+For tests, which play the zygote, the kernel and the holders.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rtkit.deployment.actions import Action, Create, Result
+from rtkit.deployment.batch import Batch, results_from_text
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.errors import NotFound, RtkitError
+from rtkit.manager import events as ev
+from rtkit.manager.core import Core
+from rtkit.manager.state import Process, State
+from rtkit.property.exchange import Reply
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import ExecutionKind, PortType
+from rtkit.rtc.plain import encode
+from rtkit.rtc.profiles import (
+    ConnectorProfile,
+    ExecutionContextProfile,
+    PortProfile,
+    PortRef,
+    TypeProfile,
+)
+
+OWN = ev.OWN_PROCESS
+PORTS = (
+    PortProfile("out", PortType.OUT, {"dataport.data_type": "TimedLong"}),
+    PortProfile("in", PortType.IN, {"dataport.data_type": "TimedLong"}),
+    PortProfile("text", PortType.IN, {"dataport.data_type": "TimedString"}),
+    PortProfile("svc", PortType.SERVICE),
+)
+
+
+class Call:
+    """A message to a holder that wants an answer."""
+
+    def __init__(self, key: int, message: Mapping[str, Any]) -> None:
+        self.key = key
+        self.number: int = message["call"]
+        self.op: str = message["op"]
+        self.message = message
+
+    def __repr__(self) -> str:
+        return f"<{self.op} to {self.key}>"
+
+
+class Asked:
+    """A batch that was handed in, and what came of it."""
+
+    def __init__(self) -> None:
+        self.replies: list[Reply] = []
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether an answer came."""
+        return bool(self.replies)
+
+    @property
+    def results(self) -> tuple[Result, ...]:
+        """The results of its actions, of the one answer that it got."""
+        (reply,) = self.replies
+        return results_from_text(reply.value())
+
+    @property
+    def result(self) -> Result:
+        """The result of its only action."""
+        (result,) = self.results
+        return result
+
+
+def facts(instance: str, ports: Sequence[PortProfile] = PORTS) -> dict[str, Any]:
+    """Return what a holder reports of a component."""
+    context = ExecutionContextProfile("0", ExecutionKind.PERIODIC, 10.0, instance)
+    type_ = TypeProfile("Thing")
+    made = ComponentFacts(instance, type_, "", tuple(ports), {"default": {}}, "default", (context,))
+    plain: dict[str, Any] = encode(made)
+    return plain
+
+
+def wire(
+    connector_id: str, out: str = "A.out", into: str = "B.in", **properties: str
+) -> ConnectorProfile:
+    """Return a connector between two ports that are written ``instance.port``."""
+    ends = tuple(PortRef(*end.split(".")) for end in (out, into))
+    named = {key.replace("__", "."): value for key, value in properties.items()}
+    return ConnectorProfile(connector_id, connector_id, ends, named)
+
+
+class FakeShell:
+    """Carries instructions out by noting them.
+
+    Attributes:
+        now: The time [s].
+        calls: Messages that wait for an answer, in order.
+        told: Messages that want none, as (key, message).
+        spawned: Keys of the slaves that were asked for, by name, not yet forked.
+        signals: What was sent, as (key, number).
+        wake_at: When the core wants a tick.
+        is_finished: Whether the core said that all is done.
+    """
+
+    def __init__(self) -> None:
+        state = State("host", "manager", 100, "1")
+        state.processes[OWN] = Process(OWN, "manager", 100, "up")
+        self.core = Core(state)
+        self.now = 1000.0
+        self.calls: list[Call] = []
+        self.told: list[tuple[int, Mapping[str, Any]]] = []
+        self.spawned: dict[str, int] = {}
+        self.signals: list[tuple[int, int]] = []
+        self.wake_at: float | None = None
+        self.is_finished = False
+
+    @property
+    def state(self) -> State:
+        """What the core knows."""
+        return self.core.state
+
+    def feed(self, event: ev.Event) -> list[ev.Instruction]:
+        """Hand in one event, check the facts, and note what is to be done."""
+        instructions = self.core.handle(event, self.now)
+        self.state.validate()
+        self.wake_at = None
+        for instruction in instructions:
+            self._carry_out(instruction)
+        return instructions
+
+    def _carry_out(self, instruction: ev.Instruction) -> None:
+        match instruction:
+            case ev.SpawnSlave(key, name):
+                self.spawned[name] = key
+            case ev.SendToHolder(key, message):
+                assert self.state.processes[key].is_ready, f"{message} to a lost process"
+                if "call" in message:
+                    self.calls.append(Call(key, message))
+                else:
+                    self.told.append((key, message))
+            case ev.SignalSlave(key, number):
+                self.signals.append((key, number))
+            case ev.AnswerClient(answer, reply):
+                answer(reply)
+            case ev.WakeAt(moment):
+                self.wake_at = moment
+            case ev.Finish():
+                self.is_finished = True
+
+    # clients
+
+    def ask(self, *actions: Action, ordered: bool = True, timeout_s: float = 10.0) -> Asked:
+        """Hand in a batch."""
+        asked = Asked()
+        batch = Batch(actions, ordered, timeout_s)
+        self.feed(ev.BatchAsked(batch, asked.replies.append))
+        return asked
+
+    def stop(self) -> None:
+        """Ask for the end."""
+        self.feed(ev.StopAsked())
+
+    def wait(self, seconds: float) -> None:
+        """Let time pass; the core gets a tick when it wanted one, as from the real shell."""
+        until = self.now + seconds
+        while self.wake_at is not None and self.wake_at <= until:
+            self.now = max(self.now, self.wake_at)
+            self.feed(ev.Tick())
+        self.now = until
+
+    # the zygote and the kernel
+
+    def fork(self, name: str, pid: int = 0) -> int:
+        """Have a slave forked and say hello; return its key."""
+        key = self.spawned.pop(name)
+        self.feed(ev.SlaveForked(key, pid or 200 + key))
+        self.feed(ev.SlaveReady(key))
+        return key
+
+    def end(self, key: int, reason: str = "signal 9") -> None:
+        """Report the end of a slave."""
+        self.calls = [call for call in self.calls if call.key != key]
+        self.feed(ev.SlaveEnded(key, reason))
+
+    # holders
+
+    def next(self, op: str) -> Call:
+        """Take the oldest call, which must be of this operation."""
+        assert [each.op for each in self.calls[:1]] == [op], self.calls
+        return self.calls.pop(0)
+
+    def reply(self, call: Call, value: Any = "") -> None:
+        """Answer a call well."""
+        self.feed(ev.HolderSaid(call.key, {"reply": call.number, "value": value}))
+
+    def refuse(self, call: Call, error: RtkitError | None = None, code: str = "RTC_ERROR") -> None:
+        """Answer a call with an error."""
+        error = error or NotFound("no such thing")
+        answer = {"reply": call.number, "code": code, "kind": error.kind, "why": str(error)}
+        self.feed(ev.HolderSaid(call.key, answer))
+
+    def say(self, key: int, **message: Any) -> None:
+        """Report something unasked."""
+        self.feed(ev.HolderSaid(key, message))
+
+    def serve(self, ports: Sequence[PortProfile] = PORTS) -> None:
+        """Do what is asked until nothing is, as holders would."""
+        while self.calls:
+            call = self.calls.pop(0)
+            if call.op == "create":
+                instance = parse_create(call.message["create"]).instance_name
+                self.say(call.key, facts=facts(instance, ports))
+            elif call.op == "delete":
+                self.say(call.key, gone=call.message["instance"])
+            value: Any = "unix/x" if call.op in ("sink", "serve") else ""
+            if call.op == "load":
+                value = {"path": call.message["path"], "init": call.message["init"]}
+            self.reply(call, value)
+
+    # short cuts
+
+    def make(self, instance: str, slave: str = "") -> int:
+        """Have a component made; return the key of its process."""
+        place = f"&manager_name={slave}" if slave else ""
+        asked = self.ask(Create(f"Thing?instance_name={instance}{place}"))
+        if slave in self.spawned:
+            self.fork(slave)
+        self.serve()
+        assert asked.result.ok, asked.result
+        return self.state.holders[instance]
+
+    def killed(self) -> list[int]:
+        """Return the keys of the slaves that got KILL."""
+        return [key for key, number in self.signals if number == signal.SIGKILL]

@@ -1,0 +1,568 @@
+"""The core makes and deletes components: placing, names, failures, time-outs."""
+
+from __future__ import annotations
+
+import signal
+
+import pytest
+
+from rtkit.deployment.actions import ChangeState, Create, Delete, Load, SetParameters, Unload
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.manager import events as ev
+from rtkit.manager.fake import OWN, FakeShell, facts
+from rtkit.rtc.enums import ReturnCode, Transition
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import TypeProfile
+
+
+@pytest.fixture
+def shell():
+    return FakeShell()
+
+
+def create(text="Thing?instance_name=A", *names, pattern=None):
+    return Create(text, names, pattern)
+
+
+# modules
+
+
+def test_a_module_is_loaded_here_and_handed_to_slaves_with_what_they_make(shell):
+    asked = shell.ask(Load("a.py", "aInit"))
+    call = shell.next("load")
+    assert (call.key, call.message["path"], call.message["init"]) == (OWN, "a.py", "aInit")
+    types = [{"type_name": "Thing"}]
+    shell.reply(call, {"path": "a.py", "init": "aInit", "types": types})
+    assert asked.result.value == "a.py"
+    assert shell.state.modules["a.py"].types == (TypeProfile("Thing"),)
+
+    shell.ask(create("Thing?manager_name=s"))
+    shell.fork("s")
+    assert shell.next("create").message["modules"] == [["a.py", "aInit"]]
+
+
+def test_what_does_not_load_is_not_kept(shell):
+    asked = shell.ask(Load("a.py"))
+    shell.refuse(shell.next("load"), Refused("module does not import"))
+    assert (asked.result.kind, asked.result.why) == ("refused", "module does not import")
+    assert not shell.state.modules
+
+
+def test_unloading_reaches_every_slave_also_a_stopped_one(shell):
+    s, t = shell.make("A", "s"), shell.make("B", "t")
+    shell.ask(Load("a.py", "i"))
+    shell.serve()
+    shell.feed(ev.SlaveHalted(t, True))
+    asked = shell.ask(Unload("a.py"))
+    shell.reply(shell.next("unload"))
+    assert asked.result.ok
+    assert not shell.state.modules
+    assert shell.told == [(key, {"op": "unload", "path": "a.py"}) for key in (s, t)]
+    assert shell.ask(Unload("a.py")).result.kind == "not-found"
+
+
+# where components are made
+
+
+def test_in_the_manager_itself(shell):
+    for place in (
+        "",
+        "&manager_name=manager",
+        "&manager=localhost:2810",
+        "&manager_address=127.0.0.1:2810",
+    ):
+        instance = f"A{len(shell.state.components)}"
+        asked = shell.ask(create(f"Thing?instance_name={instance}{place}"))
+        shell.serve()
+        assert asked.result.value == instance
+        made = shell.state.components[instance]
+        assert (made.process, made.names) == ("manager", (f"localhost/{instance}.rtc",))
+    assert not shell.spawned
+
+
+def test_in_a_named_slave_that_is_started_once(shell):
+    one = shell.ask(create("Thing?instance_name=A&manager_name=s"))
+    other = shell.ask(create("Thing?manager_name=s&instance_name=B"))
+    assert list(shell.spawned) == ["s"]
+    assert not shell.calls
+    key = shell.fork("s", 777)
+    assert [call.key for call in shell.calls] == [key, key]
+    shell.serve()
+    assert (one.result.value, other.result.value) == ("A", "B")
+    (process,) = [p for p in shell.state.snapshot().processes if p.is_slave]
+    assert (process.name, process.pid, process.state) == ("s", 777, "up")
+
+
+def test_each_fresh_slave_is_another_and_named_after_its_pid(shell):
+    text = "Thing?manager_name=manager_%p"
+    asked = shell.ask(create(text), create(text), ordered=False)
+    keys = [each.key for each in shell.state.processes.values() if each.is_slave]
+    assert len(keys) == 2
+    for key in keys:
+        shell.feed(ev.SlaveForked(key, 50 + key))
+        shell.feed(ev.SlaveReady(key))
+    shell.serve()
+    assert [result.value for result in asked.results] == ["Thing0", "Thing1"]
+    made = list(shell.state.components.values())
+    assert [each.process for each in made] == [f"manager_{50 + key}" for key in keys]
+    again = f"Thing?manager_name=manager_{50 + keys[0]}&instance_name=Thing0"
+    assert made[0].create == again
+
+
+def test_by_the_address_of_a_local_slave(shell):
+    shell.ask(create("Thing?instance_name=A&manager_address=localhost:2811"))
+    shell.ask(create("Thing?instance_name=B&manager=host:2811"))
+    assert list(shell.spawned) == ["manager_2811"]
+
+
+@pytest.mark.parametrize(
+    "address", ["localhost:", "localhost:x", "2811x", "localhost:²", "h:999999"]
+)
+def test_an_address_that_is_none(shell, address):
+    result = shell.ask(create(f"Thing?manager={address}")).result
+    assert (result.kind, result.code) == ("malformed", ReturnCode.BAD_PARAMETER)
+    assert not shell.state.claims
+
+
+def test_an_address_elsewhere(shell):
+    assert shell.ask(create("Thing?manager=other:2811")).result.kind == "unreachable"
+
+
+@pytest.mark.parametrize("name", ["a/b", "a b ", "..", "x" * 256])
+def test_a_slave_or_component_of_a_name_that_cannot_be(shell, name):
+    assert shell.ask(create(f"Thing?manager_name={name}")).result.kind == "malformed"
+    assert shell.ask(create(f"Thing?instance_name={name}")).result.kind == "malformed"
+    assert not shell.spawned
+    assert not shell.calls
+
+
+def test_a_pattern_travels_and_names_the_component(shell):
+    asked = shell.ask(create("X", pattern=ComponentPattern(TypeProfile("Robot"))))
+    assert shell.calls[0].message["pattern"] == {"type": {"type_name": "Robot"}}
+    shell.serve()
+    assert asked.result.value == "Robot0"
+
+
+# names
+
+
+def test_one_that_lives_is_returned_and_nothing_is_made(shell):
+    shell.make("A", "s")
+    assert shell.ask(create("Other?instance_name=A&manager_name=t")).result.value == "A"
+    assert not shell.calls
+    assert not shell.spawned
+
+
+def test_concurrent_creations_never_share_a_name(shell):
+    asked = shell.ask(create("Thing"), create("Thing"), ordered=False)
+    same = shell.ask(create("Thing?instance_name=Thing1"))
+    assert (same.result.kind, same.result.why) == ("refused", "Thing1 is just being made")
+    shell.serve()
+    assert [result.value for result in asked.results] == ["Thing0", "Thing1"]
+
+
+def test_a_name_is_taken_also_while_its_owner_is_being_made(shell):
+    asked = shell.ask(create("Thing?instance_name=A", "localhost/dir/x.rtc"))
+    late = shell.ask(create("Thing?instance_name=B", "localhost/dir/x.rtc"))
+    assert late.result.why == "name /localhost/dir/x.rtc is taken by A"
+    shell.serve()
+    assert asked.result.ok
+    assert shell.state.components["A"].names == ("localhost/dir/x.rtc",)
+    late = shell.ask(create("Thing?instance_name=C", "localhost/c.rtc", "localhost/dir/x.rtc"))
+    assert late.result.kind == "refused"
+    assert not shell.state.claims
+
+
+def test_a_default_name_that_another_took_is_refused_or_passed_over(shell):
+    shell.ask(create("Thing?instance_name=A", "localhost/Thing0.rtc"))
+    shell.serve()
+    assert "is taken by A" in shell.ask(create("Thing?instance_name=Thing0")).result.why
+    asked = shell.ask(create("Thing"))
+    shell.serve()
+    assert asked.result.value == "Thing1"
+
+
+def test_a_name_given_twice_is_one(shell):
+    shell.ask(create("Thing?instance_name=A", "localhost/a.rtc", "localhost/a.rtc"))
+    shell.serve()
+    assert shell.state.components["A"].names == ("localhost/a.rtc",)
+
+
+# failures leave nothing
+
+
+def test_a_failed_creation_leaves_nothing_and_retires_the_slave(shell):
+    asked = shell.ask(create("Thing?instance_name=A&manager_name=s"))
+    key = shell.fork("s")
+    shell.refuse(shell.next("create"), Refused("on_initialize failed"), "PRECONDITION_NOT_MET")
+    assert asked.result.why == "on_initialize failed"
+    assert asked.result.code is ReturnCode.PRECONDITION_NOT_MET
+    assert shell.told == [(key, {"op": "delete", "instance": "A"})]
+    assert shell.signals == [(key, signal.SIGTERM)]
+    shell.end(key, "exit status 0")
+    assert list(shell.state.processes) == [OWN]
+    assert not shell.state.components
+    assert not shell.state.claims
+
+
+def test_a_failed_creation_ends_no_slave_in_which_another_is_being_made(shell):
+    asked = shell.ask(
+        create("Bad?instance_name=A&manager_name=s"),
+        create("Good?instance_name=B&manager_name=s"),
+        ordered=False,
+    )
+    key = shell.fork("s")
+    shell.refuse(shell.next("create"))
+    assert shell.signals == []
+    shell.serve()
+    assert [result.ok for result in asked.results] == [False, True]
+    assert shell.state.held_by(key) == ["B"]
+
+
+def test_deleting_the_last_one_ends_no_slave_in_which_another_is_being_made(shell):
+    key = shell.make("A", "s")
+    shell.ask(create("Thing?instance_name=B&manager_name=s"))
+    making = shell.next("create")
+    deleted = shell.ask(Delete("A"))
+    shell.serve()
+    assert deleted.result.ok
+    assert shell.signals == []
+    shell.say(key, facts=facts("B"))
+    shell.reply(making)
+    assert shell.state.held_by(key) == ["B"]
+
+
+def test_facts_that_come_before_a_failure_are_taken_back(shell):
+    asked = shell.ask(create())
+    call = shell.next("create")
+    shell.say(OWN, facts=facts("A"))
+    shell.refuse(call)
+    assert not asked.result.ok
+    assert not shell.state.components
+    assert shell.told == [(OWN, {"op": "delete", "instance": "A"})]
+
+
+def test_a_good_answer_without_facts_is_not_believed(shell):
+    asked = shell.ask(create())
+    shell.reply(shell.next("create"))
+    assert asked.result.why == "A ended while it was made"
+
+
+@pytest.mark.parametrize("stage", ["asked", "forked", "making", "made"])
+def test_a_slave_that_dies_at_each_stage_of_a_creation(shell, stage):
+    asked = shell.ask(create("Thing?instance_name=A&manager_name=s"))
+    key = shell.spawned["s"]
+    if stage != "asked":
+        shell.feed(ev.SlaveForked(key, 9))
+    if stage in ("making", "made"):
+        shell.feed(ev.SlaveReady(key))
+    if stage == "made":
+        shell.say(key, facts=facts("A"))
+    if stage == "asked":
+        shell.feed(ev.SlaveFailed(key, "cannot fork: no memory"))
+        assert asked.result.why == "slave s ended: cannot fork: no memory"
+    else:
+        shell.end(key, "signal 11")
+        assert (asked.result.kind, asked.result.why) == (
+            "unreachable",
+            "slave s ended: signal 11",
+        )
+    assert list(shell.state.processes) == [OWN]
+    assert not shell.state.components
+
+
+def test_a_slave_that_does_not_start_in_time_is_killed_whenever_it_comes(shell):
+    asked = shell.ask(create("Thing?manager_name=s"), timeout_s=3.0)
+    key = shell.spawned["s"]
+    shell.wait(2.9)
+    assert not asked.is_answered
+    shell.wait(0.2)
+    assert asked.result.why == "slave s did not start in time"
+    shell.signals.clear()
+    shell.feed(ev.SlaveForked(key, 9))
+    shell.feed(ev.SlaveReady(key))
+    assert shell.killed() == [key, key]
+    again = shell.ask(create("Thing?manager_name=s"))
+    assert shell.spawned["s"] != key
+    shell.end(key)
+    shell.fork("s")
+    shell.serve()
+    assert again.result.ok
+
+
+def test_a_slave_is_not_killed_while_somebody_still_waits_for_it(shell):
+    short = shell.ask(create("Thing?manager_name=s"), timeout_s=1.0)
+    patient = shell.ask(create("Thing?manager_name=s"), timeout_s=5.0)
+    shell.wait(1.5)
+    assert not short.result.ok
+    assert shell.signals == []
+    shell.fork("s")
+    shell.serve()
+    assert patient.result.ok
+
+
+def test_a_creation_that_takes_too_long_is_undone_and_its_late_facts_are_ignored(shell):
+    key = shell.make("Other", "s")
+    asked = shell.ask(create("Thing?instance_name=A&manager_name=s"), timeout_s=2.0)
+    slow = shell.next("create")
+    shell.wait(2.0)
+    assert asked.result.why == "no answer from s in time"
+    assert shell.told == [(key, {"op": "delete", "instance": "A"})]
+    with pytest.raises(Malformed, match="does not hold"):
+        shell.say(key, facts=facts("A"))
+    shell.reply(slow)
+    shell.say(key, gone="A")
+    assert list(shell.state.components) == ["Other"]
+
+
+def test_late_facts_do_not_displace_one_that_is_made_elsewhere(shell):
+    slow = shell.make("Other", "slow")
+    shell.ask(create("Thing?instance_name=A&manager_name=slow"), timeout_s=1.0)
+    shell.calls.clear()
+    shell.wait(1.0)
+    again = shell.ask(create("Thing?instance_name=A&manager_name=quick"))
+    quick = shell.fork("quick")
+    with pytest.raises(Malformed):
+        shell.say(slow, facts=facts("A"))
+    shell.serve()
+    shell.say(slow, gone="A")
+    assert again.result.ok
+    assert shell.state.holders["A"] == quick
+    assert shell.state.components["A"].process == "quick"
+
+
+# zombies
+
+
+def test_a_dead_slave_leaves_zombies_with_the_reason(shell):
+    key = shell.make("A", "s")
+    shell.make("B")
+    shell.end(key, "signal 9")
+    listed = shell.state.components
+    assert (listed["A"].zombie, listed["B"].zombie) == ("signal 9", "")
+    for action in (
+        ChangeState("A", "0", Transition.ACTIVATE),
+        SetParameters("A", "default", {}),
+    ):
+        assert shell.ask(action).result.why == "zombie (signal 9): A"
+
+
+def test_a_creation_over_a_zombie_takes_its_place_and_names(shell):
+    asked = shell.ask(create("Thing?instance_name=A&manager_name=s", "localhost/dir/a.rtc"))
+    dead = shell.fork("s")
+    shell.serve()
+    shell.end(dead)
+    asked = shell.ask(create("Thing?instance_name=A&manager_name=s"))
+    key = shell.fork("s")
+    assert shell.state.components["A"].zombie
+    shell.serve()
+    assert asked.result.ok
+    made = shell.state.components["A"]
+    assert (made.zombie, made.names) == ("", ("localhost/dir/a.rtc",))
+    assert list(shell.state.processes) == [OWN, key]
+
+
+def test_a_zombie_stays_when_its_successor_fails(shell):
+    dead = shell.make("A", "s")
+    shell.end(dead, "signal 11")
+    shell.ask(create())
+    shell.refuse(shell.next("create"))
+    assert shell.state.components["A"].zombie == "signal 11"
+    assert dead in shell.state.processes
+
+
+def test_a_zombie_is_deleted_without_asking_anybody(shell):
+    dead = shell.make("A", "s")
+    shell.end(dead)
+    assert shell.ask(Delete("A")).result.ok
+    assert not shell.calls
+    assert list(shell.state.processes) == [OWN]
+
+
+# deletion
+
+
+def test_a_deletion_ends_the_slave_that_is_left_empty(shell):
+    key = shell.make("A", "s")
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    assert shell.signals == [(key, signal.SIGTERM)]
+    assert not asked.is_answered
+    shell.end(key, "exit status 0")
+    assert asked.result.ok
+    assert list(shell.state.processes) == [OWN]
+
+
+def test_an_empty_slave_that_does_not_go_is_killed(shell):
+    key = shell.make("A", "s")
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    shell.wait(1.9)
+    assert shell.killed() == []
+    shell.wait(0.2)
+    assert shell.killed() == [key]
+    shell.end(key)
+    assert asked.result.ok
+
+
+def test_a_slave_that_holds_another_stays(shell):
+    shell.make("A", "s")
+    shell.make("B", "s")
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    assert asked.result.ok
+    assert shell.signals == []
+
+
+def test_a_deletion_that_takes_too_long_keeps_the_entry_until_it_is_true(shell):
+    shell.make("A")
+    asked = shell.ask(Delete("A"), timeout_s=1.0)
+    shell.next("delete")
+    shell.wait(1.0)
+    assert asked.result.kind == "unreachable"
+    assert "A" in shell.state.components
+    shell.say(OWN, gone="A")
+    assert "A" not in shell.state.components
+    assert shell.ask(Delete("A")).result.kind == "not-found"
+
+
+def test_a_deletion_of_what_its_process_no_longer_has_is_done(shell):
+    shell.make("A")
+    asked = shell.ask(Delete("A"))
+    shell.refuse(shell.next("delete"), NotFound("no component named A"))
+    assert asked.result.ok
+    assert not shell.state.components
+
+
+def test_while_one_is_being_deleted_nothing_else_is_done_with_it(shell):
+    shell.make("A")
+    asked = shell.ask(Delete("A"))
+    for action in (Delete("A"), create(), ChangeState("A", "0", Transition.ACTIVATE)):
+        result = shell.ask(action).result
+        assert (result.kind, result.why) == ("refused", "A is just being deleted")
+    shell.serve()
+    assert asked.result.ok
+
+
+def test_one_in_a_stopped_slave_is_not_touched(shell):
+    key = shell.make("A", "s")
+    shell.feed(ev.SlaveHalted(key, True))
+    assert shell.ask(Delete("A")).result.why == "slave s does not answer: it is stopped"
+    shell.feed(ev.SlaveHalted(key, False))
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    shell.end(key)
+    assert asked.result.ok
+
+
+# what slaves say is not trusted
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {},
+        {"hello": 1},
+        {"facts": None},
+        {"facts": []},
+        {"facts": {"instance": 5}},
+        {"facts": {"instance": "A"}},
+        {"facts": {**facts("A"), "ports": [{"name": "p"}]}},
+        {"facts": {**facts("A"), "unknown": 1}},
+        {"facts": facts("Stranger")},
+        {"facts": facts("Own")},
+    ],
+)
+def test_a_report_that_is_wrong_changes_nothing(shell, message):
+    key = shell.make("A", "s")
+    shell.make("Own")
+    before = shell.state.snapshot()
+    with pytest.raises(Malformed):
+        shell.say(key, **message)
+    assert shell.state.snapshot() == before
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"gone": None},
+        {"gone": []},
+        {"gone": "Own"},
+        {"gone": "Nobody"},
+        {"reply": None},
+        {"reply": []},
+        {"reply": {}},
+        {"reply": -1},
+        {"reply": 1.5},
+        {"reply": 10**30, "value": {}},
+    ],
+)
+def test_a_message_that_nobody_waits_for_changes_nothing(shell, message):
+    key = shell.make("A", "s")
+    shell.make("Own")
+    before = shell.state.snapshot()
+    shell.say(key, **message)
+    assert shell.state.snapshot() == before
+
+
+def test_a_slave_cannot_answer_for_another(shell):
+    rogue = shell.make("Rogue", "r")
+    shell.make("A", "s")
+    asked = shell.ask(ChangeState("A", "0", Transition.ACTIVATE))
+    call = shell.next("change_state")
+    shell.say(rogue, reply=call.number, value="")
+    assert not asked.is_answered
+    shell.reply(call)
+    assert asked.result.ok
+
+
+@pytest.mark.parametrize("answer", [{"code": "nonsense"}, {"code": []}, {"code": 7, "why": None}])
+def test_an_answer_with_an_unknown_code_is_an_error(shell, answer):
+    shell.make("A")
+    asked = shell.ask(ChangeState("A", "0", Transition.ACTIVATE))
+    shell.say(OWN, reply=shell.next("change_state").number, **answer)
+    assert asked.result.code is ReturnCode.ERROR
+
+
+def test_a_value_that_is_no_text_does_not_reach_the_client(shell):
+    shell.make("A")
+    asked = shell.ask(ChangeState("A", "0", Transition.ACTIVATE))
+    shell.reply(shell.next("change_state"), {"a": [1]})
+    assert asked.result.value == ""
+
+
+def test_a_slave_cannot_name_or_place_its_component(shell):
+    key = shell.make("A", "s")
+    claimed = {
+        "names": ["localhost/Own.rtc"],
+        "create": "Evil",
+        "zombie": "x",
+        "process": "manager",
+    }
+    before = shell.state.components["A"]
+    shell.say(key, facts={**facts("A"), **claimed, "trouble": "x"})
+    assert shell.state.components["A"] == before
+
+
+def test_what_was_said_before_a_death_and_is_heard_after_it_raises_nobody(shell):
+    key = shell.make("A", "s")
+    shell.end(key)
+    shell.say(key, facts=facts("A"))
+    shell.say(key, gone="A")
+    assert shell.state.components["A"].zombie == "signal 9"
+    shell.feed(ev.SlaveReady(key))
+    shell.feed(ev.SlaveHalted(key, False))
+    shell.feed(ev.SlaveEnded(key, "signal 15"))
+    assert shell.state.components["A"].zombie == "signal 9"
+
+
+def test_reports_of_unknown_processes_are_ignored(shell):
+    shell.say(99, facts=facts("A"))
+    for event in (
+        ev.SlaveForked(99, 5),
+        ev.SlaveReady(99),
+        ev.SlaveEnded(99, "x"),
+        ev.SlaveFailed(99, "x"),
+        ev.SlaveHalted(99, True),
+    ):
+        assert shell.feed(event) == []
