@@ -93,15 +93,14 @@ def _asked(
     app: App, paths: Sequence[Path], transition: Transition, index: int | None, wait: bool
 ) -> list[_Asked]:
     from rtkit.deployment.actions import ChangeState
-    from rtkit.deployment.listing import listing_of
     from rtkit.tree.resolve import component
     from rtkit.tree.view import build
 
     # The first context is always named "0": then the short listing is enough.
-    snapshot = app.tree.snapshot() if index != 0 else None
-    listing = app.tree.listing() if snapshot is None else listing_of(snapshot)
+    listing = app.tree.listing()
     root = build(listing)
     nodes = [component(root, path, listing.host) for path in paths]
+    snapshot = app.tree.part([node.instance for node in nodes]) if index != 0 else None
     asked: list[_Asked] = []
     for path, node in zip(paths, nodes, strict=True):
         instance = node.instance

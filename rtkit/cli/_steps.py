@@ -161,7 +161,8 @@ class Runner:
             except RtkitError as error:
                 raise step.failure(error.kind, str(error)) from error
             return
-        snapshot = self._app.tree.snapshot()
+        tree = self._app.tree
+        snapshot = tree.snapshot() if step.kind == "components" else tree.part([])
         if step.kind == "properties":
             self._show_properties(snapshot)
         elif step.kind == "modules":

@@ -12,6 +12,7 @@ from rtkit.errors import Malformed, NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+    from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import PortProfile
     from rtkit.tree.view import Node
@@ -33,13 +34,15 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
     if len(paths) > 1:
         raise WrongArguments
     path = app.path(paths[0])
-    snapshot = app.tree.snapshot()
-    node = _node(snapshot, path)
+    node = _node(app.tree.listing(), path)
+    snapshot = app.tree.part([node.instance])
     facts = snapshot.component(node.instance)
-    if facts is None:
+    if node.is_directory:
         process = _slave(snapshot, node)
         lines = manager_lines(snapshot, process)
         record = _manager_record(snapshot, process)
+    elif facts is None:
+        raise NotFound(f"No such object: {path.typed}")
     elif path.port is None:
         lines = component_lines(snapshot, facts, node.name, level)
         record = _component_record(snapshot, facts)
@@ -54,12 +57,11 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
     _out.write(lines)
 
 
-def _node(snapshot: Snapshot, path: Path) -> Node:
-    from rtkit.deployment.listing import listing_of
+def _node(listing: Listing, path: Path) -> Node:
     from rtkit.tree.resolve import find
     from rtkit.tree.view import Kind, build
 
-    node = find(build(listing_of(snapshot)), path, snapshot.host)
+    node = find(build(listing), path, listing.host)
     if node is None:
         raise NotFound(f"No such object: {path.typed}")
     if node.is_directory:

@@ -43,12 +43,11 @@ def main(
     all are made or none.
     """
     from rtkit.component.check import ANY_DATA_TYPE
-    from rtkit.tree.wiring import make_connector
+    from rtkit.tree.wiring import find_ends, make_connector
 
     given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})
     ports = _port_paths(app, paths)
-    snapshot = app.tree.snapshot()
-    first, *others = _ends(snapshot, ports)
+    snapshot, (first, *others) = find_ends(app.tree, ports)
     wires = []
     for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
         wires.append(make_connector(first, other, each_id, name, given))
@@ -78,15 +77,6 @@ def _port_paths(app: App, typed: Sequence[str]) -> list[Path]:
     if len(paths) < 2 or any(path.port is None for path in paths[1:]):
         raise Malformed("No destination port specified.")
     return paths
-
-
-def _ends(snapshot: Snapshot, paths: Sequence[Path]) -> list[End]:
-    from rtkit.deployment.listing import listing_of
-    from rtkit.tree.view import build
-    from rtkit.tree.wiring import find_end
-
-    root = build(listing_of(snapshot))
-    return [find_end(snapshot, root, path) for path in paths]
 
 
 def _ids(wished: str, count: int) -> list[str]:

@@ -13,6 +13,7 @@ from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
+    from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.tree.view import Node
 
@@ -65,17 +66,18 @@ def main(
     A change of the active set takes effect at once. Of a manager, list and get show its
     properties. A value that begins with a minus and is no number needs -- before the path.
     """
-    from rtkit.deployment.listing import listing_of
-    from rtkit.tree.view import Kind, build
+    from rtkit.tree.view import Kind
 
     typed, asked = _asked(words, has_hidden, is_long, set_id, is_json)
     path = app.path(typed)
-    snapshot = app.tree.snapshot()
-    node = _node(build(listing_of(snapshot)), path, snapshot)
+    node = _node(app.tree.listing(), path)
+    snapshot = app.tree.part([node.instance])
     facts = snapshot.component(node.instance)
     if node.kind is Kind.MANAGER:
         _of_manager(snapshot, path, asked)
-    elif facts is not None:
+    elif facts is None:
+        raise NotFound(f"No such object: {path.typed}")
+    else:
         _of_component(app, facts, asked)
 
 
@@ -98,11 +100,11 @@ def _asked(
     return typed, _Asked(verb, tuple(arguments), set_id, has_hidden, is_long, is_json)
 
 
-def _node(root: Node, path: Path, snapshot: Snapshot) -> Node:
+def _node(listing: Listing, path: Path) -> Node:
     from rtkit.tree.resolve import find
-    from rtkit.tree.view import Kind
+    from rtkit.tree.view import Kind, build
 
-    node = find(root, path, snapshot.host)
+    node = find(build(listing), path, listing.host)
     if path.port is not None and node is not None:
         raise Refused(f"Not a component: {path.typed}")
     if node is not None and node.kind is Kind.ZOMBIE and not path.is_directory:

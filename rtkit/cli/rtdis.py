@@ -11,10 +11,9 @@ from rtkit.cli._app import App, WrongArguments, command
 from rtkit.errors import Malformed, NotFound, Partial, from_kind
 
 if TYPE_CHECKING:
-    from rtkit.deployment.facts import Snapshot
     from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import ConnectorProfile
-    from rtkit.tree.view import Node
+    from rtkit.tree.client import Tree
 
 
 @command("rtdis")
@@ -26,16 +25,12 @@ def main(app: App, paths: tuple[str, ...], connector_id: str) -> None:
     Of a component: all of all its ports. Of one port: all of it. With more ports: those of the
     first port with any of the others.
     """
-    from rtkit.deployment.listing import listing_of
-    from rtkit.tree.view import build
-
     if not paths:
         raise WrongArguments
     found = [app.path(each) for each in paths]
     if len(found) > 1:
         _check_ports(found)
-    snapshot = app.tree.snapshot()
-    wires = _connections(snapshot, build(listing_of(snapshot)), found)
+    wires = _connections(app.tree, found)
     if connector_id:
         wires = [wire for wire in wires if wire.connector_id == connector_id]
         if not wires:
@@ -51,15 +46,17 @@ def _check_ports(paths: Sequence[Path]) -> None:
             raise Malformed(f"Not a port: {path.typed}")
 
 
-def _connections(snapshot: Snapshot, root: Node, paths: Sequence[Path]) -> list[ConnectorProfile]:
+def _connections(tree: Tree, paths: Sequence[Path]) -> list[ConnectorProfile]:
     from rtkit.tree.resolve import component
-    from rtkit.tree.wiring import between, find_end, of_component
+    from rtkit.tree.view import build
+    from rtkit.tree.wiring import between, find_ends, of_component
 
     if paths[0].port is None:
-        node = component(root, paths[0], snapshot.host)
-        return of_component(snapshot.connectors, node.instance)
-    first, *others = [find_end(snapshot, root, path).ref for path in paths]
-    return between(snapshot.connectors, first, others)
+        listing = tree.listing()
+        instance = component(build(listing), paths[0], listing.host).instance
+        return of_component(tree.part([instance]).connectors, instance)
+    snapshot, (first, *others) = find_ends(tree, paths)
+    return between(snapshot.connectors, first.ref, [other.ref for other in others])
 
 
 def _remove(app: App, wires: Sequence[ConnectorProfile]) -> None:

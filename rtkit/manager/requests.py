@@ -7,7 +7,9 @@ from typing import Any
 
 from rtkit.deployment.batch import batch_from_text
 from rtkit.deployment.listing import listing_of, listing_to_text
+from rtkit.deployment.part import part_of
 from rtkit.errors import NotFound, Refused
+from rtkit.link import keys
 from rtkit.manager.events import BatchAsked, Event, StopAsked
 from rtkit.manager.state import State
 from rtkit.property.exchange import Reply, Request
@@ -48,6 +50,10 @@ class Desk:
         raise Refused(f"read-only or unknown property: {request.name}")
 
     def _view(self, name: str) -> str:
+        kind, _, which = name.partition("/")
+        if kind == "part":
+            instances = keys.unescape(which).split(",")
+            return _compact(encode(part_of(self._state.snapshot(), instances)))
         if name not in self._views:
             if name == "listing":
                 text = listing_to_text(listing_of(self._state.snapshot()))

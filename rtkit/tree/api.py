@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.deployment.listing import Listing, listing_of
+from rtkit.deployment.listing import Listing
 from rtkit.errors import NotFound
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.names import parse_path
@@ -17,12 +17,11 @@ if TYPE_CHECKING:
 
     from rtkit.deployment.actions import Action, Result
     from rtkit.deployment.facts import ComponentFacts, Snapshot
-    from rtkit.rtc.profiles import ConnectorProfile
 
     class _Calls(Protocol):
         def listing(self) -> Listing: ...
 
-        def snapshot(self) -> Snapshot: ...
+        def part(self, instances: Sequence[str]) -> Snapshot: ...
 
         def apply(
             self,
@@ -66,11 +65,7 @@ class ByPath:
             NotFound: Nothing is there.
             Refused: It is no component, or a zombie.
         """
-        snapshot = self.snapshot()
-        facts = snapshot.component(_component(listing_of(snapshot), path).instance)
-        if facts is None:
-            raise NotFound(f"No such object: {path}")
-        return facts
+        return _facts(self, path)
 
     def create(self: _Calls, text: str) -> str:
         """Create a component from a create string and return its instance name.
@@ -139,11 +134,9 @@ class ByPath:
         from uuid import uuid4
 
         from rtkit.deployment.actions import Connect
-        from rtkit.tree.wiring import find_end, make_connector
+        from rtkit.tree.wiring import find_ends, make_connector
 
-        snapshot = self.snapshot()
-        root = build(listing_of(snapshot))
-        first, second = (find_end(snapshot, root, parse_path(path)) for path in (one, other))
+        _, (first, second) = find_ends(self, [parse_path(one), parse_path(other)])
         given = {key.replace("__", "."): value for key, value in properties.items()}
         wire = make_connector(first, second, connector_id or str(uuid4()), "", given)
         return self.perform(Connect(wire))
@@ -156,8 +149,11 @@ class ByPath:
             tree.disconnect("/localhost/In0.rtc:out")
         """
         from rtkit.deployment.actions import Disconnect
+        from rtkit.tree.wiring import between, find_ends
 
-        wires = _wires(self.snapshot(), one, other)
+        paths = [parse_path(path) for path in (one, other) if path]
+        snapshot, (first, *others) = find_ends(self, paths)
+        wires = between(snapshot.connectors, first.ref, [end.ref for end in others])
         for result in self.apply([Disconnect(wire.connector_id) for wire in wires]):
             result.raise_for_error()
         return len(wires)
@@ -176,14 +172,11 @@ class ByPath:
         """
         from rtkit.deployment.actions import ActivateSet, SetParameters
 
-        snapshot = self.snapshot()
-        node = _component(listing_of(snapshot), path)
-        facts = snapshot.component(node.instance)
-        active = facts.active_set if facts is not None else ""
-        chosen = set_id or active
-        actions: list[Action] = [SetParameters(node.instance, chosen, values)]
-        if chosen == active:
-            actions.append(ActivateSet(node.instance, chosen))
+        facts = _facts(self, path)
+        chosen = set_id or facts.active_set
+        actions: list[Action] = [SetParameters(facts.instance, chosen, values)]
+        if chosen == facts.active_set:
+            actions.append(ActivateSet(facts.instance, chosen))
         for result in self.apply(actions):
             result.raise_for_error()
 
@@ -199,9 +192,9 @@ def _change(tree: _Calls, path: str, context: str, transition: Transition) -> No
     tree.perform(ChangeState(node.instance, context, transition))
 
 
-def _wires(snapshot: Snapshot, one: str, other: str) -> list[ConnectorProfile]:
-    from rtkit.tree.wiring import between, find_end
-
-    root = build(listing_of(snapshot))
-    ends = [find_end(snapshot, root, parse_path(path)).ref for path in (one, other) if path]
-    return between(snapshot.connectors, ends[0], ends[1:])
+def _facts(tree: _Calls, path: str) -> ComponentFacts:
+    instance = _component(tree.listing(), path).instance
+    facts = tree.part([instance]).component(instance)
+    if facts is None:
+        raise NotFound(f"No such object: {path}")
+    return facts

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 DEFAULT_TIMEOUT_S = 10.0
 DEFAULT_MANAGER = "manager"
 _GRACE_S = 1.0
+_MOST_IN_A_PART = 50
 
 
 class Tree(ByPath):
@@ -70,12 +71,27 @@ class Tree(ByPath):
         Raises:
             Unreachable: The manager does not answer in time.
         """
+        return self._snapshot("snapshot")
+
+    def part(self, instances: Sequence[str]) -> Snapshot:
+        """Return what concerns a few components, or with none only the manager itself.
+
+        Their connectors are told too, and of who is at the other ends identity and names.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        if len(instances) > _MOST_IN_A_PART:
+            return self.snapshot()
+        return self._snapshot(f"part/{keys.escape(','.join(instances))}")
+
+    def _snapshot(self, name: str) -> Snapshot:
         import json
 
         from rtkit.deployment.facts import Snapshot
         from rtkit.rtc.plain import decode
 
-        text = self._ask(keys.extension_key(self._service, "snapshot"))
+        text = self._ask(keys.extension_key(self._service, name))
         try:
             return decode(Snapshot, json.loads(text))
         except ValueError as error:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from rtkit.deployment.batch import batch_from_text, results_to_text
 from rtkit.deployment.listing import listing_of, listing_to_text
+from rtkit.deployment.part import part_of
 from rtkit.deployment.world import World
 from rtkit.errors import NotFound, RtkitError
 from rtkit.link import keys
@@ -39,6 +40,10 @@ def _answer(world: World, request: Request) -> str:
         return listing_to_text(listing_of(world.snapshot()))
     if request.is_extension and request.name == "snapshot":
         return json.dumps(encode(world.snapshot()))
+    kind, _, which = request.name.partition("/")
+    if request.is_extension and kind == "part":
+        instances = keys.unescape(which).split(",")
+        return json.dumps(encode(part_of(world.snapshot(), instances)))
     if request.name == "batch" and request.payload is not None:
         batch = batch_from_text(request.payload)
         return results_to_text(world.batch(batch.actions, batch.is_ordered))

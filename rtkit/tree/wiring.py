@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import Path
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 from rtkit.tree.resolve import component_of_port
-from rtkit.tree.view import Node
+from rtkit.tree.view import build
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.listing import Listing
 
 DATA_DEFAULTS = {
     "dataport.dataflow_type": "push",
@@ -30,26 +33,41 @@ class End(NamedTuple):
     port: PortProfile
 
 
-def component_facts(snapshot: Snapshot, node: Node) -> ComponentFacts:
-    """Return the facts of the component behind a node."""
-    facts = snapshot.component(node.instance)
-    if facts is None:
-        raise NotFound(f"No such object: {node.path}")
-    return facts
+class Facts(Protocol):
+    """Where facts come from: a `Tree`."""
+
+    def listing(self) -> Listing:
+        """Return the short list of components."""
+        ...
+
+    def part(self, instances: Sequence[str]) -> Snapshot:
+        """Return what concerns a few components."""
+        ...
 
 
-def find_end(snapshot: Snapshot, root: Node, path: Path) -> End:
-    """Return the port at `path`.
+def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[End]]:
+    """Return the ports at these paths, and what concerns their components.
 
     Raises:
-        NotFound: Its component, or the port, does not exist.
+        NotFound: A component, or a port, does not exist.
         Refused: Something else than a living component is there.
     """
-    facts = component_facts(snapshot, component_of_port(root, path, snapshot.host))
+    listing = facts.listing()
+    root = build(listing)
+    instances = [component_of_port(root, path, listing.host).instance for path in paths]
+    snapshot = facts.part(instances)
+    ends = [_end(snapshot, *each) for each in zip(instances, paths, strict=True)]
+    return snapshot, ends
+
+
+def _end(snapshot: Snapshot, instance: str, path: Path) -> End:
+    facts = snapshot.component(instance)
+    if facts is None:
+        raise NotFound(f"No such object: {path.typed}")
     port = facts.port(path.port or "")
     if port is None:
         raise NotFound(f"Port not found: {path.typed}")
-    return End(path, PortRef(facts.instance, port.name), port)
+    return End(path, PortRef(instance, port.name), port)
 
 
 def check_pair(one: End, other: End, properties: Mapping[str, str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import select
+import shlex
 import signal
 from pathlib import Path
 from typing import Any
@@ -129,6 +130,17 @@ def test_components_from_birth_to_death(manager: Any) -> None:
     manager.ok("rtdeact /localhost/SeqOut0.rtc /localhost/SeqIn0.rtc")
     manager.ok(f"rtmgr -d SeqIn0 -d SeqOut0 -d Conf {MANAGER}")
     assert manager.ok("rtls -R /localhost") == ".:\nmanager.mgr/\n\n./manager.mgr:\n\n"
+
+
+@pytest.mark.parametrize("name", ["größe 部品", "a*b$c#d", "50%", "'x' \\"])
+def test_names_with_all_kinds_of_characters(manager: Any, name: str) -> None:
+    create = shlex.quote("ConsoleOut?instance_name=" + name.replace("%", "%25"))
+    path = shlex.quote(f"/localhost/{name}.rtc")
+    assert manager.ok(f"rtmgr --print -c {create} {MANAGER}") == f"/localhost/{name}.rtc\n"
+    manager.ok(f"rtact {path}")
+    assert manager.ok(f"rtcat {path}").startswith(f"{name}.rtc  Active\n")
+    assert manager.ok(f"rtls {path}") == f"{name}.rtc\n"
+    manager.ok(f"rtmgr -d {shlex.quote(name)} {MANAGER}")
 
 
 def test_modules_come_and_go_in_one_line(probe: Any) -> None:

@@ -118,3 +118,16 @@ def test_configuration(tree: Tree, world: World) -> None:
 def test_paths_must_be_readable(tree: Tree) -> None:
     with pytest.raises(Malformed, match="Bad path"):
         tree.activate("a:b:c")
+
+
+@pytest.mark.parametrize("name", ["größe 部品", "a*b$c#d", "50%", "a.b"])
+def test_names_with_all_kinds_of_characters(tree: Tree, world: World, name: str) -> None:
+    world.perform(act.Create("Std?instance_name=" + name.replace("%", "%25")))
+    assert tree.component(f"/localhost/{name}.rtc").instance == name
+    assert [each.instance for each in tree.part([name, "A"]).components] == ["A", name]
+
+
+def test_a_large_part_is_the_whole(tree: Tree) -> None:
+    assert len(tree.part(["A"] * 51).components) == 2
+    assert len(tree.part(["A"] * 50).components) == 1
+    assert tree.part([]).components == ()
