@@ -1,0 +1,89 @@
+"""Every real system profile on live processes: up, started, checked, saved, stopped, down."""
+
+from __future__ import annotations
+
+import importlib
+import os.path
+import shlex
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from rtkit.deployment.stated import Stated, stated
+from rtkit.profile.read import read_rts
+from rtkit.tree.client import connect
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+FOLDER = os.path.join(os.path.dirname(ROOT), "shared", "corpus", "rts")
+FILES = sorted(os.listdir(FOLDER)) if os.path.isdir(FOLDER) else []
+
+
+def facts(file: str) -> Stated:
+    with open(file, "rb") as stream:
+        return stated(read_rts(stream.read(), file).profile)
+
+
+def as_stated(saved: Stated, original: Stated) -> Stated:
+    """Return what was saved without data types of ports for which the original states none."""
+    components = {}
+    for instance, component in saved.components.items():
+        told = original.components[instance].data_ports
+        types = {port: kind if told[port] else "" for port, kind in component.data_ports.items()}
+        components[instance] = component._replace(data_ports=types)
+    return Stated(components, saved.connectors)
+
+
+@pytest.fixture
+def typed(
+    manager: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Iterator[Callable[..., tuple[int, str, str]]]:
+    """Type commands without a process for each: only the system's own processes are live."""
+    for key, value in manager.environment.items():
+        if key.startswith("RTKIT_"):
+            monkeypatch.setenv(key, value)
+    monkeypatch.chdir(manager.folder)
+    with connect() as tree:
+
+        def run(name: str, *arguments: str) -> tuple[int, str, str]:
+            status = importlib.import_module(f"rtkit.cli.{name}").main(arguments, tree=tree)
+            return (status, *capsys.readouterr())
+
+        yield run
+
+
+@pytest.mark.skipif(not FILES, reason="corpus absent")
+def test_every_profile_lives(manager: Any, typed: Any) -> None:
+    """One manager sees them all: what one leaves behind, the next one stumbles over."""
+    assert len(FILES) >= 22
+    for name in FILES:
+        live_once(manager, typed, os.path.join(FOLDER, name))
+
+
+def live_once(manager: Any, typed: Any, file: str) -> None:
+    assert typed("rtresurrect", "--stand-in", file) == (0, "", ""), file
+    status, out, err = typed("rtstart", file)
+    assert (status, out) == (0, ""), (file, err)
+    assert all(line.startswith("Executing {") for line in err.splitlines()), (file, err)
+    assert typed("rtcheck", file) == (0, "", ""), file
+    assert typed("rtcryo", "--all", "-o", "saved.xml") == (0, "", ""), file
+    assert typed("rtstop", file)[0] == 0
+    assert typed("rtcheck", "-s", "Inactive", file) == (0, "", ""), file
+    assert typed("rtteardown", "--exit", file) == (0, "", ""), file
+    assert typed("rtls", "/localhost/manager.mgr") == (0, "", ""), file
+    saved, original = facts(str(manager.folder / "saved.xml")), facts(file)
+    assert as_stated(saved, original) == original, file
+
+
+@pytest.mark.parametrize("name", FILES[3:5])
+def test_what_was_saved_lives_by_itself(manager: Any, name: str) -> None:
+    file = shlex.quote(os.path.join(FOLDER, name))
+    assert manager.run(f"rtresurrect --stand-in --transmit {file}") == (0, "", "")
+    assert manager.run("rtcryo --all -o first.xml") == (0, "", "")
+    assert manager.run("rtteardown --exit first.xml") == (0, "", "")
+    assert manager.run("rtresurrect first.xml") == (0, "", "")
+    assert manager.run("rtstart first.xml").status == 0
+    assert manager.run("rtcheck first.xml") == (0, "", "")
+    assert manager.run("rtcryo --all -o second.xml") == (0, "", "")
+    first, second = (facts(str(manager.folder / f"{n}.xml")) for n in ("first", "second"))
+    assert first == second
