@@ -6,12 +6,47 @@ Importing a name from here loads only what that name needs.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from rtkit.component.standard import HOMES
 from rtkit.rtc.enums import Polarity, ReturnCode
 from rtkit.rtc.profiles import PortInterfaceProfile
 
 if TYPE_CHECKING:
+    from rtkit.component.actuators import ActArrayActuatorCurrent as ActArrayActuatorCurrent
+    from rtkit.component.actuators import ActArrayActuatorGeometry as ActArrayActuatorGeometry
+    from rtkit.component.actuators import ActArrayActuatorPos as ActArrayActuatorPos
+    from rtkit.component.actuators import ActArrayActuatorSpeed as ActArrayActuatorSpeed
+    from rtkit.component.actuators import ActArrayActuatorStatus as ActArrayActuatorStatus
+    from rtkit.component.actuators import ActArrayActuatorType as ActArrayActuatorType
+    from rtkit.component.actuators import ActArrayGeometry as ActArrayGeometry
+    from rtkit.component.actuators import ActArrayState as ActArrayState
+    from rtkit.component.actuators import Actuator as Actuator
+    from rtkit.component.actuators import GripperGeometry as GripperGeometry
+    from rtkit.component.actuators import GripperState as GripperState
+    from rtkit.component.actuators import GripperStatus as GripperStatus
+    from rtkit.component.actuators import LimbState as LimbState
+    from rtkit.component.actuators import LimbStatus as LimbStatus
+    from rtkit.component.actuators import PanTiltAngles as PanTiltAngles
+    from rtkit.component.actuators import PanTiltState as PanTiltState
     from rtkit.component.base import Component as Component
     from rtkit.component.base import Manager as Manager
+    from rtkit.component.extended import OAP as OAP
+    from rtkit.component.extended import Carlike as Carlike
+    from rtkit.component.extended import Covariance2D as Covariance2D
+    from rtkit.component.extended import Covariance3D as Covariance3D
+    from rtkit.component.extended import Geometry2D as Geometry2D
+    from rtkit.component.extended import Geometry3D as Geometry3D
+    from rtkit.component.extended import PointCovariance2D as PointCovariance2D
+    from rtkit.component.extended import Quaternion as Quaternion
+    from rtkit.component.extended import SpeedHeading3D as SpeedHeading3D
+    from rtkit.component.extended import TimedCarlike as TimedCarlike
+    from rtkit.component.extended import TimedCovariance2D as TimedCovariance2D
+    from rtkit.component.extended import TimedCovariance3D as TimedCovariance3D
+    from rtkit.component.extended import TimedGeometry2D as TimedGeometry2D
+    from rtkit.component.extended import TimedGeometry3D as TimedGeometry3D
+    from rtkit.component.extended import TimedOAP as TimedOAP
+    from rtkit.component.extended import TimedPointCovariance2D as TimedPointCovariance2D
+    from rtkit.component.extended import TimedQuaternion as TimedQuaternion
+    from rtkit.component.extended import TimedSpeedHeading3D as TimedSpeedHeading3D
     from rtkit.component.geometry import Acceleration2D as Acceleration2D
     from rtkit.component.geometry import Acceleration3D as Acceleration3D
     from rtkit.component.geometry import AngularAcceleration3D as AngularAcceleration3D
@@ -50,11 +85,44 @@ if TYPE_CHECKING:
     from rtkit.component.geometry import Vector3D as Vector3D
     from rtkit.component.geometry import Velocity2D as Velocity2D
     from rtkit.component.geometry import Velocity3D as Velocity3D
+    from rtkit.component.navigation import Features as Features
+    from rtkit.component.navigation import Hypotheses2D as Hypotheses2D
+    from rtkit.component.navigation import Hypotheses3D as Hypotheses3D
+    from rtkit.component.navigation import Hypothesis2D as Hypothesis2D
+    from rtkit.component.navigation import Hypothesis3D as Hypothesis3D
+    from rtkit.component.navigation import LineFeature as LineFeature
+    from rtkit.component.navigation import OGMapConfig as OGMapConfig
+    from rtkit.component.navigation import OGMapTile as OGMapTile
+    from rtkit.component.navigation import Path2D as Path2D
+    from rtkit.component.navigation import Path3D as Path3D
+    from rtkit.component.navigation import PointFeature as PointFeature
+    from rtkit.component.navigation import PoseFeature as PoseFeature
+    from rtkit.component.navigation import Waypoint2D as Waypoint2D
+    from rtkit.component.navigation import Waypoint3D as Waypoint3D
     from rtkit.component.options import PortStatus as PortStatus
     from rtkit.component.parameter import Parameter as Parameter
     from rtkit.component.port import InPort as InPort
     from rtkit.component.port import OutPort as OutPort
     from rtkit.component.port import ServicePort as ServicePort
+    from rtkit.component.sensors import BumperArrayGeometry as BumperArrayGeometry
+    from rtkit.component.sensors import BumperGeometry as BumperGeometry
+    from rtkit.component.sensors import CameraImage as CameraImage
+    from rtkit.component.sensors import CameraInfo as CameraInfo
+    from rtkit.component.sensors import FiducialFOV as FiducialFOV
+    from rtkit.component.sensors import FiducialInfo as FiducialInfo
+    from rtkit.component.sensors import Fiducials as Fiducials
+    from rtkit.component.sensors import GPSData as GPSData
+    from rtkit.component.sensors import GPSFixType as GPSFixType
+    from rtkit.component.sensors import GPSTime as GPSTime
+    from rtkit.component.sensors import INSData as INSData
+    from rtkit.component.sensors import IntensityData as IntensityData
+    from rtkit.component.sensors import MulticameraGeometry as MulticameraGeometry
+    from rtkit.component.sensors import MultiCameraImages as MultiCameraImages
+    from rtkit.component.sensors import PointCloud as PointCloud
+    from rtkit.component.sensors import PointCloudPoint as PointCloudPoint
+    from rtkit.component.sensors import RangeData as RangeData
+    from rtkit.component.sensors import RangerConfig as RangerConfig
+    from rtkit.component.sensors import RangerGeometry as RangerGeometry
     from rtkit.component.types import Char as Char
     from rtkit.component.types import Double as Double
     from rtkit.component.types import Float as Float
@@ -84,21 +152,20 @@ if TYPE_CHECKING:
     from rtkit.component.types import TimedULongSeq as TimedULongSeq
     from rtkit.component.types import TimedUShort as TimedUShort
     from rtkit.component.types import TimedUShortSeq as TimedUShortSeq
+    from rtkit.component.types import TimedWChar as TimedWChar
+    from rtkit.component.types import TimedWCharSeq as TimedWCharSeq
     from rtkit.component.types import TimedWString as TimedWString
     from rtkit.component.types import TimedWStringSeq as TimedWStringSeq
     from rtkit.component.types import ULong as ULong
     from rtkit.component.types import ULongLong as ULongLong
     from rtkit.component.types import UShort as UShort
+    from rtkit.component.types import WChar as WChar
     from rtkit.component.types import WString as WString
 
 _HOME = {
     "base": ("Component", "Manager"),
     "parameter": ("Parameter",),
-    "port": (
-        "InPort",
-        "OutPort",
-        "ServicePort",
-    ),
+    "port": ("InPort", "OutPort", "ServicePort"),
     "options": ("PortStatus",),
     "types": (
         "Char",
@@ -108,77 +175,15 @@ _HOME = {
         "LongLong",
         "Octet",
         "Short",
-        "Time",
-        "TimedBoolean",
-        "TimedBooleanSeq",
-        "TimedChar",
-        "TimedCharSeq",
-        "TimedDouble",
-        "TimedDoubleSeq",
-        "TimedFloat",
-        "TimedFloatSeq",
-        "TimedLong",
-        "TimedLongSeq",
-        "TimedOctet",
-        "TimedOctetSeq",
-        "TimedShort",
-        "TimedShortSeq",
-        "TimedState",
-        "TimedString",
-        "TimedStringSeq",
-        "TimedULong",
-        "TimedULongSeq",
-        "TimedUShort",
-        "TimedUShortSeq",
-        "TimedWString",
-        "TimedWStringSeq",
         "ULong",
         "ULongLong",
         "UShort",
+        "WChar",
         "WString",
-    ),
-    "geometry": (
-        "Acceleration2D",
-        "Acceleration3D",
-        "AngularAcceleration3D",
-        "AngularVelocity3D",
-        "Orientation3D",
-        "Point2D",
-        "Point3D",
-        "Pose2D",
-        "Pose3D",
-        "PoseVel2D",
-        "PoseVel3D",
-        "RGBColour",
-        "Size2D",
-        "Size3D",
-        "SpeedHeading2D",
-        "TimedAcceleration2D",
-        "TimedAcceleration3D",
-        "TimedAngularAcceleration3D",
-        "TimedAngularVelocity3D",
-        "TimedOrientation3D",
-        "TimedPoint2D",
-        "TimedPoint3D",
-        "TimedPose2D",
-        "TimedPose3D",
-        "TimedPoseVel2D",
-        "TimedPoseVel3D",
-        "TimedRGBColour",
-        "TimedSize2D",
-        "TimedSize3D",
-        "TimedSpeedHeading2D",
-        "TimedVector2D",
-        "TimedVector3D",
-        "TimedVelocity2D",
-        "TimedVelocity3D",
-        "Vector2D",
-        "Vector3D",
-        "Velocity2D",
-        "Velocity3D",
     ),
 }
 _MODULE = {name: module for module, names in _HOME.items() for name in names}
+_MODULE.update(HOMES["RTC"])
 
 __all__ = ["PortInterfaceProfile", "Polarity", "ReturnCode", *_MODULE]
 

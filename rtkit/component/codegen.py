@@ -140,6 +140,9 @@ class _Encoder(_Source):
             return layout.code, value
         if isinstance(layout, Bool):
             return "?", value
+        if isinstance(layout, Char) and layout.is_wide:
+            self.scope["_unit"] = _unit
+            return "H", f"_unit(ord({value}))"
         if isinstance(layout, Char):
             return "c", f"{value}.encode('latin-1')"
         if isinstance(layout, Enumeration):
@@ -255,6 +258,9 @@ class _Decoder(_Source):
         if isinstance(layout, Bool):
             self.scope["_truth"] = _truth
             return "B", f"_truth({value})"
+        if isinstance(layout, Char) and layout.is_wide:
+            self.scope["_unit"] = _unit
+            return "H", f"chr(_unit({value}))"
         if isinstance(layout, Char):
             return "B", f"chr({value})"
         if isinstance(layout, Enumeration):
@@ -388,6 +394,12 @@ def _member(members: dict[int, Any], value: int) -> Any:
     if value not in members:
         raise Malformed(f"not a member of the enumeration: {value}")
     return members[value]
+
+
+def _unit(value: int) -> int:
+    if 0xD800 <= value < 0xE000:
+        raise Malformed(f"half of a surrogate pair: {value:#x}")
+    return value
 
 
 def _octets(data: bytes, at: int, length: int) -> bytes:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rtkit.component.typenames import register
+from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time
 
 
@@ -328,6 +328,4 @@ class TimedRGBColour:
     data: RGBColour = RGBColour()
 
 
-for _cls in [value for value in list(globals().values()) if isinstance(value, type)]:
-    if _cls.__module__ == __name__:
-        register(_cls, f"RTC::{_cls.__name__}")
+register_all(globals(), "RTC")

@@ -45,8 +45,9 @@ class Bool(NamedTuple):
 
 
 class Char(NamedTuple):
-    """One character of ISO 8859-1, one byte."""
+    """One character: of ISO 8859-1, one byte, or, wide, one unit of UTF-16."""
 
+    is_wide: bool = False
     name: str = "char"
 
 
@@ -165,6 +166,8 @@ def _annotated(args: tuple[Any, ...], where: str, outer: tuple[type, ...]) -> La
             return Number(_WIDTHS[note], note)
         if note == "char":
             return Char()
+        if note == "wchar":
+            return Char(is_wide=True, name="wchar")
         if note == "wstring":
             return Text(is_wide=True, name="wstring")
     return _read(base, where, outer)
@@ -253,7 +256,7 @@ def _is_carried(layout: Layout, value: Any) -> bool:
     if isinstance(layout, Enumeration):
         return isinstance(value, layout.cls)
     if isinstance(layout, Char):
-        return isinstance(value, str) and len(value) == 1 and ord(value) < 256
+        return isinstance(value, str) and len(value) == 1 and _is_unit(ord(value), layout.is_wide)
     if isinstance(layout, Octets):
         return isinstance(value, (bytes, bytearray, memoryview))
     if isinstance(layout, Text):
@@ -278,6 +281,10 @@ def _fits(layout: Number, value: Any) -> bool:
         (0, 2**bits) if layout.name.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1))
     )
     return bool(low <= number < high)
+
+
+def _is_unit(number: int, is_wide: bool) -> bool:
+    return number < 0x100 or (is_wide and number < 0x10000 and not 0xD800 <= number < 0xE000)
 
 
 def _short(value: Any) -> str:

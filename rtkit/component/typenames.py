@@ -5,6 +5,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import is_dataclass
+from importlib import import_module
+
+from rtkit.component.standard import HOMES
 from rtkit.errors import Malformed
 
 ANY = "any"
@@ -48,6 +53,13 @@ def register(cls: type, name: str) -> None:
     _by_class[cls] = f"IDL:{scoped.replace('::', '/')}:1.0"
 
 
+def register_all(names: Mapping[str, object], scope: str) -> None:
+    """Make every data type known that a module defines; `names` are its globals."""
+    for name, cls in names.items():
+        if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == names["__name__"]:
+            register(cls, f"{scope}::{name}")
+
+
 def type_name(cls: type) -> str:
     """Return the name of a data type; a class nobody registered is known by module and name."""
     known = _by_class.get(cls)
@@ -59,14 +71,18 @@ def type_name(cls: type) -> str:
 
 
 def type_by_name(text: str) -> type | None:
-    """Return the class of that name, None when nobody registered one."""
-    import rtkit.component.geometry  # noqa: F401 - registers the types of the standard
+    """Return the class of that name, None when nobody registered one.
 
+    The types of the standard are imported when they are first asked for.
+    """
     scoped = scoped_name(text)
+    name = scoped.rpartition("::")[2]
+    for scope in HOMES:
+        if scoped in (name, f"{scope}::{name}") and name in HOMES[scope]:
+            import_module(f"rtkit.component.{HOMES[scope][name]}")
+            return _by_name[f"{scope}::{name}"]
     known = _by_name.get(scoped)
     if known is None and "::" not in scoped:
-        known = _by_name.get(f"RTC::{scoped}")
-    if known is None and "::" not in scoped:
-        matches = {cls for name, cls in _by_name.items() if name.rpartition("::")[2] == scoped}
+        matches = {cls for full, cls in _by_name.items() if full.rpartition("::")[2] == scoped}
         known = matches.pop() if len(matches) == 1 else None
     return known

@@ -11,7 +11,7 @@ import time
 from dataclasses import dataclass
 from typing import Annotated
 
-from rtkit.component.typenames import register
+from rtkit.component.typenames import register_all
 
 Char = Annotated[str, "char"]
 Octet = Annotated[int, "uint8"]
@@ -23,6 +23,7 @@ LongLong = Annotated[int, "int64"]
 ULongLong = Annotated[int, "uint64"]
 Float = Annotated[float, "float32"]
 Double = Annotated[float, "float64"]
+WChar = Annotated[str, "wchar"]
 WString = Annotated[str, "wstring"]
 
 _NANOSECONDS = 1_000_000_000
@@ -66,6 +67,14 @@ class TimedChar:
 
     tm: Time = EPOCH
     data: Char = "\0"
+
+
+@dataclass(frozen=True, slots=True)
+class TimedWChar:
+    """A character of the basic multilingual plane and when it was taken."""
+
+    tm: Time = EPOCH
+    data: WChar = "\0"
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,6 +222,14 @@ class TimedDoubleSeq:
 
 
 @dataclass(frozen=True, slots=True)
+class TimedWCharSeq:
+    """A sequence of characters of the basic multilingual plane and when it was taken."""
+
+    tm: Time = EPOCH
+    data: tuple[WChar, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class TimedStringSeq:
     """A sequence of texts and when it was taken."""
 
@@ -228,6 +245,4 @@ class TimedWStringSeq:
     data: tuple[WString, ...] = ()
 
 
-for _cls in [value for value in list(globals().values()) if isinstance(value, type)]:
-    if _cls.__module__ == __name__:
-        register(_cls, f"RTC::{_cls.__name__}")
+register_all(globals(), "RTC")

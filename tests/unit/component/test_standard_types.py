@@ -1,0 +1,150 @@
+"""The data types of the standard: found by name, imported when asked for, laid out as the IDL."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+
+import pytest
+
+import rtkit.component as component
+from rtkit.component.codec import codec_for
+from rtkit.component.layout import layout_of
+from rtkit.component.standard import HOMES, IMG, RTC
+from rtkit.component.typenames import type_by_name, type_name
+from rtkit.errors import Malformed
+
+EVERY = [(scope, name, home) for scope, table in HOMES.items() for name, home in table.items()]
+
+
+@pytest.mark.parametrize(("scope", "name", "home"), EVERY)
+def test_each_type_is_where_the_table_says_and_known_by_its_name(scope, name, home):
+    cls = getattr(import_module(f"rtkit.component.{home}"), name)
+    if is_dataclass(cls):
+        assert type_by_name(f"IDL:{scope}/{name}:1.0") is cls
+        assert type_name(cls) == f"IDL:{scope}/{name}:1.0"
+    if scope == "RTC":
+        assert getattr(component, name) is cls
+
+
+def test_the_table_lists_everything_that_the_files_define():
+    for table in (RTC, IMG):
+        for home, names in table.items():
+            module = import_module(f"rtkit.component.{home}")
+            defined = {
+                name
+                for name, value in vars(module).items()
+                if isinstance(value, type) and value.__module__ == module.__name__
+            }
+            assert set(names) == defined
+
+
+def test_a_name_without_module_is_the_one_of_module_rtc():
+    assert type_by_name("CameraImage").__module__ == "rtkit.component.sensors"
+    assert type_by_name("Img::CameraImage").__module__ == "rtkit.component.images"
+    assert type_by_name("TimedCameraImage").__module__ == "rtkit.component.images"
+    assert type_by_name("Other::CameraImage") is None
+    assert type_by_name("RTC::TimedCameraImage") is None
+
+
+# As the interface definitions have them, written down here independently of the classes.
+IDL = {
+    "RTC::RangeData": "tm ranges geometry config",
+    "RTC::RangerConfig": "minAngle maxAngle angularRes minRange maxRange rangeRes frequency",
+    "RTC::CameraImage": "tm width height bpp format fDiv pixels",
+    "RTC::CameraInfo": "focalLength principalPoint k1 k2 p1 p2",
+    "RTC::GPSData": "tm timeFromGPS latitude longitude altitude horizontalError verticalError"
+    " heading horizontalSpeed verticalSpeed numSatellites fixType",
+    "RTC::INSData": "tm latitude longitude altitude heightAMSL velocityENU orientation",
+    "RTC::Covariance3D": "xx xy xz xr xp xa yy yz yr yp ya zz zr zp za rr rp ra pp pa aa",
+    "RTC::Actuator": "position speed accel current status",
+    "RTC::ActArrayActuatorGeometry": "type length orientation axis minRange centre maxRange"
+    " homePosition hasBrakes",
+    "RTC::LineFeature": "probability rho alpha covariance start end startSighted endSighted",
+    "RTC::Waypoint2D": "target distanceTolerance headingTolerance timeLimit maxSpeed",
+    "RTC::Fiducials": "tm fiducialsList",
+    "RTC::OGMapTile": "column row width height cells",
+    "Img::TimedCameraImage": "tm data error_code",
+    "Img::CameraImage": "captured_time image intrinsic extrinsic",
+    "Img::ImageData": "width height format raw_data",
+}
+
+
+@pytest.mark.parametrize("name", IDL)
+def test_fields_and_their_order(name):
+    assert [field.name for field in fields(type_by_name(name))] == IDL[name].split()
+
+
+def test_bytes_of_a_camera_image():
+    image = component.CameraImage(component.Time(1, 2), 3, 4, 24, "bgr", 0.5, b"\x01\x02")
+    assert codec_for(component.CameraImage).encode(image).hex() == (
+        "00010000"  # header
+        "01000000"
+        "02000000"  # tm
+        "0300"
+        "0400"
+        "1800"
+        "0000"  # width, height, bpp, padding
+        "04000000"
+        "62677200"  # format
+        "000000000000e03f"  # fDiv
+        "02000000"
+        "0102"  # pixels
+    )
+
+
+def test_color_formats_have_the_numbers_of_the_idl():
+    formats = list(import_module("rtkit.component.images").ColorFormat)
+    numbers = {one.name: one.value for one in formats}
+    assert [numbers[name] for name in ("CF_RGB", "CF_JPEG", "RGB", "GREY", "V422", "Y16")] == [
+        1, 3, 5, 14, 24, 36,
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("bad", ["", "ab", "\U0001f600", "\ud800", 7])
+def test_a_wide_character_is_one_unit_that_stands_for_itself(bad):
+    codec = codec_for(component.TimedWChar)
+    with pytest.raises(Malformed, match="data"):
+        codec.encode(component.TimedWChar(component.Time(), bad))
+
+
+def test_half_of_a_surrogate_pair_is_not_read():
+    codec = codec_for(component.TimedWChar)
+    sound = codec.encode(component.TimedWChar(component.Time(), "\u9577"))
+    assert sound[12:] == b"\x77\x95"
+    with pytest.raises(Malformed, match="surrogate"):
+        codec.decode(sound[:12] + b"\x00\xd8")
+
+
+def test_families_are_imported_only_when_asked_for():
+    code = (
+        "import sys, rtkit.component as c; c.InPort; c.TimedLong;"
+        "loaded = [m for m in sys.modules if m.startswith('rtkit.component.')];"
+        "c.RangeData;"
+        "print(*sorted({m.rpartition('.')[2] for m in sys.modules} - {''}), '|', *loaded)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    after, _, before = done.stdout.partition("|")
+    assert "sensors" in after.split()
+    assert "actuators" not in after.split()
+    families = ("geometry", "extended", "sensors", "actuators", "navigation", "images")
+    assert not [name for name in before.split() if name.rpartition(".")[2] in families]
+
+
+def test_every_layout_can_be_read():
+    for scope, name, _ in EVERY:
+        cls = type_by_name(f"{scope}::{name}") if name not in ENUMS else None
+        if cls is not None:
+            assert layout_of(cls).name == name
+
+
+ENUMS = {
+    "ActArrayActuatorStatus",
+    "ActArrayActuatorType",
+    "ColorFormat",
+    "GPSFixType",
+    "GripperStatus",
+    "LimbStatus",
+}
