@@ -31,7 +31,7 @@ class Outlet:
         """Send one value; False when the stream is closed."""
         try:
             self._publisher.put(payload)
-        except zenoh.ZError:
+        except (zenoh.ZError, RuntimeError):  # the latter while it is being closed
             return False
         return True
 
@@ -66,17 +66,29 @@ class Fetcher:
 
     def fetch(self, timeout_s: float) -> bytes | None:
         """Return the next value, None when the other end has none or is gone."""
-        replies = self._session.get(
-            self._key,
-            timeout=timeout_s,
-            handler=zenoh.handlers.FifoChannel(4),
-            consolidation=zenoh.ConsolidationMode.NONE,
-        )
+        try:
+            replies = self._session.get(
+                self._key,
+                timeout=timeout_s,
+                handler=zenoh.handlers.FifoChannel(4),
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
+        except zenoh.ZError:  # it was closed while the port was being read
+            return None
         return next((reply.ok.payload.to_bytes() for reply in replies if reply.ok), None)
 
     def close(self) -> None:
         """Ask no more."""
         self._release()
+
+
+class _Sender:
+    """The session to one endpoint, shared by all streams that go there."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.session: zenoh.Session | None = None
+        self.users = 0
 
 
 class Streams:
@@ -85,7 +97,7 @@ class Streams:
     def __init__(self, socket_path: str) -> None:
         self._path = socket_path
         self._listener: zenoh.Session | None = None
-        self._senders: dict[str, tuple[zenoh.Session, int]] = {}
+        self._senders: dict[str, _Sender] = {}
         self._lock = threading.Lock()
 
     def receive(self, key: str, deliver: Deliver) -> tuple[str, Inlet]:
@@ -156,13 +168,13 @@ class Streams:
     def close(self) -> None:
         """End every stream."""
         with self._lock:
-            sessions = [session for session, _ in self._senders.values()]
-            if self._listener is not None:
-                sessions.append(self._listener)
+            sessions = [sender.session for sender in self._senders.values()]
+            sessions.append(self._listener)
             self._senders.clear()
             self._listener = None
         for session in sessions:
-            session.close()  # type: ignore[no-untyped-call]
+            if session is not None:
+                session.close()  # type: ignore[no-untyped-call]
         remove_socket(self._path)
 
     @property
@@ -179,24 +191,30 @@ class Streams:
 
     def _sender(self, endpoint: str, timeout_s: float) -> zenoh.Session:
         with self._lock:
-            if endpoint in self._senders:
-                session, users = self._senders[endpoint]
-            else:
-                session = control.open_client(endpoint, timeout_s, has_shared_memory=True)
-                users = 0
-            self._senders[endpoint] = session, users + 1
-            return session
+            sender = self._senders.setdefault(endpoint, _Sender())
+            sender.users += 1
+        with sender.lock:  # an endpoint that does not answer holds up nobody else
+            if sender.session is None:
+                try:
+                    sender.session = control.open_client(
+                        endpoint, timeout_s, has_shared_memory=True
+                    )
+                except Unreachable:
+                    self._release(endpoint)
+                    raise
+            return sender.session
 
     def _release(self, endpoint: str) -> None:
         with self._lock:
-            session, users = self._senders.get(endpoint, (None, 0))
-            if session is None:
+            sender = self._senders.get(endpoint)
+            if sender is None:
                 return
-            if users > 1:
-                self._senders[endpoint] = session, users - 1
+            sender.users -= 1
+            if sender.users:
                 return
             del self._senders[endpoint]
-        session.close()  # type: ignore[no-untyped-call]
+        if sender.session is not None:
+            sender.session.close()  # type: ignore[no-untyped-call]
 
 
 def remove_socket(path: str) -> None:

@@ -8,7 +8,8 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 from rtkit.component.buffer import Sink, make_ring
@@ -23,16 +24,13 @@ from rtkit.component.options import (
 from rtkit.component.period import Period
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
-from rtkit.errors import Malformed, RtkitError, Unreachable
+from rtkit.errors import Malformed
 from rtkit.link import keys
-from rtkit.link.streams import Streams
+from rtkit.link.streams import Fetcher, Outlet, Streams
 from rtkit.rtc.profiles import ConnectorProfile
 
 MATCH_S = 5.0
 """How long a sender looks for its receiver [s]."""
-
-Opened = Callable[[RtkitError | None], None]
-"""Told when the end of a stream is open, or why it is not."""
 
 _log = logging.getLogger(__name__)
 
@@ -53,14 +51,13 @@ class Wires:
         """Connect two ports of this process; the values themselves are handed over."""
         options = parse_options(wire.properties)
         if options.dataflow == "pull":
-            into.open_pull(wire, out.open_pull(wire))
+            source = out.open_pull(wire)
+            with _undone(lambda: out.detach(wire.connector_id)):
+                into.open_pull(wire, source)
             return
         sink = into.open(wire)
-        try:
+        with _undone(lambda: into.close(wire.connector_id)):
             self._attach(wire, out, sink, options)
-        except RtkitError:
-            into.close(wire.connector_id)
-            raise
 
     def receive(self, wire: ConnectorProfile, into: InPort[Any]) -> str:
         """Open the receiving end of a stream and return its endpoint."""
@@ -73,17 +70,10 @@ class Wires:
             except Malformed as error:
                 _log.warning("%s: value dropped: %s", wire.connector_id, error)
 
-        try:
+        with _undone(lambda: into.close(wire.connector_id)):
             endpoint, inlet = self._streams.receive(self._key(wire), deliver)
-        except RtkitError:
-            into.close(wire.connector_id)
-            raise
         self._keep(wire, inlet)
         return endpoint
-
-    def send(self, wire: ConnectorProfile, out: OutPort[Any], endpoint: str, done: Opened) -> None:
-        """Open the sending end of a stream; `done` is called from a thread of its own."""
-        _in_background(lambda: self._open_outlet(wire, out, endpoint), endpoint, done)
 
     def serve(self, wire: ConnectorProfile, out: OutPort[Any]) -> str:
         """Open the end of a pull connector that is asked, and return its endpoint."""
@@ -94,17 +84,43 @@ class Wires:
             value = source()
             return None if value is None else encode(value)
 
-        try:
+        with _undone(lambda: out.detach(wire.connector_id)):
             endpoint, inlet = self._streams.answer(self._key(wire), next_value)
-        except RtkitError:
-            out.detach(wire.connector_id)
-            raise
         self._keep(wire, inlet)
         return endpoint
 
-    def fetch(self, wire: ConnectorProfile, into: InPort[Any], endpoint: str, done: Opened) -> None:
-        """Open the end of a pull connector that asks; `done` as in `send`."""
-        _in_background(lambda: self._open_fetcher(wire, into, endpoint), endpoint, done)
+    def find_receiver(self, wire: ConnectorProfile, endpoint: str) -> Outlet:
+        """Reach for the receiving end; on a thread of its own, because it may be stopped."""
+        options = parse_options(wire.properties)
+        is_blocking = FullPolicy.BLOCK in (options.inport.full_policy, options.outport.full_policy)
+        return self._streams.send(endpoint, self._key(wire), is_blocking, MATCH_S)
+
+    def send(self, wire: ConnectorProfile, out: OutPort[Any], outlet: Outlet) -> None:
+        """Have a port send to the receiving end that was found."""
+        encode, put = codec_for(out.data_type).encode, outlet.put
+
+        def write(value: Any) -> PortStatus | None:
+            return None if put(encode(value)) else PortStatus.CONNECTION_LOST
+
+        self._attach(wire, out, write, parse_options(wire.properties))
+        self._keep(wire, outlet)
+
+    def find_source(self, wire: ConnectorProfile, endpoint: str) -> Fetcher:
+        """Reach for the end of a pull connector that is asked; on a thread of its own."""
+        return self._streams.ask(endpoint, self._key(wire), MATCH_S)
+
+    def fetch(self, wire: ConnectorProfile, into: InPort[Any], fetcher: Fetcher) -> None:
+        """Have a port ask the end that was found."""
+        options = parse_options(wire.properties)
+        decode = codec_for(into.data_type).decode
+        bound_s = options.inport.read_timeout + options.outport.read_timeout
+
+        def source() -> Any:
+            payload = fetcher.fetch(bound_s)
+            return None if payload is None else decode(payload)
+
+        into.open_pull(wire, source)
+        self._keep(wire, fetcher)
 
     def cut(self, connector_id: str) -> None:
         """Close what this process holds of a connector."""
@@ -117,46 +133,14 @@ class Wires:
             self.cut(connector_id)
         self._streams.close()
 
-    def _open_outlet(self, wire: ConnectorProfile, out: OutPort[Any], endpoint: str) -> None:
-        options = parse_options(wire.properties)
-        blocking = FullPolicy.BLOCK in (options.inport.full_policy, options.outport.full_policy)
-        outlet = self._streams.send(endpoint, self._key(wire), blocking, MATCH_S)
-        encode, put = codec_for(out.data_type).encode, outlet.put
-
-        def write(value: Any) -> PortStatus | None:
-            return None if put(encode(value)) else PortStatus.CONNECTION_LOST
-
-        try:
-            self._attach(wire, out, write, options)
-        except RtkitError:
-            outlet.close()
-            raise
-        self._keep(wire, outlet)
-
-    def _open_fetcher(self, wire: ConnectorProfile, into: InPort[Any], endpoint: str) -> None:
-        options = parse_options(wire.properties)
-        fetcher = self._streams.ask(endpoint, self._key(wire), MATCH_S)
-        decode = codec_for(into.data_type).decode
-        bound_s = options.inport.read_timeout + options.outport.read_timeout
-
-        def source() -> Any:
-            payload = fetcher.fetch(bound_s)
-            return None if payload is None else decode(payload)
-
-        try:
-            into.open_pull(wire, source)
-        except RtkitError:
-            fetcher.close()
-            raise
-        self._keep(wire, fetcher)
-
     def _attach(
         self, wire: ConnectorProfile, out: OutPort[Any], sink: Sink[Any], options: ConnectorOptions
     ) -> None:
         if options.subscription == "periodic":
             publisher = _Publisher(wire.connector_id, sink, options)
+            with _undone(publisher.close):
+                out.attach(wire.connector_id, publisher.write)
             self._keep(wire, publisher)
-            out.attach(wire.connector_id, publisher.write)
         elif options.push_policy is PushPolicy.SKIP and options.skip_count:
             out.attach(wire.connector_id, _every(sink, options.skip_count + 1))
         else:
@@ -169,20 +153,14 @@ class Wires:
         return keys.data(self._host, wire.connector_id)
 
 
-def _in_background(work: Callable[[], None], endpoint: str, done: Opened) -> None:
-    """Do `work` on a thread: the other end may be stopped, which must not hold this process up."""
-
-    def run() -> None:
-        try:
-            work()
-        except RtkitError as error:
-            done(error)
-        except Exception as error:
-            done(Unreachable(f"cannot reach {endpoint}: {error}"))
-        else:
-            done(None)
-
-    threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
+@contextmanager
+def _undone(undo: Callable[[], object]) -> Iterator[None]:
+    """Take back what was done before, when what is done inside fails."""
+    try:
+        yield
+    except Exception:
+        undo()
+        raise
 
 
 def _every(sink: Sink[Any], group: int) -> Sink[Any]:
@@ -201,6 +179,7 @@ class _Publisher:
     """Sends from a buffer at a rate of its own (subscription type ``periodic``)."""
 
     def __init__(self, name: str, sink: Sink[Any], options: ConnectorOptions) -> None:
+        self._name = name
         self._ring: Any = make_ring(options.outport)
         self._sink = sink
         self._options = options
@@ -218,5 +197,11 @@ class _Publisher:
         period = Period(options.push_rate, time.monotonic_ns())
         while not self._closed.wait(period.wait_s(time.monotonic_ns())):
             for value in select(options.push_policy, self._ring, options.skip_count):
-                self._sink(value)
+                self._send(value)
             period.advance(time.monotonic_ns())
+
+    def _send(self, value: Any) -> None:
+        try:
+            self._sink(value)
+        except Malformed as error:
+            _log.warning("%s: value not sent: %s", self._name, error)

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import logging
 import queue
+import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.standin import stand_in
-from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.link.streams import Fetcher, Outlet
 from rtkit.manager.connect import Wires
 from rtkit.manager.events import Message
 from rtkit.manager.facts_out import facts_of
@@ -32,6 +34,7 @@ _log = logging.getLogger(__name__)
 _CLOSE = object()
 _LATER = object()
 _DEACTIVATE_S = 2.0
+E = TypeVar("E", Outlet, Fetcher)
 
 
 class Holder:
@@ -46,6 +49,7 @@ class Holder:
         self._pacers: dict[tuple[str, str], Pacer] = {}
         self._profiles: dict[str, ConnectorProfile] = {}
         self._takeovers: dict[str, list[Message]] = {}
+        self._deletions: dict[str, list[Message]] = {}
         self._operations: Mapping[str, Callable[[Message], Any]] = {
             "load": self._load,
             "unload": self._unload,
@@ -167,6 +171,10 @@ class Holder:
 
     def _delete(self, message: Message) -> object:
         component = self._component(message)
+        asked = self._deletions.setdefault(component.instance, [])
+        asked.append(message)
+        if len(asked) > 1:
+            return _LATER
         contexts = [c for c in component.contexts.values() if c.is_running]
         waiting = len(contexts)
 
@@ -174,17 +182,23 @@ class Holder:
             nonlocal waiting
             waiting -= 1
             if not waiting:
-                self._end(component.instance)
-                self._answer(message, "")
+                self._deleted(component.instance)
 
         for context in contexts:
             context.request(
                 component, Transition.DEACTIVATE, lambda _code, _why: self._inbox.put(rested)
             )
-        if contexts:
-            return _LATER
-        self._end(component.instance)
-        return ""
+        if not contexts:
+            self._deleted(component.instance)
+        return _LATER
+
+    def _deleted(self, instance: str) -> None:
+        try:
+            self._end(instance)
+        finally:
+            self._send({"gone": instance})
+            for message in self._deletions.pop(instance):
+                self._answer(message, "")
 
     def _end(self, instance: str) -> None:
         component = self._components.pop(instance)
@@ -194,49 +208,98 @@ class Holder:
         for key in [key for key in self._pacers if key[0] == instance]:
             self._pacers.pop(key).close(_DEACTIVATE_S)
         component.finalize()
+        for message in self._takeovers.pop(instance, ()):
+            self._refuse(message, Refused(f"{instance} was deleted"))
 
     # connectors
 
     def _link(self, message: Message) -> None:
         wire = decode(ConnectorProfile, message["connector"])
-        out, into = self._out_port(wire), self._in_port(wire)
+        self._wires.join(wire, self._out_port(wire), self._in_port(wire))
         self._profiles[wire.connector_id] = wire
-        self._wires.join(wire, out, into)
 
     def _sink(self, message: Message) -> str:
         wire = decode(ConnectorProfile, message["connector"])
-        into = self._in_port(wire)
+        endpoint = self._wires.receive(wire, self._in_port(wire))
         self._profiles[wire.connector_id] = wire
-        return self._wires.receive(wire, into)
-
-    def _source(self, message: Message) -> object:
-        wire = decode(ConnectorProfile, message["connector"])
-        port = self._out_port(wire)
-        self._profiles[wire.connector_id] = wire
-        self._wires.send(wire, port, message["endpoint"], self._later(message))
-        return _LATER
+        return endpoint
 
     def _serve_values(self, message: Message) -> str:
         wire = decode(ConnectorProfile, message["connector"])
-        port = self._out_port(wire)
+        endpoint = self._wires.serve(wire, self._out_port(wire))
         self._profiles[wire.connector_id] = wire
-        return self._wires.serve(wire, port)
+        return endpoint
+
+    def _source(self, message: Message) -> object:
+        wire = decode(ConnectorProfile, message["connector"])
+        self._out_port(wire)
+
+        def use(outlet: Outlet) -> None:
+            self._wires.send(wire, self._out_port(wire), outlet)
+
+        self._reach(message, wire, self._wires.find_receiver, use)
+        return _LATER
 
     def _fetch(self, message: Message) -> object:
         wire = decode(ConnectorProfile, message["connector"])
-        port = self._in_port(wire)
-        self._profiles[wire.connector_id] = wire
-        self._wires.fetch(wire, port, message["endpoint"], self._later(message))
+        self._in_port(wire)
+
+        def use(fetcher: Fetcher) -> None:
+            self._wires.fetch(wire, self._in_port(wire), fetcher)
+
+        self._reach(message, wire, self._wires.find_source, use)
         return _LATER
 
-    def _later(self, message: Message) -> Callable[[RtkitError | None], None]:
-        return lambda error: self._inbox.put(lambda: self._sent(message, error))
+    def _reach(
+        self,
+        message: Message,
+        wire: ConnectorProfile,
+        find: Callable[[ConnectorProfile, str], E],
+        use: Callable[[E], None],
+    ) -> None:
+        """Find the other end on a thread of its own, then use it here if it is still wanted."""
+        endpoint = message["endpoint"]
+        if wire.connector_id in self._profiles:
+            raise Refused(f"connection {wire.connector_id} is open, or being opened, here")
+        self._profiles[wire.connector_id] = wire
 
-    def _sent(self, message: Message, error: RtkitError | None) -> None:
-        if error is None:
-            self._answer(message, "")
-        else:
+        def run() -> None:
+            try:
+                end = find(wire, endpoint)
+            except Exception as failure:
+                error = failure  # the name of an except clause is gone when this is called
+                self._inbox.put(lambda: self._not_found(message, wire, endpoint, error))
+            else:
+                self._inbox.put(lambda: self._found(message, wire, end, use))
+
+        threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
+
+    def _found(
+        self, message: Message, wire: ConnectorProfile, end: E, use: Callable[[E], None]
+    ) -> None:
+        try:
+            if self._profiles.get(wire.connector_id) is not wire:
+                raise Refused(f"connection {wire.connector_id} was removed while it was made")
+            use(end)
+        except RtkitError as error:
+            end.close()
+            self._forget(wire)
             self._refuse(message, error)
+        else:
+            self._answer(message, "")
+
+    def _not_found(
+        self, message: Message, wire: ConnectorProfile, endpoint: str, error: Exception
+    ) -> None:
+        self._forget(wire)
+        if not isinstance(error, RtkitError):
+            _log.error("cannot reach %s", endpoint, exc_info=error)
+            error = Unreachable(f"cannot reach {endpoint}: {error}")
+        self._refuse(message, error)
+
+    def _forget(self, wire: ConnectorProfile) -> None:
+        if self._profiles.get(wire.connector_id) is wire:
+            del self._profiles[wire.connector_id]
 
     def _unlink(self, message: Message) -> None:
         self._cut(message["connector_id"])
