@@ -49,9 +49,9 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
     if module is None:
         return _unknown(name, verb)
     if argv is None:
-        from rtkit.cli._app import prepare_streams
+        from rtkit.cli._app import prepare_process
 
-        prepare_streams()
+        prepare_process()
     main = importlib.import_module(f"rtkit.cli.{module}").main
     return int(main(arguments[1:], tree=tree, name=f"{name} {verb}"))
 

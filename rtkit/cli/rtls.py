@@ -84,11 +84,11 @@ def _short(is_single: bool) -> _Show:
 def _long(nodes: list[Node]) -> list[str]:
     rows = [_cells(node) for node in nodes]
     widths = [max(map(len, column)) + 2 for column in zip(*rows, strict=True)]
+    show_state = _out.state if _out.has_colour() else str.ljust
     lines = []
     for node, (state, *counts) in zip(nodes, rows, strict=True):
-        line = _out.state(state, widths[0])
-        line += "".join(f"{cell:<{w}}" for cell, w in zip(counts, widths[1:], strict=True))
-        line += _label(node, "")[1]
+        cells = "".join(map(str.ljust, counts, widths[1:]))
+        line = show_state(state, widths[0]) + cells + _label(node, "")[1]
         remark = node.remark
         lines.append(f"{line}  ({_out.printable(remark)})" if remark else line)
     return lines

@@ -300,3 +300,15 @@ def test_arguments_that_are_no_text(manager: Any) -> None:
     assert status == 1
     assert err.startswith("rtmgr: Failed to create component: \\udcff (")
     assert manager.run("rtconf /localhost/No.rtc set a \udcff").status == 1
+
+
+def test_a_listing_loads_nothing_that_it_does_not_need(manager: Any) -> None:
+    heavy = ("asyncio", "dataclasses", "logging", "lxml", "rich", "shutil", "socket", "subprocess")
+    command = manager.command("rtls -l /localhost")
+    command[2] = command[2].replace(
+        "sys.exit(main())",
+        f"main(); print([name for name in {heavy} if name in sys.modules], file=sys.stderr)",
+    )
+    manager.command = lambda _: command
+    assert manager.run("rtls").err == "[]\n"
+    del manager.__dict__["command"]
