@@ -5,18 +5,23 @@ One walk along the tables of `rtkit.profile.spec`; nothing here knows RTC from R
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from rtkit.profile.findings import Findings
 from rtkit.profile.spec import DATE, DATE_FORM, FLAG, WHOLE, WORD, Attr, Child, Spec
-from rtkit.profile.xmlnames import NAMESPACES, XSI, XSI_TYPE, clark, short, split
+from rtkit.profile.xmlnames import NAMESPACES, XML, XSI, XSI_TYPE, clark, short, split
 
 MAX_DEPTH = 64
 """Elements nested deeper than this are refused; real profiles need about ten."""
 
 _MAX_ATTRIBUTES = 200
 
+_LANGUAGE = re.compile(r"[a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*")
 _OUR_NAMESPACES = frozenset(NAMESPACES.values()) | {""}
+_CLOSED = frozenset(("", NAMESPACES["rtc"], NAMESPACES["rts"]))
+"""Here all names are known; the extension namespaces grow, so unknown ones there are kept."""
+_HINTS = ("schemaLocation", "noNamespaceSchemaLocation")
 
 
 def normalise(element: Any, spec: Spec, found: Findings, depth: int = 1) -> None:
@@ -90,8 +95,12 @@ def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findi
     namespace, local = split(name)
     if namespace == XSI:
         del element.attrib[name]
-        if local not in ("schemaLocation", "noNamespaceSchemaLocation"):
+        if local not in _HINTS:
             found.repaired(element, f"{short(name)} dropped")
+        return 0
+    if _is_wrong_xml(namespace, local, value):
+        del element.attrib[name]
+        found.repaired(element, f"{short(name)} {value!r} dropped")
         return 0
     if namespace in _OUR_NAMESPACES:
         meant = spec.attribute_by_local.get(local)
@@ -103,7 +112,7 @@ def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findi
             if attribute.check is not None and not attribute.check(value):
                 return int(_respell(element, attribute, value, found) and attribute.required)
             return int(attribute.required)
-        if namespace in ("", split(element.tag)[0]):
+        if namespace in _CLOSED:
             del element.attrib[name]
             found.repaired(element, f"unknown attribute {short(name)} dropped")
             return 0
@@ -113,6 +122,14 @@ def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findi
         del element.attrib[name]
         found.repaired(element, f"foreign attribute {short(name)} dropped")
     return 0
+
+
+def _is_wrong_xml(namespace: str, local: str, value: str) -> bool:
+    """Whether this is an ``xml:`` attribute other than a sound ``xml:lang``.
+
+    Schema libraries differ in what they know of these, so only that one is kept.
+    """
+    return namespace == XML and (local != "lang" or not _LANGUAGE.fullmatch(value))
 
 
 def _supply(element: Any, spec: Spec, found: Findings) -> None:
@@ -222,7 +239,7 @@ def _odd_child(
             found.repaired(item, f"{short(item.tag)} taken as {short(meant)}")
             item.tag = meant
             return spec.index[meant]
-        if namespace in ("", split(element.tag)[0]):
+        if namespace in _CLOSED:
             found.repaired(item, f"unknown element {short(item.tag)} dropped")
             element.remove(item)
             return None
@@ -242,9 +259,11 @@ def _clean_foreign(item: Any, found: Findings, depth: int) -> None:
     if len(item.attrib) > _MAX_ATTRIBUTES:
         found.wrong(item, f"{len(item.attrib)} attributes on {short(item.tag)}")
         return
-    for name in list(item.attrib):
-        if split(name)[0] == XSI:
+    for name, value in item.items():
+        namespace, local = split(name)
+        if namespace == XSI or _is_wrong_xml(namespace, local, value):
             del item.attrib[name]
-            found.remark(item, f"{short(name)} of a foreign element dropped")
+            if local not in _HINTS:
+                found.repaired(item, f"{short(name)} of a foreign element dropped")
     for below in item:
         _clean_foreign(below, found, depth + 1)

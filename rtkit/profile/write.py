@@ -77,7 +77,7 @@ class _Writer:
         return text.encode("utf-8")
 
     def _element(self, value: Any, spec: Spec, tag: str, indent: str) -> None:
-        foreign: Foreign | None = getattr(value, "foreign", None)
+        foreign: Foreign | None = value.foreign if spec.keeps_foreign else None
         parts = [f"{indent}<{tag}"]
         if spec.xsi_type_text is not None:
             parts.append(f' xsi:type="{spec.xsi_type_text}"')

@@ -398,6 +398,17 @@ def test_foreign_content_is_kept_and_noted_once() -> None:
     assert read_rts(written, strict=True).profile == reading.profile
 
 
+def test_attributes_of_xml_itself() -> None:
+    body = (
+        '<rts:Groups xml:base="urn:x" xml:lang="!"><f:a xmlns:f="urn:f" xml:id="a"/></rts:Groups>'
+    )
+    with pytest.raises(InvalidProfile) as caught:
+        read_rts(document(body), strict=True)
+    told = [note.text for note in caught.value.problems]
+    assert "xml:base 'urn:x' dropped" in told
+    assert "xml:lang '!' dropped" in told
+
+
 def test_unknown_names_of_the_profile_itself_are_dropped() -> None:
     body = OUT.replace("<rts:Components", '<rts:Components rts:odd="1" loose="2"').replace(
         "</rts:Components>", "<rts:Odd/><loose/></rts:Components>"
