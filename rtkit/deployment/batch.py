@@ -13,6 +13,8 @@ from rtkit.rtc.plain import decode, encode
 
 _NAMES: dict[type, str] = {cls: cls.__name__ for cls in get_args(Action)}
 _TYPES: dict[str, type] = {name: cls for cls, name in _NAMES.items()}
+MAX_TIMEOUT_S = 86_400.0
+"""The longest time that a manager waits for one action [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +69,13 @@ def batch_from_text(text: str) -> Batch:
     data = _load(text)
     try:
         actions = tuple(action_from_plain(item) for item in data["actions"])
-        return Batch(actions, bool(data["ordered"]), float(data["timeout"]))
-    except (KeyError, TypeError, ValueError) as error:
+        timeout_s = float(data["timeout"])
+        is_ordered = bool(data["ordered"])
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise Malformed(f"not a batch: {error}") from error
+    if not timeout_s > 0:
+        raise Malformed(f"time-out is not a positive number of seconds: {timeout_s:g}")
+    return Batch(actions, is_ordered, min(timeout_s, MAX_TIMEOUT_S))
 
 
 def results_to_text(results: Sequence[Result]) -> str:
@@ -92,5 +98,5 @@ def results_from_text(text: str) -> tuple[Result, ...]:
 def _load(text: str) -> Any:
     try:
         return json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise Malformed(f"not JSON: {error}") from error

@@ -9,6 +9,7 @@ import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
+from rtkit.component.check import WRONG_TYPE, refusal
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
@@ -248,14 +249,17 @@ class World:
             return wire.connector_id
         if len(wire.ports) != 2:
             raise Malformed(f"a connection joins two ports, not {len(wire.ports)}")
-        types = []
+        ports = []
         for end in wire.ports:
             port = self._living(end.instance).port(end.port)
             if port is None:
                 raise NotFound(f"Port not found: {end}")
-            types.append(port.port_type)
-        if types not in ([PortType.OUT, PortType.IN], [PortType.SERVICE, PortType.SERVICE]):
-            raise Refused("Wrong port type.")
+            ports.append(port)
+        why = refusal(ports, wire.properties)
+        if not why and ports[0].port_type is PortType.IN:
+            why = WRONG_TYPE
+        if why:
+            raise Refused(why)
         self.connectors[wire.connector_id] = wire
         return wire.connector_id
 
