@@ -25,12 +25,12 @@ def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Pla
     for component in missing:
         check_instance_name(component.instance)
     pending = {c.instance for c in missing}
-    unmakable = {c.instance for c in system.components if may_create and not c.create}
+    unmakable = {c.instance for c in system.components if may_create and not _how(c, live)}
     return Plan(
         tuple(checks(system, live, pending, unmakable)),
         (
             *layer("load", _loads(missing, live)),
-            *layer("create", (_creation(c) for c in missing)),
+            *layer("create", (_creation(c, live) for c in missing)),
         ),
     )
 
@@ -94,7 +94,7 @@ def _is_to_be_made(component: WantedComponent, live: Live) -> bool:
     other = live.namesake(component.instance)
     if other is not None and not other.zombie:
         return False
-    if not component.create:
+    if not _how(component, live):
         return False
     if component.unknown_host:
         raise NotFound(
@@ -127,11 +127,20 @@ def split_module(module: str) -> tuple[str, str]:
     return (path, init) if colon and "/" not in init else (module, "")
 
 
-def _creation(component: WantedComponent) -> Step:
-    place = parse_create(component.create).place
+def _how(component: WantedComponent, live: Live) -> str:
+    """Return the create string of a component: the profile's, else that of its zombie."""
+    entry = live.entry(component.instance)
+    if component.create or entry is None or entry.is_stand_in:
+        return component.create
+    return entry.create
+
+
+def _creation(component: WantedComponent, live: Live) -> Step:
+    create = _how(component, live)
+    place = parse_create(create).place
     where = f"in slave {place}" if place else "in the manager"
     if place == FRESH_SLAVE:
         where = "in a slave of its own"
     text = f'Create component "{component.id}", "{component.instance}" at path {component.path}'
-    action = Create(component.create, (component.name,), component.pattern)
+    action = Create(create, (component.name,), component.pattern)
     return Step(f"{text} {where}", action, component.is_required)

@@ -31,10 +31,21 @@ class Runner:
         done: The steps that were carried out.
     """
 
-    def __init__(self, tree: Tree, report: Talk, announce: Talk) -> None:
+    def __init__(
+        self, tree: Tree, report: Talk, announce: Talk, progress: Talk = lambda _: None
+    ) -> None:
+        """Carry out plans on `tree`.
+
+        Args:
+            tree: Where.
+            report: Is told failures that do not end the run.
+            announce: Is told each step of an announced layer before it is done.
+            progress: Is told each layer before it is done.
+        """
         self._tree = tree
         self._report = report
         self._announce = announce
+        self._progress = progress
         self._told: set[str] = set()
         self.attempted: list[Action] = []
         self.done: list[Step] = []
@@ -58,6 +69,8 @@ class Runner:
             Unreachable: The manager does not answer.
         """
         for layer in plan.layers:
+            todo = sum(step.action is not None for step in layer.steps)
+            self._progress(f"{layer.name}: {todo} of {len(layer.steps)} to be done")
             if layer.is_ordered:
                 self._run_in_order(layer)
             else:

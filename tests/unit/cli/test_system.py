@@ -488,4 +488,8 @@ def test_notes_only_when_verbose(run, file, world):
     status, out, err = run("rtteardown", "-v", "--exit", file())
     assert (status, out) == (0, "")
     assert "xsi:type" in err
+    assert err.splitlines()[-2:] == [
+        "disconnect: 1 of 1 to be done",
+        "exit: 2 of 2 to be done",
+    ]
     assert run("rtresurrect", "--strict", file())[0] == 1

@@ -163,6 +163,16 @@ def test_a_zombie_is_made_again(make, world):
     ]
 
 
+def test_a_zombie_tells_how_it_was_made_when_the_profile_does_not(make, world):
+    world.perform(act.Create("Sink?manager_name=s&instance_name=Sink0&x=y"))
+    world.kill("s")
+    plan = creation_plan(*make.live(make.profile(make.component("Sink0")), world))
+    assert not failures(plan)
+    (step,) = plan.steps
+    assert step.action.create == "Sink?manager_name=s&instance_name=Sink0&x=y"
+    assert step.text.endswith("in slave s")
+
+
 def test_unknown_hosts_are_errors_of_what_would_be_made_only(make, world):
     own = make.component("Sink0", uri="10.0.0.9/Sink0.rtc", properties={"rtkit.create": "Sink"})
     system, live = make.live(make.profile(own), world)
