@@ -89,10 +89,19 @@ def wanted(
     check_map(hosts)
     choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins)
     _check_instances(profile.components)
+    components, notes = _components(profile, choices)
     wires = [
         *map(_data, profile.data_port_connectors),
         *map(_service, profile.service_port_connectors),
     ]
+    connectors = [_turned(wire, components, is_data) for wire, is_data in wires]
+    settled, type_notes = settle_types(components, connectors)
+    return System(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
+
+
+def _components(
+    profile: RtsProfile, choices: _Choices
+) -> tuple[dict[str, WantedComponent], list[str]]:
     wiring = _wiring(profile)
     notes: list[str] = []
     components: dict[str, WantedComponent] = {}
@@ -100,10 +109,7 @@ def wanted(
         made, note = _component(each, wiring, choices, {c.name for c in components.values()})
         components[made.instance] = made
         notes += [note] if note else []
-    connectors = [_turned(wire, components, is_data) for wire, is_data in wires]
-    settled, type_notes = settle_types(components, connectors)
-    system = System(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
-    return system
+    return components, notes
 
 
 def _check_instances(components: Iterable[Component]) -> None:
