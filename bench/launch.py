@@ -9,6 +9,7 @@ from contextlib import closing
 
 from bench.harness import Row, command, manager, paired, process, timed
 from rtkit.deployment.actions import Action, Create, Delete
+from rtkit.resources import resource
 from rtkit.tree.client import Tree
 
 _FORK_IS = "fork of a Python process that has the same modules, until the child is heard, each"
@@ -25,6 +26,7 @@ def rows() -> Iterator[Row]:
         yield _row(tree, "100 components, one batch, own slave each", 100, apart, None, forked, 7)
         yield _command_row(tree, "10 components, one rtmgr, same process", here, _made)
         yield _command_row(tree, "10 components, one rtmgr, own slave each", apart, forked)
+        yield _system_row(tree)
 
 
 def _in_manager(index: int) -> str:
@@ -80,6 +82,26 @@ def _command_row(
     return Row(f"{what}, whole process, each", "ms", *measured, None, False, floor_is)
 
 
+def _system_row(tree: Tree) -> Row:
+    profile = resource("profiles", "systems", "sensor-controller-motor.xml")
+    bring_up, rtls = [command("rtresurrect"), profile], [command("rtls"), "/localhost"]
+
+    def launch() -> float:
+        elapsed_ms = process(bring_up)
+        process([command("rtteardown"), "--exit", profile])
+        _until_alone(tree)
+        return elapsed_ms
+
+    measured = paired(launch, lambda: process(rtls), 15)
+    what = "rtresurrect of three connected components, own slave each, whole process"
+    return Row(what, "ms", *measured, None, True, "rtls")
+
+
+def _until_alone(tree: Tree) -> None:
+    while tree.listing().slaves:
+        pass
+
+
 def _until_listed(tree: Tree, count: int) -> None:
     while True:
         rows = [row for row in tree.listing().rows if row.instance.startswith("N")]
@@ -91,8 +113,7 @@ def _remove(tree: Tree, count: int) -> None:
     deletes: list[Action] = [Delete(f"N{index}") for index in range(count)]
     for result in tree.apply(deletes, is_ordered=False, timeout_s=60.0):
         result.raise_for_error()
-    while tree.listing().slaves:
-        pass
+    _until_alone(tree)
 
 
 def _made(count: int) -> float:
