@@ -17,13 +17,13 @@ def build(element: Any, spec: Spec) -> Any:
         ValueError: The tree is not valid.
     """
     fields: dict[str, Any] = {}
-    known = spec.known
+    readers = spec.readers
     foreign_attributes: list[tuple[str, str]] = []
     for name, value in element.items():
-        attribute = known.get(name)
-        if attribute is not None:
-            read = attribute.read
-            fields[attribute.field] = value if read is None else read(value)
+        reader = readers.get(name)
+        if reader is not None:
+            field, read = reader
+            fields[field] = value if read is None else read(value)
         elif name != XSI_TYPE:
             foreign_attributes.append((name, value))
     foreign_elements = _children(element, spec, fields) if len(element) else ()
@@ -42,12 +42,14 @@ def _children(element: Any, spec: Spec, fields: dict[str, Any]) -> tuple[Foreign
         if slot is None:
             foreign.append(_foreign(item, is_top=True))
             continue
-        expected = slot[1]
-        made = build(item, expected.spec) if expected.spec is not None else (item.text or "")
-        if expected.is_many:
-            fields.setdefault(expected.field, []).append(made)
+        _, (field, _name, inner, is_many, _least) = slot
+        made = build(item, inner) if inner is not None else (item.text or "")
+        if not is_many:
+            fields[field] = made
+        elif field in fields:
+            fields[field].append(made)
         else:
-            fields[expected.field] = made
+            fields[field] = [made]
     for name in spec.many_fields:
         if name in fields:
             fields[name] = tuple(fields[name])

@@ -37,20 +37,20 @@ def normalise(element: Any, spec: Spec, found: Findings, depth: int = 1) -> None
 
 
 def _attributes(element: Any, spec: Spec, found: Findings) -> None:
-    known, required, seen_type = spec.known, 0, None
+    checks, required, seen_type = spec.checks, 0, None
     odd: list[tuple[str, str]] = []
     for name, value in element.items():
-        attribute = known.get(name)
-        if attribute is None:
+        expected = checks.get(name)
+        if expected is None:
             if name == XSI_TYPE:
                 seen_type = value
             else:
                 odd.append((name, value))
             continue
-        is_odd = attribute.check is not None and not attribute.check(value)
-        if is_odd and not _respell(element, attribute, value, found):
+        check, is_required = expected
+        if check and not check(value) and not _respell(element, spec.known[name], value, found):
             continue
-        required += attribute.required
+        required += is_required
     if len(odd) > _MAX_ATTRIBUTES:
         found.wrong(element, f"{len(odd)} unknown attributes on {short(element.tag)}")
         return
@@ -58,7 +58,8 @@ def _attributes(element: Any, spec: Spec, found: Findings) -> None:
         required += _odd_attribute(element, spec, name, value, found)
     if required < spec.required_count:
         _supply(element, spec, found)
-    _type(element, spec, seen_type, found)
+    if seen_type != spec.xsi_type_text or (seen_type and (seen_type, spec) not in found.good_types):
+        _type(element, spec, seen_type, found)
 
 
 def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool:
@@ -152,8 +153,6 @@ def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
             found.repaired(element, f"xsi:type {seen!r} dropped")
         return
     if seen is not None:
-        if (seen, spec) in found.good_types:
-            return
         prefix, _, local = seen.strip().rpartition(":")
         if local == spec.xsi_type[1] or any(local == other for _, other in spec.also_types):
             namespace = found.namespaces(element).get(prefix or None)

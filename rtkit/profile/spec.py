@@ -128,6 +128,7 @@ class Spec:
         also_types: Further types that are right as they stand.
         tag_field: Field that holds the element's local name, for classes with several tags.
         wraps: Field of the only child, where the element has no model class of its own.
+        readers: Field and conversion of each attribute, at hand for speed; so are `checks`.
         needs: Fields that cannot do without children, and how many they need.
         rule: A repair of its own, run before the general ones.
         respellings: Old local names of attributes and children, and the present ones.
@@ -156,6 +157,8 @@ class Spec:
         self.keeps_foreign = "foreign" in getattr(make, "__slots__", ())
         self.attributes = tuple(attributes)
         self.known = {item.name: item for item in self.attributes}
+        self.readers = {item.name: (item.field, item.read) for item in self.attributes}
+        self.checks = {item.name: (item.check, item.required) for item in self.attributes}
         self.required_count = sum(item.required for item in self.attributes)
         self._respellings = respellings or {}
         self.attribute_by_local = self._locals(self.known)

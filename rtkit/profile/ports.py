@@ -1,0 +1,69 @@
+"""What a system profile tells of its data ports: direction and type, from ports and connectors."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rtkit.profile.rts_model import DataPortConnector, RtsProfile, TargetPort
+from rtkit.profile.words import normal_data_type, property_value, strip_instance
+from rtkit.rtc.enums import PortType
+
+
+class DataPortKey(NamedTuple):
+    """A data port of a system; `port` is its own name, without the instance."""
+
+    component_id: str
+    instance_name: str
+    port: str
+
+
+class DataPortFacts(NamedTuple):
+    """What is known of a data port.
+
+    Attributes:
+        direction: None where neither the port nor a connector tells.
+        data_type: ``IDL:module/name:version``; empty where nobody tells.
+    """
+
+    direction: PortType | None
+    data_type: str
+
+
+def data_port_facts(profile: RtsProfile) -> dict[DataPortKey, DataPortFacts]:
+    """Collect direction and type of every listed data port; the port's own word comes first."""
+    facts: dict[DataPortKey, DataPortFacts] = {}
+    for component in profile.components:
+        for port in component.data_ports:
+            name = strip_instance(port.name, component.instance_name)
+            said = (property_value(port.properties, "port.port_type") or "").strip().lower()
+            direction = next((kind for kind in _DATA if kind.value.lower() == said), None)
+            data_type = property_value(port.properties, "dataport.data_type") or ""
+            key = DataPortKey(component.id, component.instance_name, name)
+            facts[key] = DataPortFacts(direction, _known_type(data_type))
+    for connector in profile.data_port_connectors:
+        _learn(facts, connector, connector.source, PortType.OUT)
+        _learn(facts, connector, connector.target, PortType.IN)
+    return facts
+
+
+_DATA = (PortType.IN, PortType.OUT)
+
+
+def _known_type(text: str) -> str:
+    normal = normal_data_type(text)
+    return "" if normal.lower() == "any" else normal
+
+
+def _learn(
+    facts: dict[DataPortKey, DataPortFacts],
+    connector: DataPortConnector,
+    end: TargetPort,
+    direction: PortType,
+) -> None:
+    port = strip_instance(end.port_name, end.instance_name)
+    key = DataPortKey(end.component_id, end.instance_name, port)
+    known = facts.get(key)
+    if known is not None:
+        facts[key] = DataPortFacts(
+            known.direction or direction, known.data_type or _known_type(connector.data_type)
+        )

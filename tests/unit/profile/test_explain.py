@@ -1,0 +1,77 @@
+"""The full explanation, and what it costs those who do not ask for it."""
+
+from __future__ import annotations
+
+import os.path
+import subprocess
+import sys
+
+import pytest
+
+from rtkit.profile import rts_spec
+from rtkit.profile.read import explain_rtc, explain_rts, read_rts
+
+CHECKOUT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
+RTS = "http://www.openrtp.org/namespaces/rts"
+PLAIN = (
+    f'<r:RtsProfile xmlns:r="{RTS}" r:id="i" r:version="0.2" '
+    'r:creationDate="2020-01-01T00:00:00" r:updateDate="2020-01-01T00:00:00"/>'
+).encode()
+
+
+def test_nothing_to_explain() -> None:
+    assert explain_rts(PLAIN) == ()
+
+
+def test_faults_are_explained_with_line_and_path() -> None:
+    data = PLAIN.replace(b"/>", b">\n<r:Components r:id='a'/></r:RtsProfile>")
+    told = [(note.line, note.text) for note in explain_rts(data)]
+    assert (2, "rts:Components has no rts:instanceName") in told
+    assert (
+        2,
+        "/r:RtsProfile/r:Components: missing required attribute 'rts:instanceName'",
+    ) in told
+
+
+def test_what_only_the_schema_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rts_spec.RTS_PROFILE, "required_count", 0)
+    (note,) = explain_rts(PLAIN.replace(b' r:id="i"', b""))
+    assert note.text == "/r:RtsProfile: missing required attribute 'rts:id'"
+
+
+def test_what_is_no_profile_is_told_too() -> None:
+    (note,) = explain_rtc(PLAIN)
+    assert note.text.startswith("root is rts:RtsProfile; it must be RtcProfile")
+
+
+def imported_by(code: str) -> set[str]:
+    script = f"{code}\nimport sys; print(*sorted(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=CHECKOUT
+    )
+    return set(done.stdout.split())
+
+
+def test_importing_the_room_imports_nothing_heavy() -> None:
+    modules = imported_by(
+        "import rtkit.profile.read, rtkit.profile.write, rtkit.profile.words, rtkit.resources"
+    )
+    heavy = {"lxml", "xmlschema", "rtkit.profile.rts_model", "rtkit.profile.rtc_model", "difflib"}
+    assert not heavy & modules
+
+
+def test_reading_never_imports_xmlschema() -> None:
+    bad = "from rtkit.errors import InvalidDocument"
+    modules = imported_by(
+        f"{bad}\nfrom rtkit.profile.read import read_rts\nread_rts({PLAIN!r})\n"
+        "try:\n    read_rts(b'<a/>')\nexcept InvalidDocument:\n    pass"
+    )
+    assert "lxml.etree" in modules
+    assert not {"xmlschema", "elementpath", "rtkit.profile.rtc_model"} & modules
+
+
+def test_reading_is_possible_from_any_folder(
+    tmp_path: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(str(tmp_path))
+    assert read_rts(PLAIN).notes == ()
