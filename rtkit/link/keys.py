@@ -24,9 +24,16 @@ def escape(chunk: str) -> str:
 
 
 def unescape(chunk: str) -> str:
-    """Return the name that `escape` turned into this chunk."""
+    """Return the name that `escape` turned into this chunk; what is no escape stays as it is."""
     head, *rest = chunk.split("%")
-    return head + "".join(chr(int(part[:2], 16)) + part[2:] for part in rest if part)
+    return head + "".join(_unescaped(part) for part in rest)
+
+
+def _unescaped(part: str) -> str:
+    code = part[:2]
+    if len(code) == 2 and all(c in "0123456789ABCDEFabcdef" for c in code):
+        return chr(int(code, 16)) + part[2:]
+    return f"%{part}" if part else ""
 
 
 def realm() -> str:
@@ -41,8 +48,8 @@ def service(host: str, manager: str, instance: str = "") -> str:
 
 
 def property_key(service_key: str, name: str) -> str:
-    """Return the key of a property of a service."""
-    return f"{service_key}/@/{name}"
+    """Return the key of a property of a service; chunks of its name are separated by ``/``."""
+    return f"{service_key}/@/{'/'.join(map(escape, name.split('/')))}"
 
 
 def extension_key(service_key: str, name: str) -> str:

@@ -8,6 +8,8 @@ import stat
 from rtkit.errors import Refused
 
 _MAX_SOCKET_PATH = 107
+_LOCK = "hhqqi"
+"""``struct flock`` of Linux on 64 bits: type, whence, start, length, pid."""
 
 
 def runtime_dir() -> str:
@@ -73,6 +75,26 @@ def make_private(path: str) -> str:
     if not os.access(path, os.W_OK | os.X_OK):
         raise Refused(f"no permission to write in folder: {path}")
     return path
+
+
+def owner(manager: str) -> int | None:
+    """Return the pid of the process that is the manager of that name, None when none is.
+
+    The kernel tells who holds the lock, and with 0 that it cannot tell the pid.
+    """
+    import fcntl
+    import struct
+
+    try:
+        descriptor = os.open(manager_lock(manager), os.O_RDWR | os.O_NOFOLLOW)
+    except OSError:
+        return None
+    try:
+        asked = struct.pack(_LOCK, fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0)
+        kind, _, _, _, pid = struct.unpack(_LOCK, fcntl.fcntl(descriptor, fcntl.F_GETLK, asked))
+    finally:
+        os.close(descriptor)
+    return None if kind == fcntl.F_UNLCK else int(pid)
 
 
 def check_socket_length(path: str) -> str:

@@ -13,7 +13,7 @@ from threading import Thread
 
 import zenoh
 
-from rtkit.errors import Unreachable
+from rtkit.errors import Malformed, Unreachable
 from rtkit.property.exchange import Reply, Request
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
@@ -105,13 +105,18 @@ class ZenohLink:
 
     def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
         """See `Link.call`."""
-        replies = self._session.get(
-            key,
-            payload=payload,
-            timeout=timeout_s,
-            handler=zenoh.handlers.FifoChannel(16),
-            consolidation=zenoh.ConsolidationMode.NONE,
-        )
+        try:
+            replies = self._session.get(
+                key,
+                payload=payload,
+                timeout=timeout_s,
+                handler=zenoh.handlers.FifoChannel(16),
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
+        except zenoh.ZError as error:
+            if self._session.is_closed():
+                raise Unreachable("the connection is closed") from error
+            raise Malformed(f"not a property: {key}") from error
         for reply in replies:
             if reply.ok is not None:
                 return Reply(reply.ok.payload.to_string())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import logging
 import os
+import resource
 import signal
 import socket
 import stat
@@ -19,10 +20,11 @@ from rtkit.manager.core import Core
 from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, StopAsked
 from rtkit.manager.nursery import Nursery, become_subreaper
 from rtkit.manager.state import Process, State
-from rtkit.resources import resource
+from rtkit.resources import resource as shipped
 from rtkit.version import __version__
 
 _DATA_SUFFIX = ".data"
+_DESCRIPTORS = 65_536
 
 
 def run(name: str, ready: int | None = None) -> int:
@@ -30,6 +32,8 @@ def run(name: str, ready: int | None = None) -> int:
 
     A line on the descriptor `ready` tells when it answers, or why it does not start.
     """
+    if ready is not None:
+        os.set_inheritable(ready, False)
     try:
         with ExitStack() as stack:
             loop = _assemble(name, stack)
@@ -41,6 +45,14 @@ def run(name: str, ready: int | None = None) -> int:
         _tell(ready, str(error))
         return error.exit_code
     return 0
+
+
+def _raise_limits() -> None:
+    """Allow as many descriptors as may be had: each slave costs some."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = _DESCRIPTORS if hard == resource.RLIM_INFINITY else min(hard, _DESCRIPTORS)
+    if soft < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 def _tell(ready: int | None, text: str) -> None:
@@ -57,6 +69,7 @@ def _assemble(name: str, stack: ExitStack):  # type: ignore[no-untyped-def]
     take_lock(name, stack)
     remove_stale(name)
     become_subreaper()
+    _raise_limits()
     host, load_path = os.uname().nodename, load_paths()
     data = os.path.join(places.runtime_dir(), f"{name}.%p{_DATA_SUFFIX}")
     nursery = Nursery(
@@ -94,9 +107,11 @@ def _open_doors(  # type: ignore[no-untyped-def]
     def report(message: Message) -> None:
         loop.post(HolderSaid(OWN_PROCESS, message))
 
-    streams = Streams(data.replace("%p", str(os.getpid())))
-    holder = Holder(report, Wires(host, streams), Loader(load_path))
+    own_data = data.replace("%p", str(os.getpid()))
+    holder = Holder(report, Wires(host, Streams(own_data)), Loader(load_path))
     loop = Loop(core, holder, nursery, listener)
+    stack.callback(loop.close)
+    stack.callback(remove_socket, own_data)
     thread = threading.Thread(target=holder.run, name="holder", daemon=True)
     thread.start()
     stack.callback(thread.join, 2.0)
@@ -138,7 +153,7 @@ def load_paths() -> list[str]:
     """Return where modules are looked for: here, ``RTKIT_MODULE_PATH``, the samples."""
     chosen = os.environ.get("RTKIT_MODULE_PATH", "")
     named = [os.path.abspath(path) for path in chosen.split(os.pathsep) if path]
-    return [os.getcwd(), *named, resource("examples", "basic")]
+    return [os.getcwd(), *named, shipped("examples", "basic")]
 
 
 def take_lock(name: str, stack: ExitStack) -> None:
@@ -156,14 +171,14 @@ def take_lock(name: str, stack: ExitStack) -> None:
         try:
             fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            owner = os.read(descriptor, 32).decode("ascii", "replace").strip()
             os.close(descriptor)
-            raise Refused(f"manager {name!r} is running already (pid {owner or '?'})") from None
+            owner = places.owner(name)
+            if owner is None:
+                continue  # it has ended meanwhile
+            raise Refused(f"manager {name!r} is running already (pid {owner})") from None
         if _is_same_file(descriptor, path):
             break
         os.close(descriptor)  # its owner removed it while we waited: another one lies there now
-    os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, f"{os.getpid()}\n".encode(), 0)
     stack.callback(os.close, descriptor)
     stack.callback(os.unlink, path)
 
@@ -185,13 +200,18 @@ def remove_stale(name: str) -> None:
     own = (places.manager_socket(name), places.control_socket(name))
     left = [os.path.join(folder, entry) for entry in os.listdir(folder)]
     for path in left:
-        is_data = os.path.basename(path).startswith(f"{name}.") and path.endswith(_DATA_SUFFIX)
-        if path in own or is_data:
-            if not stat.S_ISSOCK(os.lstat(path).st_mode):
-                raise Refused(f"not a socket, and not removed: {path}")
-            os.unlink(path)
-        elif path.removesuffix(".lock") in own or path.endswith(f"{_DATA_SUFFIX}.lock"):
-            os.unlink(path)
+        beside = path.removesuffix(".lock")
+        if beside not in own and not _is_data_socket(os.path.basename(beside), name):
+            continue
+        if beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
+            raise Refused(f"not a socket, and not removed: {path}")
+        os.unlink(path)
+
+
+def _is_data_socket(entry: str, name: str) -> bool:
+    """Whether it is one of a process of that manager, and of no other whose name is longer."""
+    pid = entry.removeprefix(f"{name}.").removesuffix(_DATA_SUFFIX)
+    return pid.isdigit() and entry == f"{name}.{pid}{_DATA_SUFFIX}"
 
 
 def main() -> int:

@@ -11,6 +11,7 @@ import time
 from rtkit.errors import Refused, Unreachable
 from rtkit.link import places
 
+_LONGEST_S = 86_400.0
 _LOG_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND
 
 
@@ -67,7 +68,7 @@ def _spawn(arguments: list[str], log: str) -> int:
 
 def _first_line(descriptor: int, timeout_s: float) -> str | None:
     """Return what is told within `timeout_s`, "" for nothing at all, None when time is up."""
-    deadline = time.monotonic() + timeout_s
+    deadline = time.monotonic() + min(timeout_s, _LONGEST_S)
     text = b""
     while not text.endswith(b"\n"):
         if not select.select([descriptor], [], [], max(0.0, deadline - time.monotonic()))[0]:

@@ -4,44 +4,101 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from typing import NamedTuple
 
-_PARENT, _SESSION = 1, 3
-"""Fields of ``/proc/PID/stat`` after the command's name: state, parent, group, session."""
+MARK = "RTKIT_SLAVE"
+"""Environment variable by which what a slave starts is known, also in a session of its own."""
 
 
-def end_session(session: int) -> None:
-    """Kill every process of a session whose leader, a slave, has ended."""
-    _kill(lambda fields: fields[_SESSION] == str(session))
+class _Process(NamedTuple):
+    pid: int
+    state: str
+    parent: int
+    session: int
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it only waits to be reaped."""
+        return self.state in "ZX"
+
+
+def end_session(leader: int) -> None:
+    """Kill what is left of a slave: its session, and orphans that bear its mark.
+
+    The slave itself may call it last of all.
+    """
+    own = os.getpid()
+    mark = f"{MARK}={leader}".encode()
+    killed = {own}
+    while True:
+        left = [
+            process.pid
+            for process in _processes()
+            if process.pid not in killed
+            and not process.is_over
+            and (
+                process.session == leader
+                or (process.parent == own and mark in _environment(process.pid))
+            )
+        ]
+        if not left:
+            return
+        for pid in left:
+            _kill(pid)
+        killed.update(left)
 
 
 def end_children() -> None:
     """Kill and reap every child of this process, and the orphans that become its children."""
-    own = str(os.getpid())
+    own = os.getpid()
     while True:
-        _kill(lambda fields: fields[_PARENT] == own)
+        for process in _processes():
+            if process.parent == own and not process.is_over:
+                _kill(process.pid)
         try:
             os.waitid(os.P_ALL, 0, os.WEXITED)
         except ChildProcessError:
             return
 
 
-def _kill(is_meant: Callable[[list[str]], bool]) -> None:
-    for pid, fields in _processes():
-        if is_meant(fields):
+def reap_orphans() -> None:
+    """Reap what ended and had been left to this process, but nothing that it started itself.
+
+    Code in this process that starts programs waits for them and wants their exit status.
+    """
+    own, session = os.getpid(), os.getsid(0)
+    for process in _processes():
+        if process.parent == own and process.is_over and process.session != session:
             try:
-                os.kill(pid, signal.SIGKILL)
-            except ProcessLookupError:
+                os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG)
+            except ChildProcessError:
                 continue
 
 
-def _processes() -> Iterator[tuple[int, list[str]]]:
+def _kill(pid: int) -> None:
+    try:
+        os.kill(pid, signal.SIGKILL)
+    except ProcessLookupError:
+        return
+
+
+def _environment(pid: int) -> list[bytes]:
+    try:
+        with open(f"/proc/{pid}/environ", "rb") as file:
+            return file.read().split(b"\0")
+    except OSError:
+        return []
+
+
+def _processes() -> Iterator[_Process]:
     for entry in os.listdir("/proc"):
         if not entry.isdigit():
             continue
         try:
-            with open(f"/proc/{entry}/stat", encoding="utf-8", errors="replace") as file:
+            with open(f"/proc/{entry}/stat", "rb") as file:
                 text = file.read()
         except (FileNotFoundError, ProcessLookupError):
             continue
-        yield int(entry), text.rpartition(")")[2].split()
+        state, parent, _group, session = text.rpartition(b")")[2].split()[:4]
+        yield _Process(int(entry), state.decode(), int(parent), int(session))

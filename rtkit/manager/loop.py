@@ -10,6 +10,7 @@ import signal
 import socket
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 from rtkit.errors import Malformed, RtkitError
@@ -25,6 +26,8 @@ from rtkit.property.exchange import Request, failure
 _log = logging.getLogger(__name__)
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 _HANDSHAKE_KEYS = {"hello", "pid", "protocol"}
+_LONG_S = 3600.0
+"""The longest sleep; a selector takes no arbitrarily long one [s]."""
 
 
 class Loop:
@@ -41,6 +44,8 @@ class Loop:
         self._channels: dict[int, Channel] = {}
         self._wake_at: float | None = None
         self._is_finished = False
+        self._is_closed = False
+        self._spare = os.open(os.devnull, os.O_RDONLY)
         self._selector = selectors.DefaultSelector()
         self._wake_read, self._wake_write = os.pipe()
         for descriptor in (self._wake_read, self._wake_write):
@@ -57,25 +62,28 @@ class Loop:
     def post(self, item: ev.Event | Request) -> None:
         """Hand in an event or a request, from any thread."""
         self._inbox.put(item)
-        try:
-            os.write(self._wake_write, b"x")
-        except BlockingIOError:
-            return
+        if not self._is_closed:
+            with suppress(BlockingIOError):  # it is awake already
+                os.write(self._wake_write, b"x")
 
     def run(self) -> None:
         """Work until the core says that all is done."""
         while not self._is_finished:
             for key, mask in self._selector.select(self._patience()):
-                key.data(mask)
+                _guarded(key.data, mask)
             self._take_inbox()
             if self._wake_at is not None and time.monotonic() >= self._wake_at:
                 self._wake_at = None
                 self._handle(ev.Tick())
+
+    def close(self) -> None:
+        """Let go of all descriptors; what is posted from now on is not heard."""
+        self._is_closed = True
         self._selector.close()
         for channel in self._channels.values():
             channel.close()
-        os.close(self._wake_read)
-        os.close(self._wake_write)
+        for descriptor in (self._wake_read, self._wake_write, self._spare):
+            os.close(descriptor)
 
     def _register(self, source: Any, react: Callable[[int], object]) -> None:
         self._selector.register(source, _READ, react)
@@ -83,7 +91,7 @@ class Loop:
     def _patience(self) -> float | None:
         if self._wake_at is None:
             return None
-        return max(0.0, self._wake_at - time.monotonic())
+        return min(max(0.0, self._wake_at - time.monotonic()), _LONG_S)
 
     def _drain(self) -> None:
         os.read(self._wake_read, 4096)
@@ -97,15 +105,18 @@ class Loop:
             except queue.Empty:
                 return
             if isinstance(item, Request):
-                self._serve(item)
+                _guarded(self._serve, item)
             else:
-                self._handle(item)
+                _guarded(self._handle, item)
 
     def _serve(self, request: Request) -> None:
         try:
             event = self._desk.take(request)
         except RtkitError as error:
             request.answer(failure(error))
+        except Exception as bug:
+            request.answer(failure(bug))
+            raise
         else:
             if event is not None:
                 self._handle(event)
@@ -118,7 +129,9 @@ class Loop:
             return
         self._desk.forget_views()
         for instruction in instructions:
-            self._carry_out(instruction)
+            _guarded(self._carry_out, instruction)
+        if isinstance(event, ev.SlaveEnded):
+            self._drop(event.key)
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:
@@ -154,10 +167,27 @@ class Loop:
             self._selector.modify(channel, _READ | _WRITE, self._reader(key, channel))
 
     def _accept(self, listener: socket.socket) -> None:
-        connection, _ = listener.accept()
+        try:
+            connection, _ = listener.accept()
+        except BlockingIOError:
+            return
+        except OSError as error:
+            _log.error("no slave can connect: %s", error.strerror)
+            self._turn_away(listener)
+            return
         connection.setblocking(False)
         channel = Channel(connection)
         self._register(channel, lambda _mask: self._greet(channel))
+
+    def _turn_away(self, listener: socket.socket) -> None:
+        """Refuse who waits with the descriptor kept for this: else select would return for ever."""
+        os.close(self._spare)
+        try:
+            listener.accept()[0].close()
+        except OSError as error:
+            _log.error("cannot even refuse it: %s", error.strerror)
+        finally:
+            self._spare = os.open(os.devnull, os.O_RDONLY)
 
     def _greet(self, channel: Channel) -> None:
         """Take the first message of a connection, which must be a hello."""
@@ -169,7 +199,8 @@ class Loop:
             return
         hello, *others = messages
         key: Any = hello.get("hello")
-        if not set(hello) >= _HANDSHAKE_KEYS or not self._nursery.expects(key, hello["pid"]):
+        is_known = set(hello) >= _HANDSHAKE_KEYS and self._nursery.expects(key, hello["pid"])
+        if not is_known or key in self._channels:
             _log.warning("a connection that is no slave of ours was refused")
             self._hang_up(channel)
             return
@@ -189,18 +220,24 @@ class Loop:
 
     def _exchange(self, key: int, channel: Channel, mask: int) -> None:
         if mask & _WRITE:
-            channel.flush()
-            if not channel.has_backlog:
-                self._selector.modify(channel, _READ, self._reader(key, channel))
+            self._flush(key, channel)
         if not mask & _READ:
             return
         messages = self._received(channel)
         if messages is None:
-            self._channels.pop(key, None)
-            self._hang_up(channel)
+            self._drop(key)
             return
         for message in messages:
             self._handle(ev.HolderSaid(key, message))
+
+    def _flush(self, key: int, channel: Channel) -> None:
+        try:
+            channel.flush()
+        except OSError as error:
+            _log.warning("cannot send to slave %d: %s", key, error)
+            channel.forget_backlog()
+        if not channel.has_backlog:
+            self._selector.modify(channel, _READ, self._reader(key, channel))
 
     def _received(self, channel: Channel) -> list[Mapping[str, Any]] | None:
         try:
@@ -208,6 +245,12 @@ class Loop:
         except (Malformed, OSError) as error:
             _log.warning("a slave's connection is broken: %s", error)
             return None
+
+    def _drop(self, key: int) -> None:
+        """Close the connection of a slave that ended; a child of it may hold the other end."""
+        channel = self._channels.pop(key, None)
+        if channel is not None:
+            self._hang_up(channel)
 
     def _hang_up(self, channel: Channel) -> None:
         self._selector.unregister(channel)
@@ -221,3 +264,11 @@ class Loop:
             self._register(self._nursery, lambda _mask: self._heard_nursery())
         for event in events:
             self._handle(event)
+
+
+def _guarded(work: Callable[[Any], object], argument: Any) -> None:
+    """Do one piece of work; a fault in it is logged, and ends neither the loop nor the rest."""
+    try:
+        work(argument)
+    except Exception:
+        _log.exception("fault in %s", getattr(work, "__qualname__", work))

@@ -17,14 +17,14 @@ from typing import Any
 
 from rtkit.link.streams import remove_socket
 from rtkit.manager import events as ev
-from rtkit.manager.leftovers import end_children, end_session
+from rtkit.manager.leftovers import end_children, end_session, reap_orphans
 from rtkit.manager.wire import Channel
-from rtkit.manager.zygote import reason
+from rtkit.manager.zygote import ENDS, STOPS, reason
 
 _log = logging.getLogger(__name__)
 _PR_SET_CHILD_SUBREAPER = 36
 _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-_OPTIONS = os.WEXITED | os.WNOHANG
+_OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 
 
 def become_subreaper() -> None:
@@ -50,9 +50,12 @@ class Nursery:
         return self._channel.fileno()
 
     def fork(self, key: int, name: str) -> None:
-        """Ask for a slave."""
+        """Ask for a slave; when the zygote is just ending, `restart` tells that it failed."""
         self._asked[key] = name
-        self._channel.send({"key": key, "name": name, **self._settings})
+        try:
+            self._channel.send({"key": key, "name": name, **self._settings})
+        except OSError as error:
+            _log.warning("cannot ask for slave %s: %s", name, error)
 
     def expects(self, key: object, pid: object) -> bool:
         """Whether a slave that says hello with this key and pid is one of ours."""
@@ -77,6 +80,7 @@ class Nursery:
         messages = self._channel.receive()
         if messages is None:
             return None
+        self._channel.flush()
         events = (self._event(message) for message in messages)
         return [event for event in events if event is not None]
 
@@ -90,17 +94,16 @@ class Nursery:
         return [ev.SlaveFailed(key, "the zygote ended") for key in failed]
 
     def reap(self) -> Iterator[ev.Event]:
-        """Yield the ends of slaves that have become children of the manager itself."""
-        while True:
+        """Yield what happened to slaves that have become children of the manager itself."""
+        for pid in (self._zygote, *self._keys):
             try:
-                report = os.waitid(os.P_ALL, 0, _OPTIONS)
+                report = os.waitid(os.P_PID, pid, _OPTIONS)
             except ChildProcessError:
-                return
-            if report is None:
-                return
-            event = self._ended(report.si_pid, reason(report))
+                continue  # it is still the zygote's
+            event = self._event_of(report) if report is not None else None
             if event is not None:
                 yield event
+        reap_orphans()
 
     def close(self) -> None:
         """End the zygote, and whatever components started and left behind."""
@@ -118,6 +121,12 @@ class Nursery:
             return self._ended(message["ended"], message["reason"])
         key = self._keys.get(message["halted"])
         return None if key is None else ev.SlaveHalted(key, message["is_halted"])
+
+    def _event_of(self, report: os.waitid_result) -> ev.Event | None:
+        if report.si_code in ENDS:
+            return self._ended(report.si_pid, reason(report))
+        key = self._keys.get(report.si_pid)
+        return None if key is None else ev.SlaveHalted(key, report.si_code in STOPS)
 
     def _born(self, key: int, pid: int) -> None:
         if self._asked.pop(key, None) is not None:
@@ -146,4 +155,5 @@ class Nursery:
         arguments = [sys.executable, "-m", "rtkit.manager.zygote", str(theirs.fileno())]
         pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
         theirs.close()
+        ours.setblocking(False)
         return Channel(ours), pid

@@ -40,7 +40,7 @@ class Desk:
             request.answer(Reply(self._view(request.name)))
             return None
         if request.payload is None:
-            request.answer(Reply(self._property(request.name)))
+            request.answer(Reply(self._property(keys.unescape(request.name))))
             return None
         if request.name == "batch":
             return BatchAsked(batch_from_text(request.payload), request.answer)

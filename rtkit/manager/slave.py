@@ -14,11 +14,15 @@ from typing import Any
 from rtkit.link.streams import Streams
 from rtkit.manager.connect import Wires
 from rtkit.manager.holder import Holder
+from rtkit.manager.leftovers import MARK, end_session
 from rtkit.manager.loader import Loader
 from rtkit.manager.wire import Channel
 
 PROTOCOL = 1
 """Version of the messages between manager and slaves."""
+
+LAST_S = 5
+"""Grace that components have to finalise when no manager is left that would end them [s]."""
 
 
 def run(key: int, name: str, settings: Any) -> None:
@@ -34,6 +38,7 @@ def run(key: int, name: str, settings: Any) -> None:
         level=logging.INFO,
         format=f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s",
     )
+    os.environ[MARK] = str(os.getpid())
     with open("/proc/self/comm", "w", encoding="utf-8") as comm:
         comm.write(f"rtkit {name}")
     connection = socket.socket(socket.AF_UNIX)
@@ -51,6 +56,7 @@ def run(key: int, name: str, settings: Any) -> None:
         target=_listen, args=(channel, wake, holder), name="control", daemon=True
     ).start()
     holder.run()
+    end_session(os.getpid())
     logging.shutdown()
     sys.stdout.flush()
 
@@ -82,16 +88,24 @@ def _catch_term() -> int:
 
 
 def _listen(channel: Channel, wake: int, holder: Holder) -> None:
+    try:
+        while _pass_on(channel, wake, holder):
+            pass
+    finally:
+        holder.close()
+        signal.alarm(LAST_S)  # ends the process, also one in which a component hangs
+
+
+def _pass_on(channel: Channel, wake: int, holder: Holder) -> bool:
+    """Hand the next messages to the holder; False when it is time to end."""
     sources: list[Any] = [channel, wake]
-    while True:
-        ready: list[object] = select.select(sources, [], [])[0]
-        if wake in ready and signal.SIGTERM in os.read(wake, 4096):
-            break
-        if channel not in ready:
-            continue
+    ready: list[object] = select.select(sources, [], [])[0]
+    if wake in ready and signal.SIGTERM in os.read(wake, 4096):
+        return False
+    if channel in ready:
         messages = channel.receive()
         if messages is None:
-            break
+            return False
         for message in messages:
             holder.put(message)
-    holder.close()
+    return True

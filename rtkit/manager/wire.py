@@ -50,6 +50,10 @@ class Channel:
         except BlockingIOError:
             return
 
+    def forget_backlog(self) -> None:
+        """Drop what waits for `flush`: the other end is gone."""
+        self._outbox.clear()
+
     def receive(self) -> list[Message] | None:
         """Wait for bytes and return the messages that they complete; None when the other closed.
 
@@ -85,7 +89,7 @@ class Channel:
 def _parse(payload: bytes) -> dict[str, Any]:
     try:
         message = json.loads(payload)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise Malformed(f"not JSON: {error}") from error
     if not isinstance(message, dict):
         raise Malformed("a message is a table")

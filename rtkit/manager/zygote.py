@@ -18,8 +18,8 @@ from rtkit.manager import slave
 from rtkit.manager.wire import Channel
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
-_STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
-_ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
+STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
+ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
 
 
 def main() -> NoReturn:
@@ -80,10 +80,10 @@ def _report(channel: Channel) -> None:
             return
         if report is None:
             return
-        if report.si_code in _ENDS:
+        if report.si_code in ENDS:
             channel.send({"ended": report.si_pid, "reason": reason(report)})
         else:
-            channel.send({"halted": report.si_pid, "is_halted": report.si_code in _STOPS})
+            channel.send({"halted": report.si_pid, "is_halted": report.si_code in STOPS})
 
 
 def reason(report: os.waitid_result) -> str:

@@ -11,7 +11,7 @@ from rtkit.deployment.listing import Listing, listing_from_text
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
 from rtkit.link.base import Link
-from rtkit.link.places import manager_socket
+from rtkit.link.places import manager_socket, owner
 from rtkit.tree.api import ByPath
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 DEFAULT_TIMEOUT_S = 10.0
 DEFAULT_MANAGER = "manager"
 _GRACE_S = 1.0
+_LONGEST_S = 7 * 86_400.0
 _MOST_IN_A_PART = 50
 
 
@@ -142,7 +143,7 @@ class Tree(ByPath):
             payload is not None
         )
         try:
-            return self._link.call(key, payload, bound).value()
+            return self._link.call(key, payload, bounded(bound)).value()
         except Unreachable as error:
             raise Unreachable(f"{self.manager} on {self.host}: {error}") from error
 
@@ -157,10 +158,18 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
 
     name = manager or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
     path = manager_socket(name)
+    not_running = f"manager {name!r} is not running (start it with: rtmgr start)"
     if not os.path.exists(path):
-        raise Unreachable(f"manager {name!r} is not running (start it with: rtmgr start)")
+        raise Unreachable(not_running)
     try:
-        session = open_client(unix_endpoint(path), timeout_s)
+        session = open_client(unix_endpoint(path), bounded(timeout_s))
     except Unreachable as error:
+        if owner(name) is None:
+            raise Unreachable(not_running) from error
         raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
     return Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
+
+
+def bounded(timeout_s: float) -> float:
+    """Return a time-out that transports and selectors take: neither infinity nor no number [s]."""
+    return timeout_s if timeout_s < _LONGEST_S else _LONGEST_S

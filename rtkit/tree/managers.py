@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from rtkit.errors import Unreachable
 from rtkit.link import places
-from rtkit.tree.client import connect
+from rtkit.tree.client import bounded, connect
 
 
 class Status(NamedTuple):
@@ -29,10 +29,13 @@ def stop(name: str, timeout_s: float) -> None:
         Unreachable: It does not run, or did not end in time.
     """
     with connect(name, timeout_s) as tree:
-        pidfd = os.pidfd_open(int(tree.get("manager.pid")))
+        try:
+            pidfd = os.pidfd_open(int(tree.get("manager.pid")))
+        except ProcessLookupError:
+            return  # somebody else has stopped it meanwhile
         try:
             tree.set("stop", "")
-            if not select.select([pidfd], [], [], timeout_s)[0]:
+            if not select.select([pidfd], [], [], bounded(timeout_s))[0]:
                 raise Unreachable(f"manager {name!r} did not end within {timeout_s:g} s")
         finally:
             os.close(pidfd)
