@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import stat
 import sys
@@ -52,7 +51,7 @@ class Loader:
             return known
         file = self._find(path)
         name = init or f"{os.path.basename(file).partition('.')[0]}Init"
-        module = _import(file)
+        module = _import(file, _read(file))
         classes = _initialise(module, name, path)
         types = tuple(self.factories.register(component_class) for component_class in classes)
         profile = self._modules[path] = ModuleProfile(path, name, types)
@@ -61,8 +60,12 @@ class Loader:
     def unload(self, path: str) -> None:
         """Forget a module and its factories; components already made stay."""
         module = self._modules.pop(path, None)
-        for profile in module.types if module is not None else ():
-            self.factories.unregister(profile)
+        if module is None:
+            return
+        kept = {profile.id for other in self._modules.values() for profile in other.types}
+        for profile in module.types:
+            if profile in self.factories.types and profile.id not in kept:
+                self.factories.unregister(profile)
 
     def make(self, create: CreateString) -> Component:
         """Make a component, loading the module of its type if nobody offers it yet.
@@ -75,7 +78,8 @@ class Loader:
             return self.factories.make(create)
         except NotFound:
             path = f"{create.implementation_id}.py"
-            if path in self._modules or not self._search(path):
+            is_name = os.path.basename(path) == path  # a type's name must not lead elsewhere
+            if not is_name or path in self._modules or not self._search(path):
                 raise
         self.load(path)
         return self.factories.make(create)
@@ -85,8 +89,6 @@ class Loader:
         if not file or not os.path.isfile(file):
             looked = ", ".join(self.load_path)
             raise NotFound(f"no module {path} (looked in {looked})")
-        if os.stat(file).st_mode & stat.S_IWOTH:
-            raise Refused(f"module may be written by everybody, refused: {file}")
         return file
 
     def _search(self, path: str) -> str:
@@ -98,15 +100,29 @@ class Loader:
         return ""
 
 
-def _import(file: str) -> ModuleType:
+def _read(file: str) -> bytes:
+    """Return the source of a module, the very file that was found not to be open to everybody."""
+    folder = os.path.dirname(file)
+    status = os.stat(folder)
+    if status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:
+        raise Refused(f"module lies where everybody may write, refused: {file}")
+    try:
+        with open(file, "rb") as source:
+            status = os.fstat(source.fileno())
+            if status.st_mode & stat.S_IWOTH:
+                raise Refused(f"module may be written by everybody, refused: {file}")
+            return source.read()
+    except OSError as error:
+        raise Refused(f"cannot read module {file}: {error.strerror}") from error
+
+
+def _import(file: str, source: bytes) -> ModuleType:
     name = "rtkit_module_" + "".join(c if c.isalnum() else "_" for c in file)
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None:
-        raise Refused(f"not a Python module: {file}")
-    module = importlib.util.module_from_spec(spec)
+    module = ModuleType(name)
+    module.__file__ = file
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        exec(compile(source, file, "exec"), module.__dict__)
     except BaseException as error:
         del sys.modules[name]
         raise Refused(_import_failure(error, file)) from error

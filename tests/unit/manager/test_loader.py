@@ -1,0 +1,145 @@
+"""Modules are found, checked, imported, forgotten; what goes wrong is told with its place."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import pytest
+
+from rtkit.errors import NotFound, Refused
+from rtkit.manager.loader import Loader
+from rtkit.rtc.create import parse_create
+
+THING = '''
+from rtkit.component import Component
+
+class Thing(Component):
+    """{text}"""
+
+def {name}Init(manager):
+    manager.register_factory(Thing)
+'''
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "Thing.py").write_text(THING.format(name="Thing", text="One"))
+    return tmp_path
+
+
+@pytest.fixture
+def loader(folder):
+    return Loader([str(folder)])
+
+
+def make(loader, text):
+    return loader.make(parse_create(f"{text}?instance_name=A"))
+
+
+@pytest.mark.parametrize("form", ["Thing", "Thing.py", "{folder}/Thing.py"])
+def test_a_module_is_found_by_name_or_path(loader, folder, form):
+    path = form.format(folder=folder)
+    profile = loader.load(path)
+    assert (profile.path, profile.init) == (path, "ThingInit")
+    assert [each.type_name for each in profile.types] == ["Thing"]
+    assert make(loader, "Thing").type.description == "One"
+
+
+def test_loading_again_changes_nothing(loader, folder):
+    profile = loader.load("Thing.py")
+    (folder / "Thing.py").write_text("broken(")
+    assert loader.load("Thing.py") is profile
+
+
+def test_a_type_that_nobody_offers_is_looked_for(loader):
+    assert make(loader, "Thing").instance == "A"
+    with pytest.raises(NotFound, match="Other is not known; known: Thing"):
+        make(loader, "Other")
+
+
+def test_a_type_s_name_leads_to_no_other_folder(folder):
+    loader = Loader([str(folder / "below")])
+    (folder / "below").mkdir()
+    for name in ("../Thing", f"{folder}/Thing", "./../Thing"):
+        with pytest.raises(NotFound):
+            make(loader, name)
+    assert loader.load("../Thing.py").types  # a path that somebody typed is another matter
+
+
+def test_forgetting_a_module_forgets_its_types(loader, folder):
+    loader.load("Thing.py")
+    loader.unload("Thing.py")
+    assert loader.factories.types == ()
+    (folder / "Thing.py").write_text(THING.format(name="Thing", text="Two"))
+    loader.load("Thing.py")
+    assert make(loader, "Thing").type.description == "Two"
+    loader.unload("Never.py")
+
+
+def test_forgetting_one_of_two_modules_of_a_type_keeps_the_type(loader, folder):
+    (folder / "Again.py").write_text(THING.format(name="Again", text="One"))
+    loader.load("Thing.py")
+    loader.load("Again.py")
+    loader.unload("Thing.py")
+    assert make(loader, "Thing").instance == "A"
+    loader.unload("Again.py")
+    assert loader.factories.types == ()
+
+
+@pytest.mark.parametrize(
+    ("source", "why"),
+    [
+        ("import nonsuch", r"ModuleNotFoundError: .*Thing.py:1\)"),
+        ("x = 1\n1/0", r"ZeroDivisionError: .*Thing.py:2\)"),
+        ("x = 1\n\ndef (", r"SyntaxError: .*Thing.py:3\)"),
+        ("raise SystemExit(3)", "SystemExit: 3"),
+        ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+        ("x = '\0'", "null bytes"),
+        (b"# coding: nonsense\n".decode(), "unknown encoding"),
+    ],
+)
+def test_a_module_that_does_not_import(loader, folder, source, why):
+    before = set(sys.modules)
+    (folder / "Thing.py").write_text(source)
+    with pytest.raises(Refused, match=why) as caught:
+        loader.load("Thing.py")
+    assert "\n" not in str(caught.value).replace("\\n", "")
+    assert set(sys.modules) == before
+    (folder / "Thing.py").write_text(THING.format(name="Thing", text="One"))
+    assert loader.load("Thing.py").types
+
+
+@pytest.mark.parametrize(
+    ("source", "error", "why"),
+    [
+        ("", NotFound, "no init function ThingInit in module Thing.py"),
+        ("ThingInit = 5", NotFound, "no init function"),
+        ("def ThingInit(m):\n  raise SystemExit", Refused, r"SystemExit \(Thing.py:2"),
+        ("def ThingInit(): pass", Refused, "TypeError"),
+        ("def ThingInit(m): m.register_factory(int)", Refused, "not a component class"),
+    ],
+)
+def test_an_init_function_that_is_missing_or_fails(loader, folder, source, error, why):
+    (folder / "Thing.py").write_text(source)
+    with pytest.raises(error, match=why):
+        loader.load("Thing.py")
+    assert loader.factories.types == ()
+
+
+def test_what_is_no_file(loader, folder):
+    for path in ("No.py", "", "/", str(folder)):
+        with pytest.raises(NotFound, match="no module"):
+            loader.load(path)
+
+
+def test_a_module_that_everybody_may_write(loader, folder):
+    os.chmod(folder / "Thing.py", 0o666)
+    with pytest.raises(Refused, match="may be written by everybody"):
+        loader.load("Thing.py")
+    os.chmod(folder / "Thing.py", 0o644)
+    os.chmod(folder, 0o777)
+    with pytest.raises(Refused, match="where everybody may write"):
+        loader.load("Thing.py")
+    os.chmod(folder, 0o1777)
+    assert loader.load("Thing.py").types
