@@ -7,6 +7,7 @@ what the kernel reports of its children: exit, stop, continue.
 from __future__ import annotations
 
 import gc
+import importlib
 import os
 import selectors
 import signal
@@ -20,6 +21,8 @@ from rtkit.manager.wire import Channel
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
 ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
+_AT_LEISURE = ("rtkit.component.geometry",)
+"""What most components import and what takes long: had in memory once nobody asks for a slave."""
 
 
 def main() -> NoReturn:
@@ -35,8 +38,13 @@ def main() -> NoReturn:
     selector = selectors.DefaultSelector()
     selector.register(channel, selectors.EVENT_READ)
     selector.register(wake_read, selectors.EVENT_READ)
+    later = list(_AT_LEISURE)
     while True:
-        for key, _ in selector.select():
+        ready = selector.select(0 if later else None)
+        if not ready and later:
+            importlib.import_module(later.pop())
+            gc.freeze()
+        for key, _ in ready:
             if key.fd == wake_read:
                 os.read(wake_read, 4096)
                 _report(channel)
