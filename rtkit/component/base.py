@@ -12,6 +12,7 @@ from rtkit.component.contexts import wanted_contexts
 from rtkit.component.parameter import Parameter
 from rtkit.component.port import InPort, OutPort, Port, ServicePort
 from rtkit.errors import NotFound, Refused
+from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.pattern import ContextPattern
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
@@ -113,10 +114,51 @@ class Component(Callbacks):
         Raises:
             NotFound: It takes part in none of that id.
         """
+        return self.participation(context).rate
+
+    def participation(self, context: str) -> ExecutionContext:
+        """Return the context of that id: of an own one, or ``OWNER/ID`` of another's.
+
+        Raises:
+            NotFound: It takes part in none of that id.
+        """
         for each in self.participations:
-            if each.id == context:
-                return each.rate
+            if each.handle_for(self) == context:
+                return each
         raise NotFound(f"{self.instance} takes no part in execution context {context}")
+
+    def take_part(self, context: ExecutionContext) -> None:
+        """Note a context that took this component in; called by that context."""
+        self.participations = (*self.participations, context)
+        self._listen()
+
+    def leave(self, context: ExecutionContext) -> None:
+        """Forget a context that let this component go; called by that context."""
+        self.participations = tuple(each for each in self.participations if each is not context)
+        self._listen()
+
+    @property
+    def has_news(self) -> bool:
+        """Whether a value waits at some in port."""
+        return any(port.is_new() for port in self.ports.values() if isinstance(port, InPort))
+
+    @property
+    def read_count(self) -> int:
+        """Values that were read from all in ports."""
+        return sum(port.read_count for port in self.ports.values() if isinstance(port, InPort))
+
+    def stir(self) -> None:
+        """Ask the event-driven contexts that drive this component for a cycle, from any thread."""
+        for context in self.participations:
+            if context.kind is ExecutionKind.EVENT_DRIVEN:
+                context.stir()
+
+    def _listen(self) -> None:
+        kinds = [context.kind for context in self.participations]
+        listener = self.stir if ExecutionKind.EVENT_DRIVEN in kinds else None
+        for port in self.ports.values():
+            if isinstance(port, InPort):
+                port.listen(listener)
 
     def add_in_port(
         self, name: str, data_type: type[T], properties: Mapping[str, str] | None = None
@@ -184,6 +226,7 @@ class Component(Callbacks):
                 for participant in context.participants:
                     context.deactivate_component(participant)
                 context.stop()
+                context.serve_requests()
                 for participant in context.participants:
                     context.remove_component(participant)
             else:
@@ -202,6 +245,7 @@ class Component(Callbacks):
             raise Refused(f"{self.instance}: port {port.name or repr('')} {reason}")
         self._merge_defaults(port)
         self.ports[port.name] = port
+        self._listen()
         return port
 
     def _merge_defaults(self, port: Port) -> None:

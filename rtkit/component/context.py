@@ -1,27 +1,29 @@
 """The execution context: what drives components, as a state machine without a thread.
 
-A pacer calls `tick` at the rate; `request` may come from any thread. Everything that runs
-component code here runs in the thread that ticks. For `start`, `stop`, `add_component` and
-`remove_component` no tick may be under way.
+A pacer calls `tick`: at the rate (PERIODIC), after something happened (EVENT_DRIVEN), or when
+somebody asked for it (OTHER). `request`, `request_tick`, `submit`, `stir` and `set_rate` may come
+from any thread. Everything that runs component code here runs in the thread that ticks. For
+`start`, `stop`, `add_component` and `remove_component` no tick may be under way: while a pacer
+drives the context they are handed in with `submit`.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
-from rtkit.component.callbacks import attempt, overrides
+from rtkit.component.callbacks import attempt
 from rtkit.component.lifecycle import (
     ACTIVE,
     CALLBACK,
     ERROR,
-    INACTIVE,
     TARGET,
     Event,
     next_state,
     refusal,
 )
+from rtkit.component.participant import Participant
 from rtkit.component.period import check_rate
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode, Transition
@@ -30,34 +32,8 @@ from rtkit.rtc.profiles import ExecutionContextProfile
 if TYPE_CHECKING:
     from rtkit.component.base import Component
 
-Done = Callable[[ReturnCode, str], None]
+Done = Callable[[ReturnCode, str], object]
 _OK = (ReturnCode.OK, "")
-
-
-class _Request(NamedTuple):
-    component: Component
-    transition: Transition
-    done: Done
-
-
-class _Participant:
-    """One component in one context."""
-
-    __slots__ = ("component", "executes", "handles_error", "reported", "state", "updates")
-
-    def __init__(self, component: Component) -> None:
-        self.component = component
-        self.state: LifeCycleState = INACTIVE
-        self.reported = ""
-        self.executes = overrides(component, "on_execute")
-        self.updates = overrides(component, "on_state_update")
-        self.handles_error = overrides(component, "on_error")
-
-    @property
-    def has_work(self) -> bool:
-        if self.state is ACTIVE:
-            return self.executes or self.updates
-        return self.state is ERROR and self.handles_error
 
 
 def nothing() -> None:
@@ -89,9 +65,11 @@ class ExecutionContext:
         self.wake: Callable[[], None] = nothing
         self.changed: Callable[[Component], None] = ignore
         self.watch: Callable[[str, str], None] | None = None
-        self._rate = check_rate(rate) if kind is ExecutionKind.PERIODIC else rate
-        self._participants: tuple[_Participant, ...] = ()
-        self._requests: deque[_Request] = deque()
+        self.is_periodic = kind is ExecutionKind.PERIODIC
+        self._rate = check_rate(rate) if self.is_periodic else rate
+        self._participants: tuple[Participant, ...] = ()
+        self._requests: deque[Callable[[], object]] = deque()
+        self._is_stirred = False
         self._has_new_rate = False
 
     @property
@@ -106,18 +84,29 @@ class ExecutionContext:
 
     @property
     def is_idle(self) -> bool:
-        """Whether a tick would do nothing at all, so that the pacer may rest until `wake`."""
+        """Whether nothing is to be done before the next `wake`, nor likely to be soon."""
         if self._requests:
             return False
         if not self.is_running:
             return True
         if self._has_new_rate:
             return False
-        is_driven = self.kind is ExecutionKind.PERIODIC
         return not any(
-            (is_driven and each.has_work) or self._has_new_settings(each.component)
-            for each in self._participants
+            each.has_work or self._has_new_settings(each.component) for each in self._participants
         )
+
+    @property
+    def is_due(self) -> bool:
+        """Whether a context that is not periodic has reason to tick now."""
+        if not self.is_running:
+            return False
+        return self._is_stirred or any(
+            self._has_new_settings(each.component) for each in self._participants
+        )
+
+    def handle_for(self, component: Component) -> str:
+        """Return the id by which a component knows this context: ``OWNER/ID`` if not its own."""
+        return self.id if component.instance == self.owner else f"{self.owner}/{self.id}"
 
     def state_of(self, component: Component) -> LifeCycleState:
         """Return the state of a participant.
@@ -134,7 +123,7 @@ class ExecutionContext:
             NotFound: It takes no part in this context.
         """
         return ExecutionContextProfile(
-            id=self.id,
+            id=self.handle_for(component),
             kind=self.kind,
             rate=self._rate,
             owner=self.owner,
@@ -169,6 +158,8 @@ class ExecutionContext:
 
     def set_rate(self, hz: float) -> ReturnCode:
         """Change the rate [Hz]; on_rate_changed of every participant follows at the next tick."""
+        if not self.is_periodic:
+            return ReturnCode.UNSUPPORTED
         try:
             self._rate = check_rate(hz)
         except Malformed:
@@ -183,8 +174,10 @@ class ExecutionContext:
             return ReturnCode.PRECONDITION_NOT_MET
         if not component.is_alive:
             return ReturnCode.PRECONDITION_NOT_MET
-        self._participants = (*self._participants, _Participant(component))
-        component.participations = (*component.participations, self)
+        handle = self.handle_for(component)
+        self._participants = (*self._participants, Participant(component, handle))
+        component.take_part(self)
+        self._tell_all()
         return ReturnCode.OK
 
     def remove_component(self, component: Component) -> ReturnCode:
@@ -196,9 +189,9 @@ class ExecutionContext:
         if each.state is ACTIVE:
             self._apply(each, Transition.DEACTIVATE)
         self._participants = tuple(other for other in self._participants if other is not each)
-        component.participations = tuple(
-            context for context in component.participations if context is not self
-        )
+        component.leave(self)
+        self.changed(component)
+        self._tell_all()
         return ReturnCode.OK
 
     def activate_component(self, component: Component) -> ReturnCode:
@@ -215,15 +208,45 @@ class ExecutionContext:
 
     def request(self, component: Component, transition: Transition, done: Done) -> None:
         """Ask for a transition, from any thread; `done` is called once, by the ticking thread."""
-        self._requests.append(_Request(component, transition, done))
+        self.submit(lambda: done(*self._perform(component, transition)))
+
+    def request_tick(self, done: Done) -> None:
+        """Ask for one cycle, from any thread; `done` is called after it, by the ticking thread."""
+        self.submit(lambda: done(*self._tick_once()))
+
+    def submit(self, work: Callable[[], object]) -> None:
+        """Have something done between two cycles by the ticking thread, from any thread."""
+        self._requests.append(work)
         self.wake()
 
+    def stir(self) -> None:
+        """Ask an event-driven context for a cycle because something happened, from any thread."""
+        self._is_stirred = True
+        if any(each.has_work for each in self._participants):
+            self.wake()
+
     def tick(self) -> None:
-        """Perform what was requested, then one period: all execute, then all update."""
+        """Do what was requested, then one cycle: all execute, then all update.
+
+        A context that is not periodic has a cycle only after it was stirred, and further ones
+        while its components read what had arrived.
+        """
         if self._requests:
             self.serve_requests()
         if not self.is_running:
             return
+        if self.is_periodic:
+            self._cycle()
+        elif self._is_stirred:
+            self._is_stirred = False
+            reads = self._read_count()
+            self._cycle()
+            if self._read_count() > reads and any(p.component.has_news for p in self._active()):
+                self._is_stirred = True
+        else:
+            self._take_settings_over()
+
+    def _cycle(self) -> None:
         participants = self._participants
         if self._has_new_rate:
             self._announce_rate(participants)
@@ -240,12 +263,36 @@ class ExecutionContext:
                 each.component.configuration.update()
                 self.changed(each.component)
 
+    def _tick_once(self) -> tuple[ReturnCode, str]:
+        if self.is_periodic:
+            return ReturnCode.UNSUPPORTED, f"execution context {self.id} is periodic"
+        if not self.is_running:
+            return self._not_running()
+        self._cycle()
+        return _OK
+
+    def _active(self) -> list[Participant]:
+        return [each for each in self._participants if each.state is ACTIVE]
+
+    def _read_count(self) -> int:
+        return sum(each.component.read_count for each in self._participants)
+
+    def _take_settings_over(self) -> None:
+        for each in self._participants:
+            if self._has_new_settings(each.component):
+                each.component.configuration.update()
+                self.changed(each.component)
+
     def serve_requests(self) -> None:
-        """Perform what was requested, without a period; only for the ticking thread."""
+        """Do what was requested, without a cycle; only for the ticking thread."""
         for _ in range(len(self._requests)):
-            component, transition, done = self._requests.popleft()
-            code, why = self._perform(component, transition)
-            done(code, why)
+            self._requests.popleft()()
+
+    def _not_running(self) -> tuple[ReturnCode, str]:
+        return (
+            ReturnCode.PRECONDITION_NOT_MET,
+            f"precondition not met (execution context {self.id} is not running)",
+        )
 
     def _perform(self, component: Component, transition: Transition) -> tuple[ReturnCode, str]:
         try:
@@ -253,13 +300,10 @@ class ExecutionContext:
         except NotFound as error:
             return ReturnCode.BAD_PARAMETER, str(error)
         if not self.is_running:
-            return (
-                ReturnCode.PRECONDITION_NOT_MET,
-                f"precondition not met (execution context {self.id} is not running)",
-            )
+            return self._not_running()
         return self._apply(each, transition)
 
-    def _apply(self, each: _Participant, transition: Transition) -> tuple[ReturnCode, str]:
+    def _apply(self, each: Participant, transition: Transition) -> tuple[ReturnCode, str]:
         if each.state is TARGET[transition]:
             return _OK
         event = Event(transition.value)
@@ -282,26 +326,28 @@ class ExecutionContext:
             each.reported = ""
         each.state = target
         self.changed(each.component)
+        if self.kind is ExecutionKind.EVENT_DRIVEN:
+            self.stir()
         return _OK
 
-    def _work(self, each: _Participant, name: str) -> None:
+    def _work(self, each: Participant, name: str) -> None:
         failure = self._call(each, name)
         if failure:
             self._abort(each, failure)
 
-    def _abort(self, each: _Participant, cause: str) -> None:
+    def _abort(self, each: Participant, cause: str) -> None:
         each.state = ERROR
         each.component.cause = cause
         self._report(each, CALLBACK[Event.FAIL])
         self.changed(each.component)
 
-    def _endure(self, each: _Participant) -> None:
+    def _endure(self, each: Participant) -> None:
         failure = self._call(each, "on_error")
         if failure and failure != each.reported:
             each.reported = failure
             each.component.report(f"on_error failed: {failure}")
 
-    def _announce_rate(self, participants: tuple[_Participant, ...]) -> None:
+    def _announce_rate(self, participants: tuple[Participant, ...]) -> None:
         self._has_new_rate = False
         for each in participants:
             failure = self._call(each, "on_rate_changed")
@@ -310,19 +356,23 @@ class ExecutionContext:
             elif failure:
                 each.component.report(f"on_rate_changed failed: {failure}")
 
-    def _report(self, each: _Participant, name: str) -> None:
+    def _report(self, each: Participant, name: str) -> None:
         failure = self._call(each, name)
         if failure:
             each.component.report(f"{name} failed: {failure}")
 
-    def _call(self, each: _Participant, name: str) -> str:
+    def _call(self, each: Participant, name: str) -> str:
         callback = getattr(each.component, name)
         if self.watch is None:
-            return attempt(callback, self.id)
+            return attempt(callback, each.handle)
         self.watch(each.component.instance, name)
-        failure = attempt(callback, self.id)
+        failure = attempt(callback, each.handle)
         self.watch("", "")
         return failure
+
+    def _tell_all(self) -> None:
+        for each in self._participants:
+            self.changed(each.component)
 
     def _has_new_settings(self, component: Component) -> bool:
         # One context only takes settings over, else another would see them change in its cycle.
@@ -331,7 +381,7 @@ class ExecutionContext:
         running = (context for context in component.participations if context.is_running)
         return next(running, None) is self
 
-    def _find(self, component: Component) -> _Participant:
+    def _find(self, component: Component) -> Participant:
         for each in self._participants:
             if each.component is component:
                 return each

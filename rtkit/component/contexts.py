@@ -10,15 +10,39 @@ from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.pattern import ContextPattern
 
-_PERIODIC = ("periodicexecutioncontext", "periodic", "periodicec")
+_KINDS = {
+    "PeriodicExecutionContext": ExecutionKind.PERIODIC,
+    "EventDrivenExecutionContext": ExecutionKind.EVENT_DRIVEN,
+    "ExtTrigExecutionContext": ExecutionKind.OTHER,
+    "SimulatorExecutionContext": ExecutionKind.OTHER,
+    "OpenHRPExecutionContext": ExecutionKind.OTHER,
+}
+_BY_WORD = {name.lower(): kind for name, kind in _KINDS.items()}
+_BY_WORD.update({name.removesuffix("executioncontext"): k for name, k in _BY_WORD.items()})
+_BY_WORD.update(periodicec=ExecutionKind.PERIODIC, event_driven=ExecutionKind.EVENT_DRIVEN)
 _NONE = "none"
+
+
+def kind_named(name: str) -> ExecutionKind:
+    """Return the kind of a type of execution contexts.
+
+    ``EventDrivenExecutionContext`` has a cycle when something happens; those that a simulator or
+    a test drives (``ExtTrigExecutionContext`` …) have one for each tick that is asked for.
+
+    Raises:
+        Refused: No such type; says what is known.
+    """
+    kind = _BY_WORD.get(name.strip().lower())
+    if kind is None:
+        raise Refused(f"execution context type {name} is not known; known: {', '.join(_KINDS)}")
+    return kind
 
 
 def wanted_contexts(options: Mapping[str, str], rate: float) -> tuple[ContextPattern, ...]:
     """Return the contexts that the options ask for; without any, one of `rate` [Hz].
 
     Raises:
-        Refused: A type that is not periodic, or a name that is used twice.
+        Refused: A type that is not known, or a name that is used twice.
         Malformed: A rate that cannot be read.
     """
     text = options.get("execution_contexts", "").strip()
@@ -40,17 +64,18 @@ def _wanted(item: str, index: int, options: Mapping[str, str], rate: float) -> C
     kind, name = kind.strip(), tail.rstrip().removesuffix(")").strip()
     if opening and not tail.rstrip().endswith(")"):
         raise Malformed(f"execution_contexts is not TYPE(NAME),…: {item}")
-    if kind.lower() not in _PERIODIC:
-        raise Refused(
-            f"execution context type {kind} is not known; known: PeriodicExecutionContext"
-        )
+    found = kind_named(kind)
+    is_periodic = found is ExecutionKind.PERIODIC
+    rate = rate if is_periodic else 0.0
     keys = [f"ec.{name}.rate"] if name else []
-    keys += [f"ec.{kind}.rate", "exec_cxt.periodic.rate"]
+    keys.append(f"ec.{kind}.rate")
+    if is_periodic:
+        keys.append("exec_cxt.periodic.rate")
     for key in keys:
         if options.get(key, "").strip():
             rate = _rate(key, options[key])
             break
-    return ContextPattern(name or str(index), ExecutionKind.PERIODIC, check_rate(rate))
+    return ContextPattern(name or str(index), found, check_rate(rate) if is_periodic else rate)
 
 
 def _rate(key: str, text: str) -> float:

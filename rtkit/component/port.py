@@ -6,7 +6,7 @@ closed by another thread, which replaces tuples and never changes one in place.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from threading import Lock
 from typing import Generic, TypeVar
 
@@ -20,6 +20,9 @@ from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfi
 T = TypeVar("T")
 P = TypeVar("P", bound="Port")
 _UNLIMITED = -1
+Renew = Callable[[Sink[T]], object]
+"""Told which sink to use from now on."""
+Listener = Callable[[], None]
 
 
 class Port:
@@ -124,6 +127,8 @@ class InPort(DataPort[T]):
         self._policies: dict[str, tuple[Buffer[T], EmptyPolicy]] = {}
         self._waits = False
         self._reads_back = True
+        self._renewals: dict[str, tuple[Sink[T], Renew[T]]] = {}
+        self._listener: Listener | None = None
         self._turn = 0
         self._last: T | None = None
         self.read_count = 0
@@ -161,8 +166,10 @@ class InPort(DataPort[T]):
             self._last = values[-1]
         return values
 
-    def open(self, connector: ConnectorProfile) -> Sink[T]:
+    def open(self, connector: ConnectorProfile, renew: Renew[T] | None = None) -> Sink[T]:
         """Open a push connector; return what takes its values.
+
+        `renew` is told when another sink is to be used from then on.
 
         Raises:
             Refused: It is open already, or the port takes no more.
@@ -171,7 +178,29 @@ class InPort(DataPort[T]):
         options = self._options(connector).inport
         ring: Ring[T] | GuardedRing[T] = make_ring(options)
         self._add(connector.connector_id, ring, options.empty_policy)
-        return ring.write
+        with self._lock:
+            if renew is not None:
+                self._renewals[connector.connector_id] = (ring.write, renew)
+            return _heard(ring.write, self._listener)
+
+    def renew(self, connector_id: str) -> None:
+        """Tell again which sink to use, to who opened the connector."""
+        with self._lock:
+            if connector_id in self._renewals:
+                write, renew = self._renewals[connector_id]
+                renew(_heard(write, self._listener))
+
+    def listen(self, listener: Listener | None) -> None:
+        """Have `listener` called after each value that is pushed in, by the thread that brings it.
+
+        Without listener a value costs nothing but its place in the buffer.
+        """
+        with self._lock:
+            if listener == self._listener:
+                return
+            self._listener = listener
+            for write, renew in self._renewals.values():
+                renew(_heard(write, listener))
 
     def open_pull(self, connector: ConnectorProfile, source: Source[T]) -> None:
         """Open a pull connector: reading asks `source`.
@@ -193,6 +222,7 @@ class InPort(DataPort[T]):
         """Close a connector; what it still held is lost, who waits is woken."""
         with self._lock:
             self._dismiss(connector_id)
+            self._renewals.pop(connector_id, None)
             closed = self._policies.pop(connector_id, None)
             self._refresh()
         if closed is not None:
@@ -227,6 +257,19 @@ class InPort(DataPort[T]):
             if value is not None:
                 return value
         return None
+
+
+def _heard(write: Sink[T], listener: Listener | None) -> Sink[T]:
+    """Return a sink that calls the listener, if there is one, after each value."""
+    if listener is None:
+        return write
+
+    def write_and_tell(value: T) -> PortStatus | None:
+        refused = write(value)
+        listener()
+        return refused
+
+    return write_and_tell
 
 
 class OutPort(DataPort[T]):
@@ -288,6 +331,13 @@ class OutPort(DataPort[T]):
             self._admit(connector_id)
             self._by_id[connector_id] = sink
             self._sinks = tuple(self._by_id.values())
+
+    def replace(self, connector_id: str, sink: Sink[T]) -> None:
+        """Give what is written to another sink from now on; a closed connector stays closed."""
+        with self._lock:
+            if connector_id in self._by_id:
+                self._by_id[connector_id] = sink
+                self._sinks = tuple(self._by_id.values())
 
     def detach(self, connector_id: str) -> None:
         """Close a connector; a write that is under way may still reach it once."""

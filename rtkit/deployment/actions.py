@@ -46,6 +46,19 @@ class Delete:
 
 
 @dataclass(frozen=True, slots=True)
+class Unregister:
+    """Remove a name from the tree; what bears it lives on, a zombie goes with its last name.
+
+    Attributes:
+        name: In full, as facts tell it: ``localhost/dir.host_cxt/Motor0.rtc``.
+        is_zombie: Refuse unless a zombie bears it.
+    """
+
+    name: str
+    is_zombie: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Connect:
     """Make a connection."""
 
@@ -89,16 +102,59 @@ class ChangeState:
     wait: bool = True
 
 
+@dataclass(frozen=True, slots=True)
+class SetRate:
+    """Change the rate [Hz] of a periodic execution context that a component takes part in."""
+
+    instance: str
+    context: str
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """Give a context that is not periodic one cycle; the answer comes when it is over."""
+
+    instance: str
+    context: str
+
+
+@dataclass(frozen=True, slots=True)
+class Attach:
+    """Have an execution context of `owner` drive a component of the same process too.
+
+    The participant is Inactive there and knows the context as ``OWNER/CONTEXT``.
+    """
+
+    owner: str
+    context: str
+    participant: str
+
+
+@dataclass(frozen=True, slots=True)
+class Detach:
+    """Take a component out of an execution context of another, deactivating it there first."""
+
+    owner: str
+    context: str
+    participant: str
+
+
 Action = (
     Load
     | Unload
     | Create
     | Delete
+    | Unregister
     | Connect
     | Disconnect
     | SetParameters
     | ActivateSet
     | ChangeState
+    | SetRate
+    | Tick
+    | Attach
+    | Detach
 )
 
 

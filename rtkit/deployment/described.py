@@ -119,7 +119,7 @@ def kind_of(text: str) -> ExecutionKind:
     word = text.strip().upper().replace("_", "")
     if word in ("PERIODIC", "", "PERIODICEXECUTIONCONTEXT"):
         return ExecutionKind.PERIODIC
-    if word in ("EVENTDRIVEN", "EVENTDRIVENEXECUTIONCONTEXT", "EXTTRIGEXECUTIONCONTEXT"):
+    if word in ("EVENTDRIVEN", "EVENTDRIVENEXECUTIONCONTEXT"):
         return ExecutionKind.EVENT_DRIVEN
     return ExecutionKind.OTHER
 

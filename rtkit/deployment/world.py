@@ -10,13 +10,14 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from rtkit.component.check import WRONG_TYPE, refusal
+from rtkit.component.period import check_rate
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
-from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode, Transition
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, check_instance_name
+from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType, ReturnCode, Transition
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, check_instance_name
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import (
     ConnectorProfile,
@@ -64,6 +65,7 @@ class World:
         self.components: dict[str, ComponentFacts] = {}
         self.connectors: dict[str, ConnectorProfile] = {}
         self.properties: dict[str, str] = {}
+        self.names: tuple[str, ...] = (f"{LOCAL}/{manager}{MANAGER_SUFFIX}",)
         self.fault: Callable[[Action], Result | None] = _no_fault
         self.performed: list[Action] = []
         self._pids = itertools.count(_MASTER_PID + 1)
@@ -80,6 +82,7 @@ class World:
             tuple(self.connectors.values()),
             tuple(self.loaded.values()),
             dict(self.properties),
+            self.names,
         )
 
     def perform(self, action: Action) -> Result:
@@ -138,6 +141,8 @@ class World:
                 return self._create(action)
             case act.Delete(instance):
                 self._delete(instance)
+            case act.Unregister():
+                self._unregister(action)
             case act.Connect(connector):
                 return self._connect(connector)
             case act.Disconnect(connector_id):
@@ -149,6 +154,10 @@ class World:
                 self._activate_set(instance, set_id)
             case act.ChangeState():
                 self._change_state(action)
+            case act.SetRate() | act.Tick():
+                self._drive(action)
+            case act.Attach() | act.Detach():
+                self._share(action)
         return ""
 
     def _load(self, action: act.Load) -> str:
@@ -263,6 +272,22 @@ class World:
         self.connectors[wire.connector_id] = wire
         return wire.connector_id
 
+    def _unregister(self, action: act.Unregister) -> None:
+        name = action.name
+        bearer = next((c for c in self.components.values() if name in c.names), None)
+        if bearer is None and name not in self.names:
+            raise NotFound(f"nothing is registered as /{name}")
+        if action.is_zombie and (bearer is None or not bearer.zombie):
+            raise Refused(f"no zombie is registered as /{name}")
+        if bearer is None:
+            self.names = tuple(each for each in self.names if each != name)
+            return
+        left = tuple(each for each in bearer.names if each != name)
+        self.update(bearer.instance, names=left)
+        if bearer.zombie and not left:
+            del self.components[bearer.instance]
+            self._retire(bearer.process)
+
     def _set(self, action: act.SetParameters) -> None:
         known = self._living(action.instance)
         present = known.sets.get(action.set_id)
@@ -292,6 +317,40 @@ class World:
             raise Refused(f"precondition not met (state is {context.state})")
         contexts = tuple(replace(c, state=after) if c is context else c for c in known.contexts)
         self.update(action.instance, contexts=contexts, cause="")
+
+    def _drive(self, action: act.SetRate | act.Tick) -> None:
+        known = self._living(action.instance)
+        context = next((c for c in known.contexts if c.id == action.context), None)
+        if context is None:
+            raise NotFound(f"no execution context {action.context} on {action.instance}")
+        is_periodic = context.kind is ExecutionKind.PERIODIC
+        if isinstance(action, act.SetRate) and is_periodic:
+            changed = replace(context, rate=check_rate(action.rate))
+            contexts = tuple(changed if c is context else c for c in known.contexts)
+            self.update(action.instance, contexts=contexts)
+        elif is_periodic is isinstance(action, act.Tick):
+            raise Refused(f"execution context {context.id} of {known.instance} is {context.kind}")
+
+    def _share(self, action: act.Attach | act.Detach) -> None:
+        owner, guest = self._living(action.owner), self._living(action.participant)
+        context = next((c for c in owner.contexts if c.id == action.context), None)
+        if context is None:
+            raise NotFound(f"no execution context {action.context} on {owner.instance}")
+        if owner.process != guest.process:
+            raise Refused(f"{guest.instance} is in {guest.process}, not in {owner.process}")
+        if (guest.instance in context.participants) is isinstance(action, act.Attach):
+            raise Refused(f"{guest.instance}: no such change of execution context {context.id}")
+        members = [name for name in context.participants if name != guest.instance]
+        if isinstance(action, act.Attach):
+            members.append(guest.instance)
+        handle = f"{owner.instance}/{context.id}"
+        others = tuple(c for c in guest.contexts if c.id != handle)
+        seen = replace(context, participants=tuple(members))
+        if isinstance(action, act.Attach):
+            others += (replace(seen, id=handle, state=LifeCycleState.INACTIVE),)
+        self.update(guest.instance, contexts=others)
+        contexts = tuple(seen if c is context else c for c in owner.contexts)
+        self.update(owner.instance, contexts=contexts)
 
 
 def component_from(

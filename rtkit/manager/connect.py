@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from typing import Any, Protocol
 
 from rtkit.component.buffer import Sink, make_ring
-from rtkit.component.codec import codec_for
+from rtkit.component.codec import bridge, codec_for
 from rtkit.component.options import (
     ConnectorOptions,
     FullPolicy,
@@ -55,13 +55,21 @@ class Wires:
             with _undone(lambda: out.detach(wire.connector_id)):
                 into.open_pull(wire, source)
             return
-        sink = into.open(wire)
-        with _undone(lambda: into.close(wire.connector_id)):
-            self._attach(wire, out, sink, options)
+        id = wire.connector_id
+        written, read = out.data_type, into.data_type
+        if _is_wrapped(options):
+            sink = _present_sink(into, wire)
+            with _undone(lambda: into.close(id)):
+                self._attach(wire, out, bridge(written, read, sink), options)
+            return
+        sink = into.open(wire, lambda sink: out.replace(id, bridge(written, read, sink)))
+        with _undone(lambda: into.close(id)):
+            out.attach(id, bridge(written, read, sink))
+        into.renew(id)
 
     def receive(self, wire: ConnectorProfile, into: InPort[Any]) -> str:
         """Open the receiving end of a stream and return its endpoint."""
-        sink = into.open(wire)
+        sink = _present_sink(into, wire)
         decode = codec_for(into.data_type).decode
 
         def deliver(payload: bytes) -> None:
@@ -141,7 +149,7 @@ class Wires:
             with _undone(publisher.close):
                 out.attach(wire.connector_id, publisher.write)
             self._keep(wire, publisher)
-        elif options.push_policy is PushPolicy.SKIP and options.skip_count:
+        elif _is_wrapped(options):
             out.attach(wire.connector_id, _every(sink, options.skip_count + 1))
         else:
             out.attach(wire.connector_id, sink)
@@ -161,6 +169,24 @@ def _undone(undo: Callable[[], object]) -> Iterator[None]:
     except Exception:
         undo()
         raise
+
+
+def _is_wrapped(options: ConnectorOptions) -> bool:
+    """Whether something stands between a port and the sink that it writes to."""
+    skips = options.push_policy is PushPolicy.SKIP and options.skip_count > 0
+    return skips or options.subscription == "periodic"
+
+
+def _present_sink(into: InPort[Any], wire: ConnectorProfile) -> Sink[Any]:
+    """Open a connector; return what gives a value to the sink that the port names at present."""
+    sinks: list[Sink[Any]] = []
+
+    def renew(sink: Sink[Any]) -> None:
+        sinks[:] = [sink]
+
+    renew(into.open(wire, renew))
+    into.renew(wire.connector_id)
+    return lambda value: sinks[0](value)
 
 
 def _every(sink: Sink[Any], group: int) -> Sink[Any]:

@@ -20,19 +20,20 @@ from rtkit.component.standin import stand_in
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.streams import Fetcher, Outlet
 from rtkit.manager.connect import Wires
+from rtkit.manager.contexts import Contexts, release
 from rtkit.manager.events import Message
 from rtkit.manager.facts_out import facts_of
+from rtkit.manager.host import LATER
 from rtkit.manager.loader import Loader
 from rtkit.manager.pacer import Pacer
 from rtkit.rtc.create import parse_create
-from rtkit.rtc.enums import ReturnCode, Transition
+from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile
 
 _log = logging.getLogger(__name__)
 _CLOSE = object()
-_LATER = object()
 _DEACTIVATE_S = 2.0
 E = TypeVar("E", Outlet, Fetcher)
 
@@ -63,12 +64,16 @@ class Holder:
             "unlink": self._unlink,
             "set": self._set,
             "activate_set": self._activate_set,
-            "change_state": self._change_state,
+            **Contexts(self).operations,
         }
 
     def put(self, message: Message) -> None:
         """Hand a message of the core in, from any thread."""
         self._inbox.put(message)
+
+    def post(self, work: Callable[[], object]) -> None:
+        """Have something done on the thread of `run`, from any thread."""
+        self._inbox.put(work)
 
     def close(self) -> None:
         """End `run` after finalising every component, from any thread."""
@@ -87,6 +92,8 @@ class Holder:
                     self._serve(item)
             except Exception:
                 _log.exception("holder failed at %r", item)
+        for pacer in self._pacers.values():
+            pacer.close(_DEACTIVATE_S)
         for instance in reversed(list(self._components)):
             self._end(instance)
         self._wires.close()
@@ -94,24 +101,26 @@ class Holder:
     def _serve(self, message: Message) -> None:
         operation = self._operations.get(message.get("op", ""))
         if operation is None:
-            self._refuse(message, Malformed(f"unknown operation: {message.get('op')!r}"))
+            self.refuse(message, Malformed(f"unknown operation: {message.get('op')!r}"))
             return
         try:
             value = operation(message)
         except RtkitError as error:
-            self._refuse(message, error)
+            self.refuse(message, error)
         except Exception as error:
-            self._refuse(message, RtkitError(f"{type(error).__name__}: {error}"))
+            self.refuse(message, RtkitError(f"{type(error).__name__}: {error}"))
             raise
         else:
-            if value is not _LATER:
-                self._answer(message, value)
+            if value is not LATER:
+                self.answer(message, value)
 
-    def _answer(self, message: Message, value: Any) -> None:
+    def answer(self, message: Message, value: Any) -> None:
+        """Answer a message."""
         if "call" in message:
             self._send({"reply": message["call"], "value": "" if value is None else value})
 
-    def _refuse(self, message: Message, error: RtkitError, code: ReturnCode | None = None) -> None:
+    def refuse(self, message: Message, error: RtkitError, code: ReturnCode | None = None) -> None:
+        """Answer a message with an error."""
         if "call" in message:
             code = code or ReturnCode.ERROR
             reply = {"reply": message["call"], "code": code.value}
@@ -145,7 +154,7 @@ class Holder:
         self._components[instance] = component
         for context in component.contexts.values():
             self._drive(component, context)
-        self._tell(component)
+        self.tell(component)
         return instance
 
     def _drive(self, component: Component, context: ExecutionContext) -> None:
@@ -154,29 +163,34 @@ class Holder:
         context.changed = self._changed
 
     def _changed(self, component: Component) -> None:
-        self._inbox.put(lambda: self._tell(component))
+        self.post(lambda: self.tell(component))
 
-    def _tell(self, component: Component) -> None:
+    def tell(self, component: Component) -> None:
+        """Report the facts of a component, and answer those who waited for its settings."""
         if self._components.get(component.instance) is component:
             self._send({"facts": encode(facts_of(component))})
         if not component.configuration.is_pending:
             for message in self._takeovers.pop(component.instance, ()):
-                self._answer(message, "")
+                self.answer(message, "")
 
-    def _component(self, message: Message) -> Component:
-        component = self._components.get(message["instance"])
+    def component(self, instance: str) -> Component:
+        """Return a component of this process.
+
+        Raises:
+            NotFound: There is none of that name.
+        """
+        component = self._components.get(instance)
         if component is None:
-            raise NotFound(f"no component named {message['instance']}")
+            raise NotFound(f"no component named {instance}")
         return component
 
     def _delete(self, message: Message) -> object:
-        component = self._component(message)
+        component = self.component(message["instance"])
         asked = self._deletions.setdefault(component.instance, [])
         asked.append(message)
         if len(asked) > 1:
-            return _LATER
-        contexts = [c for c in component.contexts.values() if c.is_running]
-        waiting = len(contexts)
+            return LATER
+        waiting = 0
 
         def rested() -> None:
             nonlocal waiting
@@ -184,13 +198,10 @@ class Holder:
             if not waiting:
                 self._deleted(component.instance)
 
-        for context in contexts:
-            context.request(
-                component, Transition.DEACTIVATE, lambda _code, _why: self._inbox.put(rested)
-            )
-        if not contexts:
+        waiting = release(component, lambda: self.post(rested))
+        if not waiting:
             self._deleted(component.instance)
-        return _LATER
+        return LATER
 
     def _deleted(self, instance: str) -> None:
         try:
@@ -198,7 +209,7 @@ class Holder:
         finally:
             self._send({"gone": instance})
             for message in self._deletions.pop(instance):
-                self._answer(message, "")
+                self.answer(message, "")
 
     def _end(self, instance: str) -> None:
         component = self._components.pop(instance)
@@ -209,7 +220,7 @@ class Holder:
             self._pacers.pop(key).close(_DEACTIVATE_S)
         component.finalize()
         for message in self._takeovers.pop(instance, ()):
-            self._refuse(message, Refused(f"{instance} was deleted"))
+            self.refuse(message, Refused(f"{instance} was deleted"))
 
     # connectors
 
@@ -238,7 +249,7 @@ class Holder:
             self._wires.send(wire, self._out_port(wire), outlet)
 
         self._reach(message, wire, self._wires.find_receiver, use)
-        return _LATER
+        return LATER
 
     def _fetch(self, message: Message) -> object:
         wire = decode(ConnectorProfile, message["connector"])
@@ -248,7 +259,7 @@ class Holder:
             self._wires.fetch(wire, self._in_port(wire), fetcher)
 
         self._reach(message, wire, self._wires.find_source, use)
-        return _LATER
+        return LATER
 
     def _reach(
         self,
@@ -268,9 +279,9 @@ class Holder:
                 end = find(wire, endpoint)
             except Exception as failure:
                 error = failure  # the name of an except clause is gone when this is called
-                self._inbox.put(lambda: self._not_found(message, wire, endpoint, error))
+                self.post(lambda: self._not_found(message, wire, endpoint, error))
             else:
-                self._inbox.put(lambda: self._found(message, wire, end, use))
+                self.post(lambda: self._found(message, wire, end, use))
 
         threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
 
@@ -284,9 +295,9 @@ class Holder:
         except RtkitError as error:
             end.close()
             self._forget(wire)
-            self._refuse(message, error)
+            self.refuse(message, error)
         else:
-            self._answer(message, "")
+            self.answer(message, "")
 
     def _not_found(
         self, message: Message, wire: ConnectorProfile, endpoint: str, error: Exception
@@ -295,7 +306,7 @@ class Holder:
         if not isinstance(error, RtkitError):
             _log.error("cannot reach %s", endpoint, exc_info=error)
             error = Unreachable(f"cannot reach {endpoint}: {error}")
-        self._refuse(message, error)
+        self.refuse(message, error)
 
     def _forget(self, wire: ConnectorProfile) -> None:
         if self._profiles.get(wire.connector_id) is wire:
@@ -329,7 +340,7 @@ class Holder:
 
     def _port(self, wire: ConnectorProfile, index: int) -> object:
         end = wire.ports[index]
-        port = self._component({"instance": end.instance}).ports.get(end.port)
+        port = self.component(end.instance).ports.get(end.port)
         if port is None:
             raise NotFound(f"Port not found: {end}")
         return port
@@ -337,17 +348,17 @@ class Holder:
     # configuration and state
 
     def _set(self, message: Message) -> object:
-        component = self._component(message)
+        component = self.component(message["instance"])
         configuration = component.configuration
         configuration.set(message["set_id"], message["values"])
         if message["set_id"] != configuration.active_set:
-            self._tell(component)
+            self.tell(component)
             return ""
         configuration.activate(message["set_id"])
         return self._take_over(component, message)
 
     def _activate_set(self, message: Message) -> object:
-        component = self._component(message)
+        component = self.component(message["instance"])
         component.configuration.activate(message["set_id"])
         return self._take_over(component, message)
 
@@ -356,32 +367,8 @@ class Holder:
         context = next((c for c in component.participations if c.is_running), None)
         if context is None:
             component.configuration.update()
-            self._tell(component)
+            self.tell(component)
             return ""
         self._takeovers.setdefault(component.instance, []).append(message)
         context.wake()
-        return _LATER
-
-    def _change_state(self, message: Message) -> object:
-        component = self._component(message)
-        context = component.contexts.get(message["context"])
-        if context is None:
-            raise NotFound(f"no execution context {message['context']} on {component.instance}")
-
-        def done(code: ReturnCode, why: str) -> None:
-            self._inbox.put(lambda: self._changed_state(message, component, code, why))
-
-        context.request(component, Transition(message["transition"]), done)
-        if message.get("wait", True):
-            return _LATER
-        return ""
-
-    def _changed_state(
-        self, message: Message, component: Component, code: ReturnCode, why: str
-    ) -> None:
-        if not message.get("wait", True):
-            return
-        if code is ReturnCode.OK:
-            self._answer(message, "")
-        else:
-            self._refuse(message, Refused(f"{why}: {component.instance}"), code)
+        return LATER

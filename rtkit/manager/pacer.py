@@ -1,6 +1,7 @@
-"""The thread that drives one execution context, at absolute deadlines, only while it has work.
+"""The thread that drives one execution context, only while it has work.
 
-A context whose components are all at rest costs no thread at all.
+A periodic one is driven at absolute deadlines, another one when it has reason to tick. A context
+whose components are all at rest costs no thread at all.
 """
 
 from __future__ import annotations
@@ -44,6 +45,20 @@ class Pacer:
         return not thread.is_alive()
 
     def _run(self) -> None:
+        if self._context.is_periodic:
+            self._run_at_rate()
+        else:
+            self._run_when_due()
+
+    def _run_when_due(self) -> None:
+        context, alarm = self._context, self._alarm
+        while not self._rest():
+            alarm.clear()
+            context.tick()
+            if not context.is_due and not context.is_idle:
+                alarm.wait()
+
+    def _run_at_rate(self) -> None:
         context, alarm = self._context, self._alarm
         period = Period(context.rate, time.monotonic_ns())
         while not self._rest():

@@ -14,6 +14,7 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.events import OWN_PROCESS, Message
+from rtkit.manager.naming import unregister
 from rtkit.manager.state import Claim, Process, State
 from rtkit.manager.stopping import retire
 from rtkit.manager.wiring import connect, disconnect, living, unwire
@@ -38,6 +39,8 @@ def procedure_for(action: Action, state: State) -> Procedure:
             return _create(state, action)
         case act.Delete():
             return _delete(state, action)
+        case act.Unregister():
+            return unregister(state, action)
         case act.Connect():
             return connect(state, action.connector)
         case act.Disconnect():
@@ -55,6 +58,29 @@ def procedure_for(action: Action, state: State) -> Procedure:
                 "wait": action.wait,
             }
             return _tell(state, action.instance, message)
+        case act.SetRate():
+            rate: Message = {"op": "set_rate", "context": action.context, "rate": action.rate}
+            return _tell(state, action.instance, rate)
+        case act.Tick():
+            return _tell(state, action.instance, {"op": "tick", "context": action.context})
+        case act.Attach() | act.Detach():
+            return _share(state, action)
+
+
+def _share(state: State, action: act.Attach | act.Detach) -> Procedure:
+    """Attach a component to a context of another, or detach it."""
+    owner, participant = living(state, action.owner), living(state, action.participant)
+    if owner is not participant:
+        raise Refused(
+            f"{action.participant} is in {participant.name}, {action.owner} in {owner.name}:"
+            " an execution context drives components of its own process only"
+        )
+    message = {
+        "op": type(action).__name__.lower(),
+        "context": action.context,
+        "participant": action.participant,
+    }
+    return (yield from _tell(state, action.owner, message))
 
 
 def _tell(state: State, instance: str, message: Message) -> Procedure:

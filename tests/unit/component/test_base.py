@@ -175,8 +175,8 @@ def test_execution_contexts(options, contexts):
 @pytest.mark.parametrize(
     ("options", "error", "named"),
     [
-        ({"execution_contexts": "ExtTrigExecutionContext"}, Refused, "ExtTrigExecutionContext"),
-        ({"exec_cxt.periodic.type": "OpenHRPExecutionContext"}, Refused, "OpenHRP"),
+        ({"execution_contexts": "MultilayerCompositeEC"}, Refused, "known: Periodic"),
+        ({"exec_cxt.periodic.type": "Sometimes"}, Refused, "Sometimes"),
         ({"execution_contexts": "Periodic(a),Periodic(a)"}, Refused, "a is named twice"),
         ({"execution_contexts": "Periodic(a"}, Malformed, r"Periodic\(a"),
         ({"exec_cxt.periodic.rate": "0"}, Malformed, "exec_cxt.periodic.rate"),

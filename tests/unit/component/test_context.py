@@ -334,18 +334,6 @@ def test_removing_an_active_component_deactivates_it():
     assert leaver.participations == ()
 
 
-def test_an_event_driven_context_does_not_execute_by_itself():
-    worker = Worker("Worker0")
-    alive(worker)
-    context = ExecutionContext("e", ExecutionKind.EVENT_DRIVEN, 0.0, "Worker0")
-    context.add_component(worker)
-    context.start()
-    context.activate_component(worker)
-    assert context.is_idle
-    context.tick()
-    assert worker.notes
-
-
 def test_the_profile_lists_only_others_as_participants():
     one, other = Worker("One"), Worker("Other")
     context = alive(one)

@@ -103,3 +103,21 @@ def test_modules_bring_types():
     assert world.perform(act.Create("Sink")).ok
     assert world.perform(act.Unload("/m/sink.py")).ok
     assert not world.perform(act.Unload("/m/sink.py")).ok
+
+
+def test_contexts_of_the_fake_are_shared_and_driven_as_by_a_manager():
+    world = wired()
+    here = "Sink1"
+    assert world.perform(act.Create("Sink")).value == here
+    assert world.perform(act.Attach("Sink0", "0", "Source0")).kind == "refused"
+    assert world.perform(act.Attach("Sink0", "0", here)).ok
+    assert world.perform(act.Attach("Sink0", "0", here)).kind == "refused"
+    assert world.components["Sink0"].contexts[0].participants == (here,)
+    assert [c.id for c in world.components[here].contexts] == ["0", "Sink0/0"]
+    assert world.perform(act.SetRate("Sink0", "0", 5.0)).ok
+    assert world.components["Sink0"].contexts[0].rate == 5.0
+    assert world.perform(act.SetRate("Sink0", "0", 0.0)).kind == "malformed"
+    assert world.perform(act.Tick("Sink0", "0")).kind == "refused"
+    assert world.perform(act.Detach("Sink0", "0", here)).ok
+    assert [c.id for c in world.components[here].contexts] == ["0"]
+    assert world.perform(act.Detach("Sink0", "0", here)).kind == "refused"

@@ -1,0 +1,54 @@
+"""The core hands on what clients ask of execution contexts, and to one process only."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtkit.deployment.actions import Attach, Detach, SetRate, Tick
+from rtkit.deployment.batch import Batch, batch_from_text, batch_to_text
+from rtkit.manager.fake import FakeShell
+
+
+@pytest.fixture
+def shell():
+    return FakeShell()
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (SetRate("A", "0", 5.0), {"op": "set_rate", "context": "0", "rate": 5.0}),
+        (Tick("A", "x"), {"op": "tick", "context": "x"}),
+        (Attach("A", "0", "B"), {"op": "attach", "context": "0", "participant": "B"}),
+        (Detach("A", "0", "B"), {"op": "detach", "context": "0", "participant": "B"}),
+    ],
+)
+def test_each_is_one_message_to_the_process_of_the_context(shell, action, message):
+    key = shell.make("A", "s")
+    shell.make("B", "s")
+    assert batch_from_text(batch_to_text(Batch((action,)))).actions == (action,)
+    asked = shell.ask(action)
+    call = shell.next(message["op"])
+    assert call.key == key
+    assert {k: v for k, v in call.message.items() if k != "call"} == {**message, "instance": "A"}
+    shell.reply(call)
+    assert asked.result.ok
+
+
+@pytest.mark.parametrize("kind", [Attach, Detach])
+def test_participants_are_of_the_same_process(shell, kind):
+    shell.make("A", "s")
+    shell.make("B", "t")
+    asked = shell.ask(kind("A", "0", "B"))
+    assert not shell.calls
+    assert asked.result.kind == "refused"
+    assert asked.result.why == (
+        "B is in t, A in s: an execution context drives components of its own process only"
+    )
+
+
+@pytest.mark.parametrize("kind", [Attach, Detach])
+def test_both_must_exist(shell, kind):
+    shell.make("A")
+    for action in (kind("A", "0", "No"), kind("No", "0", "A")):
+        assert shell.ask(action).result.why == "no component named No"
