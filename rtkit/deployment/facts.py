@@ -78,7 +78,11 @@ class ProcessFacts:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """Everything one manager knows at one moment."""
+    """Everything one manager knows at one moment.
+
+    Attributes:
+        names: Paths under which the manager itself is registered, ``localhost/manager.mgr``.
+    """
 
     host: str
     manager: str
@@ -89,6 +93,7 @@ class Snapshot:
     connectors: tuple[ConnectorProfile, ...] = ()
     modules: tuple[ModuleProfile, ...] = ()
     properties: Mapping[str, str] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
 
     def component(self, instance: str) -> ComponentFacts | None:
         """Return the component of that instance name, or None."""

@@ -41,6 +41,7 @@ class Listing(NamedTuple):
 
     Attributes:
         slaves: Name, state and reason of each slave process.
+        names: Paths under which the manager itself is registered.
     """
 
     host: str
@@ -48,6 +49,7 @@ class Listing(NamedTuple):
     pid: int
     slaves: tuple[tuple[str, str, str], ...]
     rows: tuple[Row, ...]
+    names: tuple[str, ...] = ()
 
 
 def listing_of(snapshot: Snapshot) -> Listing:
@@ -55,7 +57,7 @@ def listing_of(snapshot: Snapshot) -> Listing:
     slaves = tuple((p.name, p.state, p.reason) for p in snapshot.processes if p.is_slave)
     connected = connected_ports(snapshot.connectors)
     rows = tuple(row_of(component, connected) for component in snapshot.components)
-    return Listing(snapshot.host, snapshot.manager, snapshot.pid, slaves, rows)
+    return Listing(snapshot.host, snapshot.manager, snapshot.pid, slaves, rows, snapshot.names)
 
 
 def connected_ports(connectors: Iterable[ConnectorProfile]) -> Counter[tuple[str, str]]:
@@ -99,7 +101,7 @@ def listing_from_text(text: str) -> Listing:
         Malformed: The text is no listing.
     """
     try:
-        host, manager, pid, slaves, rows = json.loads(text)
+        host, manager, pid, slaves, rows, names = json.loads(text)
         width = len(Row._fields) - 1
         return Listing(
             str(host),
@@ -107,6 +109,7 @@ def listing_from_text(text: str) -> Listing:
             int(pid),
             tuple((str(name), str(state), str(why)) for name, state, why in slaves),
             tuple(Row._make([*row[:width], tuple(row[width])]) for row in rows),
+            tuple(map(str, names)),
         )
     except (ValueError, TypeError) as error:
         raise Malformed(f"not a listing: {error}") from error

@@ -21,6 +21,7 @@ from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, StopAsked
 from rtkit.manager.nursery import Nursery, become_subreaper
 from rtkit.manager.state import Process, State
 from rtkit.resources import resource as shipped
+from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
 from rtkit.version import __version__
 
 _DATA_SUFFIX = ".data"
@@ -133,6 +134,7 @@ def _open_doors(  # type: ignore[no-untyped-def]
 
 def _state(name: str, host: str, load_path: list[str]) -> State:
     state = State(host, name, os.getpid(), __version__)
+    state.names = (f"{LOCAL}/{name}{MANAGER_SUFFIX}",)
     state.processes[OWN_PROCESS] = Process(OWN_PROCESS, name, os.getpid(), "up")
     state.properties.update(
         {

@@ -106,7 +106,7 @@ class FakeShell:
     """
 
     def __init__(self) -> None:
-        state = State("host", "manager", 100, "1")
+        state = State("host", "manager", 100, "1", names=("localhost/manager.mgr",))
         state.processes[OWN] = Process(OWN, "manager", 100, "up")
         self.core = Core(state)
         self.now = 1000.0

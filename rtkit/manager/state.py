@@ -77,6 +77,7 @@ class State:
         claims: Instance names of components that are being made.
         ending: Instance names of components that are being deleted.
         openings: Connectors that are being made, by id.
+        names: Paths under which the manager itself is registered.
     """
 
     host: str
@@ -92,6 +93,7 @@ class State:
     claims: dict[str, Claim] = field(default_factory=dict)
     ending: set[str] = field(default_factory=set)
     openings: dict[str, Opening] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
 
     def living_process(self, name: str) -> Process | None:
         """Return the living process of that name, or None."""
@@ -121,10 +123,12 @@ class State:
         return [wire for wire in self.connectors.values() if _has_end(wire, instance)]
 
     def name_owner(self, name: str) -> str:
-        """Return the instance that is, or is to be, registered under a full name, or nothing."""
+        """Return who is, or is to be, registered under a full name; empty for nobody."""
         for instance, facts in self.components.items():
             if name in facts.names:
                 return instance
+        if name in self.names:
+            return f"manager {self.name}"
         return next((i for i, claim in self.claims.items() if name in claim.names), "")
 
     def forget(self, instance: str) -> None:
@@ -167,6 +171,7 @@ class State:
             connectors=tuple(self.connectors.values()),
             modules=tuple(self.modules.values()),
             properties=dict(self.properties),
+            names=self.names,
         )
 
     def validate(self) -> None:
@@ -187,6 +192,7 @@ class State:
             assert holder is not None, f"no process holds {instance}"
             assert bool(facts.zombie) is not holder.is_alive, f"{instance} in {holder}"
         names = [name for facts in self.components.values() for name in facts.names]
+        names += self.names
         assert len(names) == len(set(names)), f"a name is used twice: {names}"
         for connector_id, wire in self.connectors.items():
             assert wire.connector_id == connector_id, wire

@@ -100,23 +100,43 @@ class Node:
 def build(listing: Listing) -> Node:
     """Return the root of the tree that `listing` describes."""
     root = Node("", Kind.ROOT)
-    local = root.add(Node(LOCAL, Kind.HOST))
-    manager = local.add(_manager(listing.manager, ""))
+    root.add(Node(LOCAL, Kind.HOST))
+    for name in listing.names:
+        parent, leaf = _parent(root, name, listing.host)
+        if parent is not None:
+            _fill(parent.add(Node(leaf, Kind.MANAGER, process=listing.manager)), listing)
+    for row in listing.rows:
+        for name in row.names:
+            parent, leaf = _parent(root, name, listing.host)
+            if parent is not None:
+                parent.add(_leaf(leaf, row))
+    return root
+
+
+def shown_path(name: str, hostname: str) -> str:
+    """Return where a registered name shows in the tree of a manager on the host `hostname`."""
+    host, slash, rest = name.partition("/")
+    return f"/{LOCAL if is_local_host(host, hostname) else host}{slash}{rest}"
+
+
+def _fill(manager: Node, listing: Listing) -> None:
+    """Put slaves and components below the manager, components below their slave too."""
     slaves = {
-        name: manager.add(_manager(name, _trouble(state, reason)))
+        name: manager.add(
+            Node(
+                name + MANAGER_SUFFIX,
+                Kind.MANAGER,
+                process=name,
+                trouble=_trouble(state, reason),
+            )
+        )
         for name, state, reason in listing.slaves
     }
     for row in listing.rows:
-        _place(root, row, listing.host)
         manager.add(_leaf(row.instance + COMPONENT_SUFFIX, row))
         slave = slaves.get(row.process)
         if slave is not None:
             slave.add(_leaf(row.instance + COMPONENT_SUFFIX, row))
-    return root
-
-
-def _manager(name: str, trouble: str) -> Node:
-    return Node(name + MANAGER_SUFFIX, Kind.MANAGER, process=name, trouble=trouble)
 
 
 def _trouble(state: str, reason: str) -> str:
@@ -125,16 +145,16 @@ def _trouble(state: str, reason: str) -> str:
     return f"{state}: {reason}" if reason and reason != state else state
 
 
-def _place(root: Node, row: Row, hostname: str) -> None:
-    for name in row.names:
-        host, slash, rest = name.partition("/")
-        if not slash:
-            continue
-        *directories, leaf = rest.split("/")
-        node = _below(root, LOCAL if is_local_host(host, hostname) else host, Kind.HOST)
-        for directory in directories:
-            node = _below(node, directory, Kind.DIRECTORY)
-        node.add(_leaf(leaf, row))
+def _parent(root: Node, name: str, hostname: str) -> tuple[Node | None, str]:
+    """Return the directory that a registered name is in, and its last element."""
+    host, slash, rest = name.partition("/")
+    if not slash:
+        return None, ""
+    *directories, leaf = rest.split("/")
+    node = _below(root, LOCAL if is_local_host(host, hostname) else host, Kind.HOST)
+    for directory in directories:
+        node = _below(node, directory, Kind.DIRECTORY)
+    return node, leaf
 
 
 def _below(node: Node, name: str, kind: Kind) -> Node:

@@ -19,7 +19,8 @@ def row(instance: str, zombie: str = "") -> Row:
 @pytest.fixture
 def root() -> Node:
     rows = (row("A"), row("Z", "signal 9"))
-    return build(Listing("box.lan", "manager", 1, (("s1", "up", ""),), rows))
+    names = ("localhost/manager.mgr",)
+    return build(Listing("box.lan", "manager", 1, (("s1", "up", ""),), rows, names))
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtkit.deployment.listing import Listing, Row
-from rtkit.tree.view import Kind, Node, build
+from rtkit.tree.view import Kind, Node, build, shown_path
 
 
 def row(
@@ -18,7 +18,8 @@ def row(
 
 
 def tree(*rows: Row, slaves: tuple[tuple[str, str, str], ...] = ()) -> Node:
-    return build(Listing("box", "manager", 1, slaves, rows))
+    names = ("localhost/manager.mgr",)
+    return build(Listing("box", "manager", 1, slaves, rows, names))
 
 
 def paths(root: Node) -> list[str]:
@@ -91,3 +92,22 @@ def test_remarks() -> None:
     }
     assert manager.children["A.rtc"].kind is Kind.ZOMBIE
     assert manager.remark == ""
+
+
+def test_a_manager_shows_at_each_of_its_names_with_all_that_it_holds() -> None:
+    names = ("localhost/manager.mgr", "box/box.host_cxt/manager.mgr", "nowhere")
+    root = build(Listing("box", "manager", 1, (("s1", "up", ""),), (row("A"),), names))
+    below = ["/A.rtc", "/s1.mgr"]
+    for place in ("/localhost/manager.mgr", "/localhost/box.host_cxt/manager.mgr"):
+        found = [path for path in paths(root) if path.startswith(place)]
+        assert found == [place, *(place + leaf for leaf in below)]
+
+
+def test_a_manager_without_a_name_is_not_shown() -> None:
+    root = build(Listing("box", "manager", 1, (("s1", "up", ""),), (row("A", "localhost/A.rtc"),)))
+    assert paths(root) == ["/", "/localhost", "/localhost/A.rtc"]
+
+
+def test_names_show_where_they_are_found() -> None:
+    assert shown_path("box/a/M.rtc", "box") == "/localhost/a/M.rtc"
+    assert shown_path("far:2810/M.rtc", "box") == "/far:2810/M.rtc"

@@ -1,0 +1,28 @@
+"""Names in the tree: aliases of components and of the manager itself."""
+
+from __future__ import annotations
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.errors import NotFound, Refused
+from rtkit.manager.state import State
+from rtkit.manager.wishes import Procedure
+
+
+def unregister(state: State, action: act.Unregister) -> Procedure:
+    """Remove a name; a component lives on without it, a zombie is forgotten with its last one."""
+    yield from ()
+    name = action.name
+    facts = next((c for c in state.components.values() if name in c.names), None)
+    if facts is None and name not in state.names:
+        raise NotFound(f"nothing is registered as /{name}")
+    if action.is_zombie and (facts is None or not facts.zombie):
+        raise Refused(f"no zombie is registered as /{name}")
+    if facts is None:
+        state.names = tuple(each for each in state.names if each != name)
+        return Result()
+    left = tuple(each for each in facts.names if each != name)
+    state.update(facts.instance, names=left)
+    if facts.zombie and not left and facts.instance not in state.ending:
+        state.forget(facts.instance)
+    return Result()
