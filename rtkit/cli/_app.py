@@ -58,8 +58,7 @@ class App:
         """Read a path as typed, relative to the working directory in the tree."""
         from rtkit.rtc.names import parse_path
 
-        cwd = os.environ.get("RTKIT_CWD") or os.environ.get("RTCSH_CWD") or "/"
-        return parse_path(typed, cwd)
+        return parse_path(typed, working_directory())
 
     def say(self, text: str) -> None:
         """Write a line, or several, on stderr."""
@@ -84,6 +83,11 @@ class App:
         if self._is_own_tree and self._tree is not None:
             self._tree.close()
             self._tree = None
+
+
+def working_directory() -> str:
+    """Return the place in the tree that relative paths start from."""
+    return os.environ.get("RTKIT_CWD") or os.environ.get("RTCSH_CWD") or "/"
 
 
 class WrongArguments(Malformed):

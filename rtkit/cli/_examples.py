@@ -41,15 +41,31 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtcryo -n Robot -o robot.xml", "Save what is running."),
         ("rtcryo --all", "Also components without connections, on stdout."),
     ),
+    "rtcwd": (
+        ("rtcwd /localhost/robot.host_cxt", "Print the line that a shell is to evaluate."),
+        ("rtcwd ..", "One level up. What the shell function does, and rtkit shell-init defines."),
+    ),
     "rtdeact": (("rtdeact /localhost/Robot0.rtc", "Stop a component from executing."),),
+    "rtdel": (
+        ("rtdel -z", "Remove everything that nobody is behind any more."),
+        ("rtdel /localhost/old.host_cxt", "Remove a directory, that is every name in it."),
+        ("rtdel -z /localhost/Robot0.rtc", "Remove a name, but only if it is a zombie's."),
+    ),
     "rtdis": (
         ("rtdis /localhost/Robot0.rtc", "Remove every connection of a component."),
         ("rtdis -i range /localhost/Sensor0.rtc:range", "Only the one of that id."),
         ("rtdis Sensor0.rtc:range Control0.rtc:range", "Those between two ports."),
     ),
+    "rtexit": (("rtexit /localhost/Robot0.rtc", "End a component; its name goes with it."),),
+    "rtfind": (
+        ("rtfind / -t c -n 'Motor*.rtc'", "All components whose name begins with Motor."),
+        ("rtfind /localhost -t z", "All zombies of this host."),
+        ("rtfind . -m 1 -i 'motor?.rtc'", "In this directory, capitals or not."),
+    ),
     "rtkit": (
         ("rtkit ls /localhost", "The same as rtls /localhost."),
         ("rtkit conf -h", "Tell about one verb."),
+        ("rtkit shell-init bash", "What bash evaluates to know rtcwd."),
     ),
     "rtls": (
         ("rtls -l /localhost", "State, ports and connections of what runs here."),
@@ -70,6 +86,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
         ("rtmgr stop", "End the manager with everything that it holds."),
     ),
+    "rtpwd": (("rtpwd", "Print where relative paths start from."),),
     "rtreset": (("rtreset /localhost/Robot0.rtc", "Bring a component out of Error."),),
     "rtresurrect": (
         ("rtresurrect robot.xml", "Make, configure and connect what a profile describes."),

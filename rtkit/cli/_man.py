@@ -13,7 +13,7 @@ import click
 from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
-from rtkit.cli._unified import SUMMARIES
+from rtkit.cli._unified import SUMMARIES, WORDS
 
 _STATUSES = (
     ("0", "Success."),
@@ -28,6 +28,7 @@ _DETAILS = (
 _ENVIRONMENT = (
     ("RTKIT_MANAGER", "Name of the manager to ask, by default manager."),
     ("RTKIT_CWD", "Working directory in the tree, from which relative paths are meant."),
+    ("RTCSH_CWD", "The same, where RTKIT_CWD is not set: the variable that rtcwd sets."),
     ("RTKIT_RUNTIME_DIR", "Folder of sockets and locks, for this user alone."),
     ("RTKIT_STATE_DIR", "Folder of logs."),
     ("RTKIT_MODULE_PATH", "Folders where managers look for modules, with : between them."),
@@ -64,6 +65,8 @@ def _unified() -> str:
     lines += [".SH VERBS"]
     for verb, module in COMMANDS.items():
         lines += _item(verb, f"{SUMMARIES[verb]} See {module}(1).")
+    for word, summary in WORDS.items():
+        lines += _item(word, f"{summary} Tells more with -h.")
     lines += [".SH OPTIONS"]
     lines += _item("--version", "Show the version and exit.")
     lines += _item("-h, --help", "List the verbs.")

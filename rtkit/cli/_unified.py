@@ -20,18 +20,28 @@ SUMMARIES: dict[str, str] = {
     "con": "Connect the first port to each of the others.",
     "conf": "Show and change the configuration sets of a component.",
     "cryo": "Save the live system as an RTS profile.",
+    "cwd": "Change the working directory in the tree.",
     "deact": "Deactivate components: Active to Inactive.",
+    "del": "Remove names from the tree.",
     "dis": "Remove connections.",
+    "exit": "Finalise a component and end it.",
+    "find": "Search the tree.",
     "ls": "List directories, managers and components of the tree.",
     "mgr": "Start, stop and command managers.",
+    "pwd": "Print the working directory in the tree.",
     "reset": "Reset components: Error to Inactive.",
     "resurrect": "Bring up the system of an RTS profile.",
     "start": "Activate every component of an RTS profile.",
     "stop": "Deactivate every component of an RTS profile.",
     "teardown": "Remove every connection of an RTS profile.",
 }
+SHELL_INIT = "shell-init"
+WORDS: dict[str, str] = {SHELL_INIT: "Print the functions that a shell needs."}
+"""Verbs that are no commands of their own."""
+
 _USAGE = "Usage: {} VERB [OPTIONS] [ARGUMENTS]..."
 _BAD_LINE = 2
+_WRONG_COUNT = 1
 
 
 def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
@@ -45,6 +55,8 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
         from rtkit import __version__
 
         return _print(f"rtkit {__version__}")
+    if verb == SHELL_INIT:
+        return _shell_init(name, arguments[1:])
     module = COMMANDS.get(verb) or (verb if verb in COMMANDS.values() else None)
     if module is None:
         return _unknown(name, verb)
@@ -56,9 +68,28 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
     return int(main(arguments[1:], tree=tree, name=f"{name} {verb}"))
 
 
+def _shell_init(name: str, arguments: Sequence[str]) -> int:
+    from rtkit.cli._shell_init import HELP, SCRIPTS
+
+    help_text = HELP.format(name)
+    if len(arguments) == 1 and arguments[0] in ("-h", "--help"):
+        return _print(help_text)
+    if len(arguments) == 1 and arguments[0] in SCRIPTS:
+        return _print(SCRIPTS[arguments[0]])
+    print(help_text.splitlines()[0], file=sys.stderr)
+    if len(arguments) != 1:
+        return _WRONG_COUNT
+    from rtkit.cli._out import printable
+
+    told = f"{name} shell-init: no such shell: {arguments[0]} (one of {', '.join(SCRIPTS)})"
+    print(printable(told), file=sys.stderr)
+    return _BAD_LINE
+
+
 def _help(name: str) -> str:
-    width = max(map(len, COMMANDS)) + 2
-    verbs = "\n".join(f"  {verb:<{width}}{SUMMARIES[verb]}" for verb in COMMANDS)
+    told = SUMMARIES | WORDS
+    width = max(map(len, told)) + 2
+    verbs = "\n".join(f"  {verb:<{width}}{told[verb]}" for verb in sorted(told))
     return f"""{_USAGE.format(name)}
 
 Each verb is also a command of its own: {name} ls is rtls.
@@ -89,7 +120,7 @@ def _unknown(name: str, verb: str) -> int:
 
     from rtkit.cli._out import printable
 
-    near = get_close_matches(verb, [*COMMANDS, *COMMANDS.values()], n=3)
+    near = get_close_matches(verb, [*COMMANDS, *COMMANDS.values(), *WORDS], n=3)
     hint = f"; did you mean: {', '.join(near)}?" if near else ""
     what = "option" if verb.startswith("-") else "verb"
     print(_USAGE.format(name), file=sys.stderr)

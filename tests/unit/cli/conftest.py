@@ -112,19 +112,24 @@ def plain_environment(monkeypatch: pytest.MonkeyPatch) -> None:
         "NO_COLOR",
     ):
         monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("SHELL", "/bin/bash")
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "80")
 
 
 @pytest.fixture
-def run(world: World, capsys: pytest.CaptureFixture[str]) -> Callable[[str], Outcome]:
-    """Return what types a command line."""
+def run(
+    world: World, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> Callable[[str], Outcome]:
+    """Return what types a command line, which may begin with ``NAME=VALUE`` as in a shell."""
 
     def typed(line: str) -> Outcome:
-        name, *arguments = shlex.split(line)
-        main = importlib.import_module(f"rtkit.cli.{name}").main
-        tree = fake_tree(world)
-        status = main(arguments, tree=tree)
+        words = shlex.split(line)
+        with monkeypatch.context() as patch:
+            while "=" in words[0]:
+                patch.setenv(*words.pop(0).split("=", 1))
+            main = importlib.import_module(f"rtkit.cli.{words[0]}").main
+            status = main(words[1:], tree=fake_tree(world))
         captured = capsys.readouterr()
         return Outcome(status, captured.out, captured.err)
 

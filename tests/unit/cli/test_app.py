@@ -116,7 +116,7 @@ def test_arguments_that_nobody_takes(capsys: pytest.CaptureFixture[str]) -> None
     assert capsys.readouterr().err == told
 
 
-@pytest.mark.parametrize("name", ["rtls", "rtcat", "rtact", "rtcon", "rtdis", "rtconf", "rtmgr"])
+@pytest.mark.parametrize("name", COMMANDS.values())
 def test_common_options(run: Run, name: str) -> None:
     assert run(f"{name} --version") == (0, f"rtkit {__version__}\n", "")
     for option in ("-h", "--help"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 
@@ -9,7 +10,8 @@ import pytest
 
 from rtkit import __version__
 from rtkit.cli import COMMANDS
-from rtkit.cli._unified import SUMMARIES, run
+from rtkit.cli._shell_init import SCRIPTS
+from rtkit.cli._unified import SUMMARIES, WORDS, run
 from rtkit.deployment.world import World
 from rtkit.tree.fake import fake_tree
 
@@ -35,7 +37,7 @@ def test_help_lists_every_verb(argv: list[str], capsys: pytest.CaptureFixture[st
     assert run(argv) == 0
     out = capsys.readouterr().out
     assert out.startswith("Usage: rtkit VERB [OPTIONS] [ARGUMENTS]...\n")
-    for verb, summary in SUMMARIES.items():
+    for verb, summary in (SUMMARIES | WORDS).items():
         assert any(line.split() == [verb, *summary.split()] for line in out.splitlines())
     assert all(len(line) <= 80 for line in out.splitlines())
 
@@ -62,6 +64,29 @@ def test_an_unknown_verb(verb: str, said: str, capsys: pytest.CaptureFixture[str
 
 def test_the_table_of_summaries_is_that_of_the_commands() -> None:
     assert list(SUMMARIES) == list(COMMANDS)
+
+
+def test_a_shell_s_functions_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    for shell, script in SCRIPTS.items():
+        assert run(["shell-init", shell]) == 0
+        assert capsys.readouterr() == (f"{script}\n", "")
+    assert run(["shell-init", "-h"]) == 0
+    usage = "Usage: rtkit shell-init bash|zsh|fish\n"
+    assert capsys.readouterr().out.startswith(usage)
+    assert run(["shell-init"]) == 1
+    assert capsys.readouterr() == ("", usage)
+    assert run(["shell-init", "cmd"]) == 2
+    told = "rtkit shell-init: no such shell: cmd (one of bash, zsh, fish)\n"
+    assert capsys.readouterr() == ("", usage + told)
+
+
+@pytest.mark.parametrize("shell", [name for name in SCRIPTS if shutil.which(name)])
+def test_a_shell_takes_its_functions(shell: str) -> None:
+    done = subprocess.run(
+        [shell, "-c", f"{SCRIPTS[shell]}\ntype rtcwd"], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "function" in done.stdout
 
 
 @pytest.mark.parametrize(

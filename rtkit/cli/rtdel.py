@@ -1,0 +1,107 @@
+"""``rtdel``: remove names from the tree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli._app import App, WrongArguments, command
+from rtkit.errors import Malformed, NotFound, Partial, Refused, from_kind
+
+if TYPE_CHECKING:
+    from rtkit.deployment.actions import Action
+    from rtkit.deployment.listing import Listing
+    from rtkit.rtc.names import Path
+    from rtkit.tree.view import Node
+
+
+@command("rtdel")
+@click.option("-z", "--zombies", is_flag=True, help="Zombies only; without a path: all of them.")
+@click.argument("paths", nargs=-1, metavar="[PATH]")
+def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:
+    """Remove names from the tree.
+
+    Only the name goes: a component lives on, and is found below its manager; a manager too, and
+    answers at its direct address. Of a directory all names in it are removed. With its last name
+    a zombie is forgotten.
+    """
+    if len(paths) > 1:
+        raise WrongArguments
+    if paths:
+        actions = _below(app, app.path(paths[0]), zombies)
+    elif zombies:
+        actions = _all_zombies(app.tree.listing())
+    else:
+        raise Malformed("No path given.")
+    _remove(app, actions)
+
+
+def _below(app: App, path: Path, zombies: bool) -> list[Action]:
+    from rtkit.deployment.actions import Unregister
+    from rtkit.tree.view import Kind
+
+    if path.port is not None:
+        raise Malformed(f"Undeletable object: {path.typed}")
+    if not path.elements:
+        raise Malformed("Cannot delete the root directory.")
+    listing = app.tree.listing()
+    node = _node(listing, path)
+    if zombies and node.kind is not Kind.ZOMBIE:
+        raise Refused(f"Not a zombie object: {path.typed}")
+    if node.kind is Kind.HOST:
+        raise Refused(f"Undeletable object: {path.typed}")
+    if node.parent is None or node.parent.kind is Kind.MANAGER:
+        raise Refused(f"Parent not a directory: {path.typed}")
+    return [Unregister(name, zombies) for name in _names(listing, node)]
+
+
+def _node(listing: Listing, path: Path) -> Node:
+    from rtkit.tree.resolve import find
+    from rtkit.tree.view import build
+
+    node = find(build(listing), path, listing.host)
+    if node is None:
+        raise NotFound(f"No such object: {path.typed}")
+    return node
+
+
+def _names(listing: Listing, node: Node) -> list[str]:
+    """Return the names behind an entry, or behind all entries of a directory."""
+    from rtkit.tree.view import Kind, shown_path
+
+    registered = [*listing.names, *(name for row in listing.rows for name in row.names)]
+    shown = [(name, shown_path(name, listing.host)) for name in registered]
+    if node.kind is Kind.DIRECTORY:
+        return [name for name, place in shown if place.startswith(f"{node.path}/")]
+    return [name for name, place in shown if place == node.path]
+
+
+def _all_zombies(listing: Listing) -> list[Action]:
+    from rtkit.deployment.actions import Delete, Unregister
+
+    actions: list[Action] = []
+    for row in listing.rows:
+        if row.zombie:
+            actions += [Unregister(name, is_zombie=True) for name in row.names]
+            # One that lost its name while it lived is only below its manager.
+            actions += [] if row.names else [Delete(row.instance)]
+    return actions
+
+
+def _remove(app: App, actions: Sequence[Action]) -> None:
+    from rtkit.deployment.actions import Delete, Unregister
+
+    if not actions:
+        return
+    results = app.tree.apply(actions, is_ordered=False)
+    failures = []
+    for action, result in zip(actions, results, strict=True):
+        # Who removed it in the meantime did what was asked for.
+        if not result.ok and result.kind != NotFound.kind:
+            assert isinstance(action, Unregister | Delete)
+            what = f"/{action.name}" if isinstance(action, Unregister) else action.instance
+            failures.append((what, from_kind(result.kind, result.why)))
+    if failures:
+        raise Partial(f"{len(failures)} of {len(actions)} names remain", failures)

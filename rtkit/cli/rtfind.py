@@ -1,0 +1,109 @@
+"""``rtfind``: search the tree."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, WrongArguments, command
+from rtkit.errors import Malformed, UsageProblem
+from rtkit.tree.resolve import find
+from rtkit.tree.view import Kind, Node, build
+
+_LETTERS: dict[str, tuple[Kind, ...]] = {
+    "c": (Kind.COMPONENT,),
+    "d": (Kind.ROOT, Kind.HOST, Kind.DIRECTORY, Kind.MANAGER),
+    "m": (Kind.MANAGER,),
+    "n": (Kind.HOST,),
+    "z": (Kind.ZOMBIE,),
+}
+
+
+@command("rtfind")
+@click.option(
+    "-t",
+    "--type",
+    "letters",
+    default="".join(_LETTERS),
+    metavar="TYPES",
+    help="Any of c components, d directories (managers and hosts too), m managers, n hosts,"
+    " z zombies.",
+)
+@click.option("-n", "--name", "names", multiple=True, metavar="PATTERN", help="Name, with * and ?.")
+@click.option(
+    "-i", "--iname", "inames", multiple=True, metavar="PATTERN", help="The same, any case."
+)
+@click.option(
+    "-m",
+    "--maxdepth",
+    "depth",
+    type=click.IntRange(min=0),
+    default=0,
+    metavar="LEVELS",
+    help="So many levels below the start; 0: all.",
+)
+@click.argument("starts", nargs=-1, metavar="START")
+def main(
+    app: App,
+    starts: tuple[str, ...],
+    letters: str,
+    names: tuple[str, ...],
+    inames: tuple[str, ...],
+    depth: int,
+) -> None:
+    """Search the tree.
+
+    Prints the path of each entry, START among them, that is of one of the types and whose name
+    matches one of the patterns. Nothing found is no failure.
+    """
+    if len(starts) != 1:
+        raise WrongArguments
+    kinds = _kinds(letters)
+    patterns = [_pattern(each, 0) for each in names]
+    patterns += [_pattern(each, re.IGNORECASE) for each in inames]
+    start = _start(app, starts[0])
+    _out.write(
+        _out.printable(node.path)
+        for node in _walk(start, depth or -1)
+        if node.kind in kinds and _matches(node.name, patterns)
+    )
+
+
+def _kinds(letters: str) -> set[Kind]:
+    unknown = [letter for letter in letters if letter not in _LETTERS]
+    if unknown:
+        raise UsageProblem(f"no type of entry: {unknown[0]} (any of {''.join(_LETTERS)})")
+    return {kind for letter in letters for kind in _LETTERS[letter]}
+
+
+def _pattern(text: str, flags: int) -> re.Pattern[str]:
+    parts = (".*" if c == "*" else "." if c == "?" else re.escape(c) for c in text)
+    return re.compile("".join(parts), flags | re.DOTALL)
+
+
+def _matches(name: str, patterns: Sequence[re.Pattern[str]]) -> bool:
+    return not patterns or any(pattern.fullmatch(name) for pattern in patterns)
+
+
+def _start(app: App, typed: str) -> Node:
+    from rtkit.errors import NotFound
+
+    path = app.path(typed)
+    if path.port is not None:
+        raise Malformed(f"Not a directory: {path.typed}")
+    listing = app.tree.listing()
+    node = find(build(listing), path, listing.host)
+    if node is None:
+        raise NotFound(f"No such object: {path.typed}")
+    if path.is_directory and not node.is_directory:
+        raise Malformed(f"Not a directory: {path.typed}")
+    return node
+
+
+def _walk(node: Node, depth: int) -> Iterator[Node]:
+    yield node
+    for child in node.entries() if depth else ():
+        yield from _walk(child, depth - 1)
