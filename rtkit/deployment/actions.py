@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from rtkit import errors
 from rtkit.rtc.enums import ReturnCode, Transition
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import ConnectorProfile
+
+if TYPE_CHECKING:
+    from rtkit.rtc.pattern import ComponentPattern
+    from rtkit.rtc.profiles import ConnectorProfile
+
+_ON_DEMAND = {"ComponentPattern": "rtkit.rtc.pattern", "ConnectorProfile": "rtkit.rtc.profiles"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,3 +188,11 @@ class Result:
         """Raise the error that this result stands for, if any."""
         if not self.ok:
             raise errors.from_kind(self.kind, self.why)
+
+
+def __getattr__(name: str) -> Any:
+    # Most commands send neither, so only who reads the annotations (`rtkit.rtc.plain`) loads them.
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = found = getattr(import_module(_ON_DEMAND[name]), name)
+    return found

@@ -5,11 +5,14 @@ What arrives from another process is not trusted: `decode` checks every field.
 
 from __future__ import annotations
 
+import builtins
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from enum import Enum
-from types import UnionType
-from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from inspect import get_annotations
+from types import ModuleType, UnionType
+from typing import Any, TypeVar, Union, cast, get_args, get_origin
 
 from rtkit.errors import Malformed
 
@@ -69,25 +72,50 @@ def _optional_encoder(args: tuple[Any, ...]) -> Coder:
 
 
 def _record_encoder(cls: Any) -> Coder:
-    hints = get_type_hints(cls)
     columns = [
         (
             field.name,
-            _encoder(hints[field.name]),
             field.default_factory() if field.default_factory is not MISSING else field.default,
         )
         for field in fields(cls)
     ]
+    coders: dict[str, Coder] = {}
 
     def encode_record(value: Any) -> dict[str, Any]:
         plain = {}
-        for name, coder, default in columns:
+        for name, default in columns:
             item = getattr(value, name)
             if item != default:
+                # Made at first use: a type that is never sent need not even be imported.
+                coder = coders.get(name)
+                if coder is None:
+                    coder = coders[name] = _encoder(_hint(cls, name))
                 plain[name] = coder(item)
         return plain
 
     return encode_record
+
+
+def _hint(cls: type, name: str) -> Any:
+    """Return the type of a field."""
+    for owner in cls.__mro__:
+        annotation = get_annotations(owner).get(name)
+        if annotation is not None:
+            break
+    if not isinstance(annotation, str):
+        return annotation
+    return eval(annotation, {}, _Names(sys.modules[owner.__module__]))
+
+
+class _Names(dict[str, Any]):
+    """What annotations of a module may name, also what the module imports only on demand."""
+
+    def __init__(self, module: ModuleType) -> None:
+        super().__init__(vars(module))
+        self._module = module
+
+    def __missing__(self, name: str) -> Any:
+        return getattr(builtins, name, None) or getattr(self._module, name)
 
 
 def _decoder(hint: Any) -> Coder:
@@ -157,8 +185,7 @@ def _scalar_decoder(hint: type) -> Coder:
 
 
 def _record_decoder(cls: Any) -> Coder:
-    hints = get_type_hints(cls)
-    coders = {field.name: _decoder(hints[field.name]) for field in fields(cls)}
+    coders = {field.name: _decoder(_hint(cls, field.name)) for field in fields(cls)}
 
     def decode_record(data: Any) -> Any:
         if not isinstance(data, Mapping):

@@ -9,6 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rtkit.deployment.actions import (  # noqa: F401 - hypothesis reads annotations that name them
+    ComponentPattern,
+    ConnectorProfile,
+)
 from rtkit.deployment.batch import Batch, batch_from_text, batch_to_text
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import Listing, listing_from_text, listing_of, listing_to_text
