@@ -13,8 +13,9 @@ from functools import partial
 from rtkit.deployment.actions import Result
 from rtkit.deployment.batch import results_to_text
 from rtkit.errors import Malformed, Refused
-from rtkit.manager import facts_in
+from rtkit.manager import adoption, facts_in
 from rtkit.manager.events import (
+    AdoptSlave,
     AnswerClient,
     BatchAsked,
     Event,
@@ -27,6 +28,7 @@ from rtkit.manager.events import (
     SlaveEnded,
     SlaveFailed,
     SlaveForked,
+    SlaveFound,
     SlaveHalted,
     SlaveReady,
     StopAsked,
@@ -85,6 +87,8 @@ class Core:
                 self._forked(key, pid)
             case SlaveReady(key):
                 self._ready(key)
+            case SlaveFound():
+                self._found(event)
             case SlaveEnded(key, reason) | SlaveFailed(key, reason):
                 self._ended(key, reason)
             case SlaveHalted(key, is_halted):
@@ -168,6 +172,18 @@ class Core:
         process.state = "up"
         if not self._end_unwanted(process):
             self._tasks.process_is_up(process)
+
+    def _found(self, event: SlaveFound) -> None:
+        """Believe a slave about what it holds; what contradicts the living, it is to drop."""
+        process = adoption.process_of(self.state, event.pid)
+        if process is None:
+            name = adoption.free_name(self.state, event.name, event.pid)
+            process = self._tasks.new_process(name, event.pid)
+        process.state = "up"
+        self._out.append(AdoptSlave(process.key, event.pid))
+        for message in adoption.take(self.state, process, event.components, event.wires):
+            self._out.append(SendToHolder(process.key, message))
+        self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
 
     def _end_unwanted(self, process: Process) -> bool:
         """End a slave that came when nobody waited for it any more."""

@@ -25,6 +25,7 @@ from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
 from rtkit.version import __version__
 
 _DATA_SUFFIX = ".data"
+_ZYGOTE_SUFFIX = ".zygote"
 _DESCRIPTORS = 65_536
 
 
@@ -38,7 +39,7 @@ def run(name: str, ready: int | None = None) -> int:
     try:
         with ExitStack() as stack:
             loop = _assemble(name, stack)
-            _tell(ready, "ready")
+            loop.settle(lambda: _tell(ready, "ready"))
             loop.run()
     except RtkitError as error:
         if ready is None:
@@ -79,6 +80,7 @@ def _assemble(name: str, stack: ExitStack):  # type: ignore[no-untyped-def]
             "data": data,
             "host": host,
             "load_path": load_path,
+            "zygote": os.path.join(places.runtime_dir(), f"{name}.%p{_ZYGOTE_SUFFIX}"),
         }
     )
     stack.callback(nursery.close)
@@ -193,7 +195,7 @@ def _is_same_file(descriptor: int, path: str) -> bool:
 
 
 def remove_stale(name: str) -> None:
-    """Remove sockets that a killed manager of that name and its slaves left.
+    """Remove sockets that a killed manager of that name and its dead slaves left.
 
     Raises:
         Refused: Something else than a socket lies there.
@@ -211,9 +213,10 @@ def remove_stale(name: str) -> None:
 
 
 def _is_data_socket(entry: str, name: str) -> bool:
-    """Whether it is one of a process of that manager, and of no other whose name is longer."""
+    """Whether it was one of a process of that manager, and of no other whose name is longer."""
     pid = entry.removeprefix(f"{name}.").removesuffix(_DATA_SUFFIX)
-    return pid.isdigit() and entry == f"{name}.{pid}{_DATA_SUFFIX}"
+    is_one = pid.isdigit() and entry == f"{name}.{pid}{_DATA_SUFFIX}"
+    return is_one and not os.path.exists(f"/proc/{pid}")  # slaves outlive their manager
 
 
 def main() -> int:

@@ -56,6 +56,16 @@ class SlaveReady:
 
 
 @dataclass(frozen=True, slots=True)
+class SlaveFound:
+    """A slave that an earlier manager left said what it holds."""
+
+    pid: int
+    name: str
+    components: object
+    wires: object
+
+
+@dataclass(frozen=True, slots=True)
 class SlaveEnded:
     """The kernel reported the end of a slave."""
 
@@ -90,6 +100,7 @@ Event = (
     | SlaveForked
     | SlaveFailed
     | SlaveReady
+    | SlaveFound
     | SlaveEnded
     | SlaveHalted
     | HolderSaid
@@ -103,6 +114,14 @@ class SpawnSlave:
 
     key: int
     name: str
+
+
+@dataclass(frozen=True, slots=True)
+class AdoptSlave:
+    """Take a slave that was found as our own, under this key."""
+
+    key: int
+    pid: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,4 +160,4 @@ class Finish:
     """Nothing is left to be ended: close the doors and end the process."""
 
 
-Instruction = SpawnSlave | SendToHolder | SignalSlave | AnswerClient | WakeAt | Finish
+Instruction = SpawnSlave | AdoptSlave | SendToHolder | SignalSlave | AnswerClient | WakeAt | Finish

@@ -100,6 +100,7 @@ class FakeShell:
         calls: Messages that wait for an answer, in order.
         told: Messages that want none, as (key, message).
         spawned: Keys of the slaves that were asked for, by name, not yet forked.
+        adopted: Keys of slaves that were found, by pid.
         signals: What was sent, as (key, number).
         wake_at: When the core wants a tick.
         is_finished: Whether the core said that all is done.
@@ -113,6 +114,7 @@ class FakeShell:
         self.calls: list[Call] = []
         self.told: list[tuple[int, Mapping[str, Any]]] = []
         self.spawned: dict[str, int] = {}
+        self.adopted: dict[int, int] = {}
         self.signals: list[tuple[int, int]] = []
         self.wake_at: float | None = None
         self.is_finished = False
@@ -135,6 +137,8 @@ class FakeShell:
         match instruction:
             case ev.SpawnSlave(key, name):
                 self.spawned[name] = key
+            case ev.AdoptSlave(key, pid):
+                self.adopted[pid] = key
             case ev.SendToHolder(key, message):
                 assert self.state.processes[key].is_ready, f"{message} to a lost process"
                 if "call" in message:
@@ -179,6 +183,18 @@ class FakeShell:
         self.feed(ev.SlaveForked(key, pid or 200 + key))
         self.feed(ev.SlaveReady(key))
         return key
+
+    def find(
+        self,
+        pid: int,
+        name: str,
+        instances: Sequence[str] = (),
+        wires: Sequence[ConnectorProfile] = (),
+    ) -> int:
+        """Have a slave of an earlier manager say what it holds; return its key."""
+        held = [{**facts(each), "names": [f"localhost/{each}.rtc"]} for each in instances]
+        self.feed(ev.SlaveFound(pid, name, held, [encode(each) for each in wires]))
+        return self.adopted[pid]
 
     def end(self, key: int, reason: str = "signal 9") -> None:
         """Report the end of a slave."""

@@ -49,6 +49,7 @@ class Holder:
         self._components: dict[str, Component] = {}
         self._pacers: dict[tuple[str, str], Pacer] = {}
         self._profiles: dict[str, ConnectorProfile] = {}
+        self._memory: dict[str, Mapping[str, Any]] = {}
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
         self._operations: Mapping[str, Callable[[Message], Any]] = {
@@ -64,6 +65,7 @@ class Holder:
             "unlink": self._unlink,
             "set": self._set,
             "activate_set": self._activate_set,
+            "remember": self._remember,
             **Contexts(self).operations,
         }
 
@@ -78,6 +80,10 @@ class Holder:
     def close(self) -> None:
         """End `run` after finalising every component, from any thread."""
         self._inbox.put(_CLOSE)
+
+    def tell_all(self, tell: Callable[[Message], object]) -> None:
+        """Have `tell` called with everything that is held, before any later report."""
+        self._inbox.put(lambda: tell(self._holding()))
 
     def run(self) -> None:
         """Do what comes in until `close`."""
@@ -152,6 +158,7 @@ class Holder:
             component = self._loader.make(create)
         component.initialize()
         self._components[instance] = component
+        self._memory[instance] = message.get("kept", {})
         for context in component.contexts.values():
             self._drive(component, context)
         self.tell(component)
@@ -213,6 +220,7 @@ class Holder:
 
     def _end(self, instance: str) -> None:
         component = self._components.pop(instance)
+        self._memory.pop(instance, None)
         for port in component.ports.values():
             for connector_id in list(port.connectors):
                 self._cut(connector_id)
@@ -221,6 +229,21 @@ class Holder:
         component.finalize()
         for message in self._takeovers.pop(instance, ()):
             self.refuse(message, Refused(f"{instance} was deleted"))
+
+    def _remember(self, message: Message) -> None:
+        instance = message["instance"]
+        if instance in self._components:
+            self._memory[instance] = message["kept"]
+
+    def _holding(self) -> Message:
+        components = [
+            {**encode(facts_of(component)), **self._memory.get(instance, {})}
+            for instance, component in self._components.items()
+        ]
+        return {
+            "components": components,
+            "wires": [encode(wire) for wire in self._profiles.values()],
+        }
 
     # connectors
 

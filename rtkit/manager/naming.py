@@ -6,12 +6,11 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.state import State
-from rtkit.manager.wishes import Procedure
+from rtkit.manager.wishes import Procedure, Tell
 
 
 def unregister(state: State, action: act.Unregister) -> Procedure:
     """Remove a name; a component lives on without it, a zombie is forgotten with its last one."""
-    yield from ()
     name = action.name
     facts = next((c for c in state.components.values() if name in c.names), None)
     if facts is None and name not in state.names:
@@ -23,6 +22,10 @@ def unregister(state: State, action: act.Unregister) -> Procedure:
         return Result()
     left = tuple(each for each in facts.names if each != name)
     state.update(facts.instance, names=left)
+    process = state.process_of(facts.instance)
     if facts.zombie and not left and facts.instance not in state.ending:
         state.forget(facts.instance)
+    elif process is not None and process.is_ready:
+        kept = {"names": list(left), "create": facts.create}
+        yield Tell(process, {"op": "remember", "instance": facts.instance, "kept": kept})
     return Result()

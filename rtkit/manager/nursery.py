@@ -17,6 +17,7 @@ from typing import Any
 
 from rtkit.link.streams import remove_socket
 from rtkit.manager import events as ev
+from rtkit.manager.fosters import Fosters
 from rtkit.manager.leftovers import end_children, end_session, reap_orphans
 from rtkit.manager.wire import Channel
 from rtkit.manager.zygote import ENDS, STOPS, reason
@@ -43,6 +44,8 @@ class Nursery:
         self._keys: dict[int, int] = {}
         self._pidfds: dict[int, int] = {}
         self._asked: dict[int, str] = {}
+        self._adopted: set[int] = set()
+        self.fosters = Fosters(self._settings["zygote"])
         self._channel, self._zygote = self._start()
 
     def fileno(self) -> int:
@@ -58,12 +61,46 @@ class Nursery:
             _log.warning("cannot ask for slave %s: %s", name, error)
 
     def expects(self, key: object, pid: object) -> bool:
-        """Whether a slave that says hello with this key and pid is one of ours."""
+        """Whether a slave that says hello with this key and pid is one that was asked for."""
         if not isinstance(key, int) or not isinstance(pid, int):
             return False
         if key in self._asked:
             self._born(key, pid)
         return self._pids.get(key) == pid
+
+    def adopt(self, key: int, pid: int) -> int | None:
+        """Take a slave in that an earlier manager left.
+
+        Returns:
+            Its pidfd if nobody else would tell its end; it turns readable then.
+        """
+        if self._pids.get(key) == pid:
+            return None
+        self._enter(key, pid)
+        self._adopted.add(key)
+        self.fosters.found(pid)
+        return None if self.fosters.has(pid) else self._pidfds.get(key)
+
+    def lost(self, key: int) -> ev.Event | None:
+        """Return the end of an adopted slave of which only its pidfd told."""
+        pid = self._pids.get(key)
+        return None if pid is None else self._ended(pid, "exit status unknown")
+
+    def heard(self, foster: Channel) -> list[ev.Event] | None:
+        """Return what an earlier manager's zygote reports; None when it ended."""
+        messages = self.fosters.receive(foster)
+        if messages is None:
+            return None
+        events = (self._event(message) for message in messages)
+        return [event for event in events if event is not None]
+
+    def orphans(self) -> list[tuple[int, int]]:
+        """Return key and pidfd of the slaves whose end neither zygote nor kernel will tell us."""
+        return [
+            (key, self._pidfds[key])
+            for key, pid in self._pids.items()
+            if key in self._adopted and key in self._pidfds and not self.fosters.has(pid)
+        ]
 
     def signal(self, key: int, number: signal.Signals) -> None:
         """Send a signal to a slave; through its pidfd, so never to a stranger of the same pid."""
@@ -106,8 +143,9 @@ class Nursery:
         reap_orphans()
 
     def close(self) -> None:
-        """End the zygote, and whatever components started and left behind."""
+        """End the zygotes, and whatever components started and left behind."""
         self._channel.close()
+        self.fosters.close()
         end_children()
 
     def _event(self, message: Mapping[str, Any]) -> ev.Event | None:
@@ -119,7 +157,7 @@ class Nursery:
             return ev.SlaveFailed(message["failed"], message["reason"])
         if "ended" in message:
             return self._ended(message["ended"], message["reason"])
-        key = self._keys.get(message["halted"])
+        key = self._keys.get(message.get("halted", 0))
         return None if key is None else ev.SlaveHalted(key, message["is_halted"])
 
     def _event_of(self, report: os.waitid_result) -> ev.Event | None:
@@ -130,17 +168,22 @@ class Nursery:
 
     def _born(self, key: int, pid: int) -> None:
         if self._asked.pop(key, None) is not None:
-            self._pids[key] = pid
-            self._keys[pid] = key
-            try:
-                self._pidfds[key] = os.pidfd_open(pid)
-            except ProcessLookupError:
-                _log.debug("slave %d ended at birth", key)
+            self._enter(key, pid)
+
+    def _enter(self, key: int, pid: int) -> None:
+        self._pids[key] = pid
+        self._keys[pid] = key
+        try:
+            self._pidfds[key] = os.pidfd_open(pid)
+        except ProcessLookupError:
+            _log.debug("slave %d ended before it was known", key)
 
     def _ended(self, pid: int, why: str) -> ev.Event | None:
         key = self._keys.pop(pid, None)
+        self.fosters.ended(pid)
         if key is None:
             return None
+        self._adopted.discard(key)
         del self._pids[key]
         pidfd = self._pidfds.pop(key, None)
         if pidfd is not None:
@@ -152,7 +195,8 @@ class Nursery:
     def _start(self) -> tuple[Channel, int]:
         ours, theirs = socket.socketpair()
         theirs.set_inheritable(True)
-        arguments = [sys.executable, "-m", "rtkit.manager.zygote", str(theirs.fileno())]
+        module = ["-m", "rtkit.manager.zygote"]
+        arguments = [sys.executable, *module, str(theirs.fileno()), self._settings["zygote"]]
         pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
         theirs.close()
         ours.setblocking(False)

@@ -197,6 +197,8 @@ def _make(
 ) -> Generator[Ask, Any, CreateString]:
     """Have a process make a component; return the create string that makes it again."""
     instance = create.instance_name
+    is_fresh = create.place == FRESH_SLAVE
+    again = create.with_options(manager_name=process.name) if is_fresh else create
     yield Ask(
         process,
         {
@@ -204,14 +206,13 @@ def _make(
             "create": str(create),
             "pattern": encode(action.pattern) if action.pattern is not None else None,
             "modules": [[module.path, module.init] for module in state.modules.values()],
+            "kept": {"names": list(state.claims[instance].names), "create": str(again)},
         },
     )
     facts = state.components.get(instance)
     if facts is None or facts.zombie:
         raise Refused(f"{instance} ended while it was made")
-    if create.place == FRESH_SLAVE:
-        return create.with_options(manager_name=process.name)
-    return create
+    return again
 
 
 def _unmake(state: State, key: int, instance: str, before: ComponentFacts | None) -> Procedure:

@@ -78,6 +78,8 @@ class State:
         ending: Instance names of components that are being deleted.
         openings: Connectors that are being made, by id.
         names: Paths under which the manager itself is registered.
+        loose: Connectors of which a slave that was found holds one end, and the other end is
+            not known yet; with the key of that slave.
     """
 
     host: str
@@ -94,6 +96,7 @@ class State:
     ending: set[str] = field(default_factory=set)
     openings: dict[str, Opening] = field(default_factory=dict)
     names: tuple[str, ...] = ()
+    loose: dict[str, tuple[ConnectorProfile, int]] = field(default_factory=dict)
 
     def living_process(self, name: str) -> Process | None:
         """Return the living process of that name, or None."""

@@ -34,6 +34,7 @@ from rtkit.manager.wishes import (
     Clock,
     Later,
     Need,
+    Pause,
     Procedure,
     Signal,
     Tell,
@@ -109,6 +110,12 @@ class Tasks:
         if self._deadlines:
             self._out.append(WakeAt(self._deadlines[0][0]))
 
+    def new_process(self, name: str, pid: int = 0) -> Process:
+        """Enter another slave into the state, under a key that was never used."""
+        process = Process(next(self._keys), name, pid)
+        self._state.processes[process.key] = process
+        return process
+
     def hear(self, key: int, message: Message) -> None:
         """Take the answer of a holder; one that nobody waits for any more is ignored."""
         number = message["reply"]
@@ -177,6 +184,9 @@ class Tasks:
                     value = self._needed(task, wish)
                     if value is None:
                         return
+                case Pause(time_s):
+                    self._wait(task, wish, -1, time_s)
+                    return
                 case AllEnded():
                     if not _have_ended(wish):
                         self._wait(task, wish, -1, wish.timeout_s)
@@ -198,8 +208,7 @@ class Tasks:
         name = need.name
         process = self._state.living_process(name) if name != FRESH_SLAVE else None
         if process is None:
-            process = Process(next(self._keys), name)
-            self._state.processes[process.key] = process
+            process = self.new_process(name)
             self._out.append(SpawnSlave(process.key, name))
         if process.state != "starting":
             return process
@@ -210,8 +219,10 @@ class Tasks:
         """End the waits whose time is up; return whether there were any."""
         while self._deadlines and self._deadlines[0][0] <= self._now:
             _, number = heapq.heappop(self._deadlines)
-            if number in self._waiting:
-                self._go_on(number, None, self._late(self._waiting[number].key))
+            task = self._waiting.get(number)
+            if task is not None:
+                is_late = not isinstance(task.wait, Pause)
+                self._go_on(number, None, self._late(task.key) if is_late else None)
         return bool(self._ready)
 
     def _late(self, key: int) -> Unreachable:

@@ -43,6 +43,13 @@ class AllEnded:
 
 
 @dataclass(frozen=True, slots=True)
+class Pause:
+    """Wait for `time_s` [s]."""
+
+    time_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Tell:
     """Send a message to a holder that needs no answer; goes on at once."""
 
@@ -70,6 +77,6 @@ class Clock:
     """Ask for the time; receives monotonic seconds."""
 
 
-Wait = Need | Ask | AllEnded
+Wait = Need | Ask | AllEnded | Pause
 Wish = Wait | Tell | Signal | Later | Clock
 Procedure = Generator[Wish, Any, Result]

@@ -1,0 +1,182 @@
+"""The manager is killed; its slaves are found again by the next one."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+MANAGER = "/localhost/manager.mgr"
+COUNTER = '''
+from rtkit.component import Component, OutPort, Time, TimedLong
+
+
+class Counter(Component):
+    """Count."""
+
+    rate = 100.0
+    out = OutPort(TimedLong)
+
+    def on_activated(self, context):
+        self.number = 0
+
+    def on_execute(self, context):
+        self.number += 1
+        self.out.write(TimedLong(Time(0, 0), self.number))
+
+
+def CounterInit(manager):
+    manager.register_factory(Counter)
+'''
+CHECKER = '''
+import os
+from rtkit.component import Component, InPort, TimedLong
+
+
+class Checker(Component):
+    """Write the last number and the number of gaps into a file."""
+
+    rate = 100.0
+    into = InPort(TimedLong)
+    last = gaps = 0
+
+    def on_execute(self, context):
+        for value in self.into.read_all():
+            self.gaps += self.last not in (0, value.data - 1)
+            self.last = value.data
+        with open("count.new", "w") as file:
+            file.write(f"{self.last} {self.gaps}")
+        os.replace("count.new", "count")
+
+
+def CheckerInit(manager):
+    manager.register_factory(Checker)
+'''
+
+
+def until(is_so: Callable[[], bool], what: str, bound_s: float = 10.0) -> None:
+    deadline = time.monotonic() + bound_s
+    while not is_so():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.01)
+
+
+def pid_of(shell: Any, path: str) -> int:
+    pid = json.loads(shell.ok(f"rtcat --json {path}"))["pid"]
+    assert isinstance(pid, int)
+    return pid
+
+
+def kill_manager(shell: Any) -> None:
+    pid = json.loads(shell.ok("rtmgr status --json"))["pid"]
+    pidfd = os.pidfd_open(pid)
+    os.kill(pid, signal.SIGKILL)
+    until(lambda: _has_ended(pidfd), "the end of the manager")
+    os.close(pidfd)
+
+
+def _has_ended(pidfd: int) -> bool:
+    try:
+        signal.pidfd_send_signal(pidfd, 0)
+    except ProcessLookupError:
+        return True
+    return False
+
+
+def count(shell: Any) -> tuple[int, int]:
+    """Return the last number that arrived and how many were missed."""
+    file = shell.folder / "count"
+    if not file.exists():
+        return 0, 0
+    last, gaps = map(int, file.read_text().split())
+    return last, gaps
+
+
+@pytest.fixture
+def pair(manager: Any) -> Any:
+    """Two slaves, one of which counts what the other sends."""
+    (manager.modules / "Counter.py").write_text(COUNTER)
+    (manager.modules / "Checker.py").write_text(CHECKER)
+    manager.ok(
+        f"rtmgr {MANAGER} -c 'Counter?instance_name=A&manager_name=a'"
+        " -c 'Checker?instance_name=B&manager_name=b'"
+    )
+    manager.ok("rtcon /localhost/A.rtc:out /localhost/B.rtc:into -i wire")
+    manager.ok("rtact /localhost/B.rtc /localhost/A.rtc")
+    until(lambda: count(manager)[0] > 10, "the first numbers")
+    return manager
+
+
+def test_a_killed_manager_stops_no_component_and_loses_no_message(pair: Any) -> None:
+    before = pair.ok("rtls -lR /localhost")
+    slaves = [pid_of(pair, f"{MANAGER}/{name}.mgr") for name in "ab"]
+    kill_manager(pair)
+    last, _ = count(pair)
+    until(lambda: count(pair)[0] > last + 20, "numbers without a manager")
+    pair.ok("rtmgr start")
+    assert pair.ok("rtls -lR /localhost") == before
+    assert [pid_of(pair, f"{MANAGER}/{name}.mgr") for name in "ab"] == slaves
+    last, _ = count(pair)
+    until(lambda: count(pair)[0] > last + 20, "numbers under the next manager")
+    assert count(pair)[1] == 0
+
+
+def test_the_next_manager_is_in_charge(pair: Any) -> None:
+    kill_manager(pair)
+    pair.ok("rtmgr start")
+    pair.ok("rtdeact /localhost/A.rtc")
+    pair.ok("rtdis /localhost/A.rtc:out -i wire")
+    pair.ok(f"rtmgr {MANAGER} -d A -c 'Counter?instance_name=C&manager_name=b'")
+    assert pair.ok("rtls /localhost").split() == ["B.rtc", "C.rtc", "manager.mgr/"]
+
+
+def test_the_end_of_a_found_slave_is_told_with_its_reason(pair: Any) -> None:
+    slave = pid_of(pair, f"{MANAGER}/a.mgr")
+    kill_manager(pair)
+    pair.ok("rtmgr start")
+    os.kill(slave, signal.SIGSTOP)
+    until(lambda: "(stopped)" in pair.ok("rtls -l /localhost"), "the stop")
+    os.kill(slave, signal.SIGCONT)
+    until(lambda: "(stopped)" not in pair.ok("rtls -l /localhost"), "the continuation")
+    os.kill(slave, signal.SIGKILL)
+    until(lambda: "*A.rtc  (signal 9)" in pair.ok("rtls -l /localhost"), "the zombie")
+
+
+def test_a_slave_that_ended_while_there_was_no_manager_is_gone(pair: Any) -> None:
+    slave = pid_of(pair, f"{MANAGER}/a.mgr")
+    kill_manager(pair)
+    os.kill(slave, signal.SIGKILL)
+    pair.ok("rtmgr start")
+    assert pair.ok("rtls /localhost").split() == ["B.rtc", "manager.mgr/"]
+
+
+def test_manager_and_zygote_killed(pair: Any) -> None:
+    slave = pid_of(pair, f"{MANAGER}/a.mgr")
+    with open(f"/proc/{slave}/stat", encoding="ascii") as file:
+        zygote = int(file.read().rpartition(")")[2].split()[1])
+    kill_manager(pair)
+    os.kill(zygote, signal.SIGKILL)
+    pair.ok("rtmgr start")
+    until(lambda: "A.rtc" in pair.ok("rtls /localhost"), "the slaves' return")
+    os.kill(slave, signal.SIGKILL)
+    until(lambda: "*A.rtc  (exit status unknown)" in pair.ok("rtls -l /localhost"), "the zombie")
+
+
+def test_five_managers_one_after_the_other(pair: Any) -> None:
+    for _ in range(5):
+        kill_manager(pair)
+        pair.ok("rtmgr start")
+        assert pair.ok("rtls /localhost").split() == ["A.rtc", "B.rtc", "manager.mgr/"]
+    assert count(pair)[1] == 0
+
+
+def test_what_was_left_is_ended_by_a_stop_at_once(pair: Any) -> None:
+    kill_manager(pair)
+    pair.ok("rtmgr start")
+    pair.ok("rtmgr stop")
+    assert list((pair.folder / "run").iterdir()) == []

@@ -1,0 +1,93 @@
+"""Slaves that outlived their manager, seen by the core of the next one."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtkit.deployment.actions import Delete, Disconnect
+from rtkit.errors import Malformed
+from rtkit.manager import events as ev
+from rtkit.manager.adoption import SETTLE_S
+from rtkit.manager.fake import FakeShell, wire
+
+
+def test_what_a_found_slave_holds_is_known_again() -> None:
+    shell = FakeShell()
+    key = shell.find(300, "s", ["A"])
+    facts = shell.state.components["A"]
+    assert (facts.process, facts.names) == ("s", ("localhost/A.rtc",))
+    assert shell.state.processes[key].pid == 300
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    shell.end(key, "exit status 0")
+    assert asked.result.ok
+
+
+def test_a_connector_is_known_when_both_ends_are_back() -> None:
+    shell = FakeShell()
+    shell.find(300, "a", ["A"], [wire("w")])
+    assert shell.state.connectors == {}
+    shell.find(301, "b", ["B"], [wire("w")])
+    assert set(shell.state.connectors) == {"w"}
+    shell.wait(2 * SETTLE_S)
+    assert set(shell.state.connectors) == {"w"}
+    asked = shell.ask(Disconnect("w"))
+    shell.serve()
+    assert asked.result.ok
+
+
+def test_a_connector_whose_other_end_stays_away_is_cut() -> None:
+    shell = FakeShell()
+    key = shell.find(300, "a", ["A"], [wire("w")])
+    shell.wait(2 * SETTLE_S)
+    assert (key, {"op": "unlink", "connector_id": "w"}) in shell.told
+    assert shell.state.loose == {}
+
+
+def test_an_instance_that_lives_elsewhere_by_now_is_dropped_by_the_slave() -> None:
+    shell = FakeShell()
+    shell.make("A")
+    key = shell.find(300, "s", ["A", "B"])
+    assert (key, {"op": "delete", "instance": "A"}) in shell.told
+    assert shell.state.holders["A"] == ev.OWN_PROCESS
+    assert shell.state.holders["B"] == key
+
+
+def test_a_slave_takes_the_place_of_its_zombie() -> None:
+    shell = FakeShell()
+    old = shell.make("A", "s")
+    shell.end(old)
+    assert shell.state.components["A"].zombie
+    key = shell.find(300, "s", ["A"])
+    assert not shell.state.components["A"].zombie
+    assert set(shell.state.processes) == {ev.OWN_PROCESS, key}
+
+
+def test_a_name_that_is_taken_gets_the_pid_behind_it() -> None:
+    shell = FakeShell()
+    shell.make("A", "s")
+    key = shell.find(300, "s", ["B"])
+    assert shell.state.processes[key].name == "s_300"
+
+
+def test_a_slave_whose_line_broke_keeps_its_key() -> None:
+    shell = FakeShell()
+    first = shell.find(300, "s", ["A"])
+    assert shell.find(300, "s", ["A"]) == first
+    assert list(shell.state.holders) == ["A"]
+
+
+def test_a_found_slave_that_is_killed_leaves_a_zombie() -> None:
+    shell = FakeShell()
+    key = shell.find(300, "s", ["A"])
+    shell.end(key, "exit status unknown")
+    assert shell.state.components["A"].zombie == "exit status unknown"
+
+
+@pytest.mark.parametrize("held", [None, {}, [1], [{"instance": 3}]])
+def test_what_cannot_be_read_changes_nothing_else(held: object) -> None:
+    shell = FakeShell()
+    shell.make("A")
+    with pytest.raises(Malformed):
+        shell.feed(ev.SlaveFound(300, "s", held, []))
+    assert list(shell.state.components) == ["A"]
