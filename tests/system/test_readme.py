@@ -87,4 +87,4 @@ def test_the_python_of_the_readme_runs(shell: Any, variables: dict[str, str]) ->
 def test_every_command_is_in_the_table() -> None:
     table = re.findall(r"^\| ((?:`rt\w+` ?)+)", README.read_text(encoding="utf-8"), re.MULTILINE)
     named = {name for row in table for name in re.findall(r"`(\w+)`", row)}
-    assert named == set(COMMANDS.values())
+    assert named == set(COMMANDS.values()), "README.md, section Commands: one row a command"
