@@ -13,6 +13,7 @@ from typing import Any
 
 from rtkit.component.base import Component
 from rtkit.component.callbacks import Callbacks
+from rtkit.component.contexts import kind_named
 from rtkit.component.describe import describe
 from rtkit.component.parameter import kind_of
 from rtkit.component.typenames import scoped_name
@@ -25,9 +26,9 @@ from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import Property
 from rtkit.profile.write import write_rtc, write_rts
 from rtkit.rtc.create import parse_create
-from rtkit.rtc.enums import PortType
+from rtkit.rtc.enums import ExecutionKind, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
 ROOT = Path(__file__).resolve().parent.parent
 DATE = "2025-01-01T00:00:00"
@@ -40,7 +41,14 @@ TYPES = (
     "Sensor",
     "Controller",
     "Motor",
+    "MyServiceProvider",
+    "MyServiceConsumer",
 )
+_ACTIVITIES = {
+    ExecutionKind.PERIODIC: "PERIODIC",
+    ExecutionKind.EVENT_DRIVEN: "EVENTDRIVEN",
+    ExecutionKind.OTHER: "SPORADIC",
+}
 _CALLBACKS = (
     "on_initialize",
     "on_finalize",
@@ -87,6 +95,15 @@ def systems() -> Iterator[System]:
             "ConsoleOut?manager_name=sink&instance_name=ConsoleOut0",
         ),
         (("ConsoleIn0.out", "ConsoleOut0.in"),),
+    )
+    yield (
+        "my-service",
+        "One component that uses a service of another.",
+        (
+            "MyServiceProvider?manager_name=provider&instance_name=MyServiceProvider0",
+            "MyServiceConsumer?manager_name=consumer&instance_name=MyServiceConsumer0",
+        ),
+        (("MyServiceConsumer0.myservice", "MyServiceProvider0.myservice"),),
     )
     basic = ("Boolean", "Char", "Octet", "Short", "Long", "Float", "Double", "String")
     ports = (*basic, *(f"{name}Seq" for name in basic))
@@ -137,7 +154,7 @@ def rts_document(system: System, patterns: Iterable[ComponentPattern]) -> bytes:
         ends = tuple(PortRef(*end.split(".")) for end in (source, target))
         out = world.components[ends[0].instance].port(ends[0].port)
         assert out is not None
-        options = {"dataport.data_type": out.data_type, **_OPTIONS}
+        options = {"dataport.data_type": out.data_type, **_OPTIONS} if out.data_type else {}
         id = f"{source}-{target}"
         made = ConnectorProfile(id, f"{ends[0].port}_{ends[1].port}", ends, options)
         world.perform(act.Connect(made)).raise_for_error()
@@ -151,12 +168,12 @@ def rtc_profile(component: Component) -> rtc.RtcProfile:
     info = rtc.BasicInfo(
         name=kind.type_name,
         component_type="STATIC",
-        activity_type="PERIODIC",
+        activity_type=_ACTIVITIES[kind_named(component.execution_type)],
         component_kind="DataFlowComponent",
         category=kind.category,
         vendor=kind.vendor,
         version=kind.version,
-        execution_type="PeriodicExecutionContext",
+        execution_type=component.execution_type,
         execution_rate=component.rate,
         max_instances=0,
         creation_date=DATE,
@@ -164,6 +181,7 @@ def rtc_profile(component: Component) -> rtc.RtcProfile:
         description=kind.description,
         properties=(Property(MODULE, f"{kind.type_name}.py:{kind.type_name}Init"),),
     )
+    described = describe(component)
     configurations = tuple(_configurations(type(component)))
     return rtc.RtcProfile(
         id=kind.id,
@@ -179,9 +197,30 @@ def rtc_profile(component: Component) -> rtc.RtcProfile:
                 position="LEFT" if port.port_type is PortType.IN else "RIGHT",
                 comment=port.properties.get("description"),
             )
-            for port in describe(component).ports
+            for port in described.ports
+            if port.port_type is not PortType.SERVICE
+        ),
+        service_ports=tuple(
+            _service_port(port) for port in described.ports if port.port_type is PortType.SERVICE
         ),
         language=rtc.Language("Python"),
+    )
+
+
+def _service_port(port: PortProfile) -> rtc.ServicePort:
+    return rtc.ServicePort(
+        name=port.name,
+        position="RIGHT",
+        comment=port.properties.get("description"),
+        service_interfaces=tuple(
+            rtc.ServiceInterface(
+                name=each.instance_name,
+                direction=each.polarity.value,
+                type=each.type_name,
+                instance_name=each.instance_name,
+            )
+            for each in port.interfaces
+        ),
     )
 
 

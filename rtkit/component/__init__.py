@@ -103,7 +103,6 @@ if TYPE_CHECKING:
     from rtkit.component.parameter import Parameter as Parameter
     from rtkit.component.port import InPort as InPort
     from rtkit.component.port import OutPort as OutPort
-    from rtkit.component.port import ServicePort as ServicePort
     from rtkit.component.sensors import BumperArrayGeometry as BumperArrayGeometry
     from rtkit.component.sensors import BumperGeometry as BumperGeometry
     from rtkit.component.sensors import CameraImage as CameraImage
@@ -123,6 +122,8 @@ if TYPE_CHECKING:
     from rtkit.component.sensors import RangeData as RangeData
     from rtkit.component.sensors import RangerConfig as RangerConfig
     from rtkit.component.sensors import RangerGeometry as RangerGeometry
+    from rtkit.component.service import RequiredPort as RequiredPort
+    from rtkit.component.service import ServicePort as ServicePort
     from rtkit.component.types import Char as Char
     from rtkit.component.types import Double as Double
     from rtkit.component.types import Float as Float
@@ -165,7 +166,8 @@ if TYPE_CHECKING:
 _HOME = {
     "base": ("Component", "Manager"),
     "parameter": ("Parameter",),
-    "port": ("InPort", "OutPort", "ServicePort"),
+    "port": ("InPort", "OutPort"),
+    "service": ("RequiredPort", "ServicePort"),
     "options": ("PortStatus",),
     "types": (
         "Char",

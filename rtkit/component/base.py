@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 from rtkit.component.callbacks import Callbacks, attempt
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
-from rtkit.component.contexts import wanted_contexts
+from rtkit.component.contexts import PERIODIC, wanted_contexts
 from rtkit.component.parameter import Parameter
-from rtkit.component.port import InPort, OutPort, Port, ServicePort
+from rtkit.component.port import InPort, OutPort, Port
+from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.names import check_instance_name
@@ -44,7 +45,10 @@ class Component(Callbacks):
         category: What group of types it belongs to.
         version: Version of the type.
         type_name: Name of the type; the name of the class when empty.
-        rate: Of the periodic execution context it owns when nothing else is asked for [Hz].
+        execution_type: Type of the execution context it owns when nothing else is asked for:
+            ``PeriodicExecutionContext``, ``EventDrivenExecutionContext`` or
+            ``ExtTrigExecutionContext``.
+        rate: Of that context if it is periodic [Hz].
         instance: Its name.
         type: Identity of its type.
         ports: Its ports by name, in order of declaration.
@@ -60,6 +64,7 @@ class Component(Callbacks):
     category: ClassVar[str] = ""
     version: ClassVar[str] = ""
     type_name: ClassVar[str] = ""
+    execution_type: ClassVar[str] = PERIODIC
     rate: ClassVar[float] = 1000.0
     _declared: ClassVar[Mapping[str, Port]] = {}
     _parameters: ClassVar[Mapping[str, Parameter[Any]]] = {}
@@ -237,13 +242,15 @@ class Component(Callbacks):
         self.is_alive = False
 
     def _wanted_contexts(self) -> tuple[ContextPattern, ...]:
-        return wanted_contexts(self.options, self.rate)
+        return wanted_contexts(self.options, self.rate, self.execution_type)
 
     def _add(self, port: AnyPort) -> AnyPort:
         if port.name in self.ports or not port.name:
             reason = "exists already" if port.name else "needs a name"
             raise Refused(f"{self.instance}: port {port.name or repr('')} {reason}")
         self._merge_defaults(port)
+        if isinstance(port, ServicePort):
+            port.belong_to(self)
         self.ports[port.name] = port
         self._listen()
         return port

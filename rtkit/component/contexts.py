@@ -10,8 +10,9 @@ from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.pattern import ContextPattern
 
+PERIODIC = "PeriodicExecutionContext"
 _KINDS = {
-    "PeriodicExecutionContext": ExecutionKind.PERIODIC,
+    PERIODIC: ExecutionKind.PERIODIC,
     "EventDrivenExecutionContext": ExecutionKind.EVENT_DRIVEN,
     "ExtTrigExecutionContext": ExecutionKind.OTHER,
     "SimulatorExecutionContext": ExecutionKind.OTHER,
@@ -38,8 +39,12 @@ def kind_named(name: str) -> ExecutionKind:
     return kind
 
 
-def wanted_contexts(options: Mapping[str, str], rate: float) -> tuple[ContextPattern, ...]:
-    """Return the contexts that the options ask for; without any, one of `rate` [Hz].
+def wanted_contexts(
+    options: Mapping[str, str], rate: float, default_type: str = PERIODIC
+) -> tuple[ContextPattern, ...]:
+    """Return the contexts that the options ask for; without any, one of `default_type`.
+
+    A periodic one has `rate` [Hz] unless an option says another.
 
     Raises:
         Refused: A type that is not known, or a name that is used twice.
@@ -50,7 +55,7 @@ def wanted_contexts(options: Mapping[str, str], rate: float) -> tuple[ContextPat
         return ()
     items = [item.strip() for item in text.split(",") if item.strip()]
     if not items:
-        items = [options.get("exec_cxt.periodic.type", "").strip() or "PeriodicExecutionContext"]
+        items = [options.get("exec_cxt.periodic.type", "").strip() or default_type]
     wanted = tuple(_wanted(item, index, options, rate) for index, item in enumerate(items))
     ids = [context.id for context in wanted]
     for id in ids:

@@ -112,6 +112,15 @@ def layout_of(cls: type) -> Struct:
     return known
 
 
+def layout_of_hint(hint: Any, where: str) -> Layout:
+    """Return the layout of what an annotation stands for; `where` is for messages.
+
+    Raises:
+        Malformed: It cannot be carried.
+    """
+    return _read(hint, where, ())
+
+
 def _struct(cls: type, outer: tuple[type, ...]) -> Struct:
     if not is_dataclass(cls):
         raise Malformed(f"{cls.__name__} is not a dataclass")

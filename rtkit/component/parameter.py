@@ -72,17 +72,16 @@ def read_text(text: str) -> str:
     return text
 
 
-def _vector(item: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
-    def read_vector(text: str) -> tuple[Any, ...]:
-        inner = text.strip()
-        if inner and _BRACKETS.get(inner[0]) == inner[-1:]:
-            inner = inner[1:-1].strip()
-        if not inner:
-            return ()
-        separator = "," if "," in inner else None
-        return tuple(item(part) for part in inner.split(separator))
+def elements(text: str) -> list[str]:
+    """Return the texts of a vector's elements: commas or blanks between, brackets or none."""
+    inner = text.strip()
+    if inner and _BRACKETS.get(inner[0]) == inner[-1:]:
+        inner = inner[1:-1].strip()
+    return inner.split("," if "," in inner else None)
 
-    return read_vector
+
+def _vector(item: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
+    return lambda text: tuple(map(item, elements(text)))
 
 
 def _write_bool(value: bool) -> str:

@@ -15,7 +15,7 @@ from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, p
 from rtkit.component.typenames import type_name
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.profiles import ConnectorProfile, PortInterfaceProfile, PortProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 
 T = TypeVar("T")
 P = TypeVar("P", bound="Port")
@@ -366,43 +366,3 @@ class OutPort(DataPort[T]):
             return ring.wait() if value is None else value
 
         return take
-
-
-class ServicePort(Port):
-    """A port whose interfaces are offered or needed."""
-
-    port_type = PortType.SERVICE
-
-    def __init__(
-        self,
-        name: str = "",
-        interfaces: tuple[PortInterfaceProfile, ...] = (),
-        properties: Mapping[str, str] | None = None,
-        *,
-        doc: str = "",
-    ) -> None:
-        super().__init__(name, properties, doc=doc)
-        self.interfaces = tuple(interfaces)
-
-    @property
-    def profile(self) -> PortProfile:
-        """The port as others see it."""
-        return PortProfile(self.name, self.port_type, dict(self.properties), self.interfaces)
-
-    def copy(self) -> ServicePort:
-        """Return a port of the same kind without connectors, for another instance."""
-        return type(self)(self.name, self.interfaces, self.properties)
-
-    def attach(self, connector_id: str) -> None:
-        """Open a connector.
-
-        Raises:
-            Refused: It is open already, or the port takes no more.
-        """
-        with self._lock:
-            self._admit(connector_id)
-
-    def detach(self, connector_id: str) -> None:
-        """Close a connector."""
-        with self._lock:
-            self._dismiss(connector_id)

@@ -13,7 +13,8 @@ from typing import Any
 
 from rtkit.component.base import ACTIVE_SET, Component
 from rtkit.component.literal import Literal, zero_value
-from rtkit.component.port import InPort, OutPort, Port, ServicePort
+from rtkit.component.port import InPort, OutPort, Port
+from rtkit.component.service import ServicePort
 from rtkit.component.typenames import type_by_name
 from rtkit.component.types import Time
 from rtkit.errors import Malformed, NotFound

@@ -1,13 +1,15 @@
-"""Streams of port data between two processes of one host, over direct zenoh links.
+"""Streams of port data, and calls of services, between two processes of one host.
 
-The receiving process listens on a unix socket of its own and every sender opens one client
-session to it, so data flow without the manager and while it is stopped.
+They go over direct zenoh links: the receiving process listens on a unix socket of its own and
+every sender opens one client session to it, so data flow without the manager and while it is
+stopped.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import queue
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -82,6 +84,75 @@ class Fetcher:
         self._release()
 
 
+class CallEnd:
+    """The end of a service connector that is called: answers one call after the other.
+
+    It does so on a thread of its own, which may be inside a provider that never comes back:
+    nothing waits for it.
+    """
+
+    def __init__(self, key: str, reply_to: Callable[[bytes], bytes]) -> None:
+        self._key = key
+        self._reply_to = reply_to
+        self._queue: queue.SimpleQueue[zenoh.Query | None] = queue.SimpleQueue()
+        self._declared: zenoh.Queryable[None] | None = None
+
+    def declare(self, session: zenoh.Session) -> None:
+        """Take calls from now on."""
+        handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
+        threading.Thread(target=self._run, name=f"serve {self._key}", daemon=True).start()
+        self._declared = session.declare_queryable(self._key, handler)
+
+    def close(self) -> None:
+        """Take no more calls."""
+        if self._declared is not None:
+            with contextlib.suppress(zenoh.ZError):
+                self._declared.undeclare()  # type: ignore[no-untyped-call]
+        self._queue.put(None)
+
+    def _run(self) -> None:
+        while (query := self._queue.get()) is not None:
+            with query, contextlib.suppress(zenoh.ZError):  # who asked may be gone
+                request = query.payload.to_bytes() if query.payload is not None else b""
+                query.reply(self._key, self._reply_to(request))
+            del query  # one that is kept lets its caller wait
+
+
+class Caller:
+    """The end of a service connector that calls."""
+
+    def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
+        self._session = session
+        self._key = key
+        self._release = release
+
+    def call(self, request: bytes, timeout_s: float) -> bytes:
+        """Return the reply to a request.
+
+        Raises:
+            Unreachable: There was none in time, or nobody is there any more.
+        """
+        try:
+            replies = self._session.get(
+                self._key,
+                payload=request,
+                timeout=timeout_s,
+                handler=zenoh.handlers.FifoChannel(4),
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
+        except zenoh.ZError as error:  # closed meanwhile
+            raise Unreachable("the connection is closed") from error
+        for reply in replies:
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+            raise Unreachable(f"no answer within {timeout_s:g} s")
+        raise Unreachable("the provider is gone")
+
+    def close(self) -> None:
+        """Call no more."""
+        self._release()
+
+
 class _Sender:
     """The session to one endpoint, shared by all streams that go there."""
 
@@ -139,6 +210,25 @@ class Streams:
         """
         session = self._sender(endpoint, timeout_s)
         return Fetcher(session, key, lambda: self._release(endpoint))
+
+    def serve(self, key: str, reply_to: Callable[[bytes], bytes]) -> tuple[str, CallEnd]:
+        """Answer calls on `key`; return the endpoint for who calls and the connector's end.
+
+        Raises:
+            Unreachable: The socket cannot be made.
+        """
+        end = CallEnd(key, reply_to)
+        end.declare(self._listening())
+        return self._endpoint, end
+
+    def caller(self, endpoint: str, key: str, timeout_s: float) -> Caller:
+        """Open the end of a service connector that calls.
+
+        Raises:
+            Unreachable: Nobody listens at `endpoint`.
+        """
+        session = self._sender(endpoint, timeout_s)
+        return Caller(session, key, lambda: self._release(endpoint))
 
     def send(self, endpoint: str, key: str, is_blocking: bool, timeout_s: float) -> Outlet:
         """Open the sending end of a stream; returns when the receiver was found.

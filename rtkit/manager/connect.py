@@ -26,7 +26,7 @@ from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
 from rtkit.errors import Malformed
 from rtkit.link import keys
-from rtkit.link.streams import Fetcher, Outlet, Streams
+from rtkit.link.streams import Caller, Fetcher, Outlet, Streams
 from rtkit.rtc.profiles import ConnectorProfile
 
 MATCH_S = 5.0
@@ -80,7 +80,7 @@ class Wires:
 
         with _undone(lambda: into.close(wire.connector_id)):
             endpoint, inlet = self._streams.receive(self._key(wire), deliver)
-        self._keep(wire, inlet)
+        self.keep(wire, inlet)
         return endpoint
 
     def serve(self, wire: ConnectorProfile, out: OutPort[Any]) -> str:
@@ -94,7 +94,7 @@ class Wires:
 
         with _undone(lambda: out.detach(wire.connector_id)):
             endpoint, inlet = self._streams.answer(self._key(wire), next_value)
-        self._keep(wire, inlet)
+        self.keep(wire, inlet)
         return endpoint
 
     def find_receiver(self, wire: ConnectorProfile, endpoint: str) -> Outlet:
@@ -111,7 +111,7 @@ class Wires:
             return None if put(encode(value)) else PortStatus.CONNECTION_LOST
 
         self._attach(wire, out, write, parse_options(wire.properties))
-        self._keep(wire, outlet)
+        self.keep(wire, outlet)
 
     def find_source(self, wire: ConnectorProfile, endpoint: str) -> Fetcher:
         """Reach for the end of a pull connector that is asked; on a thread of its own."""
@@ -128,7 +128,19 @@ class Wires:
             return None if payload is None else decode(payload)
 
         into.open_pull(wire, source)
-        self._keep(wire, fetcher)
+        self.keep(wire, fetcher)
+
+    def serve_calls(
+        self, wire: ConnectorProfile, end: int, reply_to: Callable[[bytes], bytes]
+    ) -> str:
+        """Open the end of a service connector that is called, and return its endpoint."""
+        endpoint, called = self._streams.serve(f"{self._key(wire)}/{end}", reply_to)
+        self.keep(wire, called)
+        return endpoint
+
+    def find_provider(self, wire: ConnectorProfile, end: int, endpoint: str) -> Caller:
+        """Reach for the end of a service connector that is called; on a thread of its own."""
+        return self._streams.caller(endpoint, f"{self._key(wire)}/{end}", MATCH_S)
 
     def cut(self, connector_id: str) -> None:
         """Close what this process holds of a connector."""
@@ -148,13 +160,14 @@ class Wires:
             publisher = _Publisher(wire.connector_id, sink, options)
             with _undone(publisher.close):
                 out.attach(wire.connector_id, publisher.write)
-            self._keep(wire, publisher)
+            self.keep(wire, publisher)
         elif _is_wrapped(options):
             out.attach(wire.connector_id, _every(sink, options.skip_count + 1))
         else:
             out.attach(wire.connector_id, sink)
 
-    def _keep(self, wire: ConnectorProfile, end: _End) -> None:
+    def keep(self, wire: ConnectorProfile, end: _End) -> None:
+        """Have an end closed when its connector is cut."""
         self._ends.setdefault(wire.connector_id, []).append(end)
 
     def _key(self, wire: ConnectorProfile) -> str:

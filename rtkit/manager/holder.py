@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext
 from rtkit.component.port import InPort, OutPort
+from rtkit.component.service import ServicePort
 from rtkit.component.standin import stand_in
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.streams import Fetcher, Outlet
@@ -26,6 +27,7 @@ from rtkit.manager.facts_out import facts_of
 from rtkit.manager.host import LATER
 from rtkit.manager.loader import Loader
 from rtkit.manager.pacer import Pacer
+from rtkit.manager.services import Services
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
@@ -52,6 +54,7 @@ class Holder:
         self._memory: dict[str, Mapping[str, Any]] = {}
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
+        self._services = Services(self, wires)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
             "load": self._load,
             "unload": self._unload,
@@ -67,6 +70,7 @@ class Holder:
             "activate_set": self._activate_set,
             "remember": self._remember,
             **Contexts(self).operations,
+            **self._services.operations,
         }
 
     def put(self, message: Message) -> None:
@@ -249,6 +253,9 @@ class Holder:
 
     def _link(self, message: Message) -> None:
         wire = decode(ConnectorProfile, message["connector"])
+        if isinstance(self._port(wire, 0), ServicePort):
+            self._services.join(wire)
+            return
         self._wires.join(wire, self._out_port(wire), self._in_port(wire))
         self._profiles[wire.connector_id] = wire
 
@@ -347,6 +354,7 @@ class Holder:
                 port.detach(connector_id)
             elif isinstance(port, InPort):
                 port.close(connector_id)
+        self._services.cut(connector_id)
         self._wires.cut(connector_id)
 
     def _out_port(self, wire: ConnectorProfile) -> OutPort[Any]:

@@ -9,7 +9,7 @@ from rtkit.deployment.actions import Result
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.state import Opening, Process, State
 from rtkit.manager.wishes import Ask, Procedure, Tell
-from rtkit.rtc.enums import PortType
+from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 
@@ -49,7 +49,9 @@ def connect(state: State, wire: ConnectorProfile) -> Procedure:
     ends = [living(state, end.instance) for end in wire.ports]
     opening = state.openings[connector_id] = Opening(wire)
     try:
-        if ports[0].port_type is not PortType.SERVICE:
+        if ports[0].port_type is PortType.SERVICE:
+            yield from _open_services(ends, ports, wire)
+        else:
             yield from _open(ends, wire)
         if opening.is_broken:
             raise Refused(f"an end of connection {connector_id} ended while it was made")
@@ -103,6 +105,31 @@ def _open(ends: list[Process], wire: ConnectorProfile) -> Procedure:
     return Result()
 
 
+def _open_services(
+    ends: list[Process], ports: list[PortProfile], wire: ConnectorProfile
+) -> Procedure:
+    """Open each direction in which one port provides what the other needs, the provider first."""
+    plain = encode(wire)
+    if ends[0] is ends[1]:
+        yield Ask(ends[0], {"op": "link", "connector": plain})
+        return Result()
+    for provider, consumer in ((0, 1), (1, 0)):
+        if _provides(ports[provider], ports[consumer]):
+            endpoint = yield Ask(
+                ends[provider], {"op": "offer", "connector": plain, "end": provider}
+            )
+            wish = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
+            yield Ask(ends[consumer], wish)
+    return Result()
+
+
+def _provides(one: PortProfile, other: PortProfile) -> bool:
+    provided = {i.type_name for i in one.interfaces if i.polarity is Polarity.PROVIDED}
+    return any(
+        i.polarity is Polarity.REQUIRED and i.type_name in provided for i in other.interfaces
+    )
+
+
 def _abandon(ends: list[Process], connector_id: str) -> Procedure:
     """Take off what was opened of a connector, also by an answer that came too late."""
     for process in _distinct(ends):
@@ -140,6 +167,14 @@ def unwire(state: State, wire: ConnectorProfile) -> Procedure:
             late = error if process.is_alive else late
     if late is not None:
         raise late
+    return Result()
+
+
+def cut(state: State, wire: ConnectorProfile) -> Procedure:
+    """Take a connector off its ends without waiting for them."""
+    state.connectors.pop(wire.connector_id, None)
+    ends = [state.process_of(end.instance) for end in wire.ports]
+    yield from _abandon([each for each in ends if each is not None], wire.connector_id)
     return Result()
 
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import select
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -14,7 +11,7 @@ from rtkit.deployment import actions as act
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
-from rtkit.tree.client import Tree, connect
+from rtkit.tree.client import Tree
 
 DIARY = """
 import os
@@ -53,43 +50,11 @@ def DiaryInit(manager):
 """
 
 
-class Notes:
-    """What the components wrote into their diary, line by line as it comes."""
-
-    def __init__(self, path: str) -> None:
-        os.mkfifo(path)
-        self._fd = os.open(path, os.O_RDWR | os.O_NONBLOCK)
-        self._text = b""
-
-    def next(self, count: int) -> list[str]:
-        while self._text.count(b"\n") < count:
-            assert select.select([self._fd], [], [], 10.0)[0], f"only {self._text!r} came"
-            self._text += os.read(self._fd, 65536)
-        *lines, self._text = self._text.split(b"\n", count)
-        return [line.decode() for line in lines]
-
-    def nothing(self) -> bool:
-        return not self._text and not select.select([self._fd], [], [], 0)[0]
-
-    def close(self) -> None:
-        os.close(self._fd)
-
-
 @pytest.fixture
-def notes(manager: Any) -> Iterator[Notes]:
-    notes = Notes(manager.environment["RTKIT_STATE_DIR"] + "/diary")
-    yield notes
-    notes.close()
-
-
-@pytest.fixture
-def tree(manager: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Tree]:
+def tree(tree: Tree, manager: Any) -> Tree:
     (manager.modules / "Diary.py").write_text(DIARY)
-    for key in ("RTKIT_RUNTIME_DIR", "RTKIT_STATE_DIR"):
-        monkeypatch.setenv(key, manager.environment[key])
-    with connect() as tree:
-        tree.perform(act.Load("Diary.py"))
-        yield tree
+    tree.perform(act.Load("Diary.py"))
+    return tree
 
 
 def make(tree: Tree, instance: str, options: str = "", type_name: str = "Diary") -> str:
@@ -108,7 +73,7 @@ def wire(tree: Tree, one: str, other: str) -> None:
 
 @pytest.mark.parametrize("place", ["", "manager_name=far"])
 def test_event_driven_has_a_cycle_for_each_value_that_comes(
-    tree: Tree, notes: Notes, place: str
+    tree: Tree, notes: Any, place: str
 ) -> None:
     make(tree, "E", "execution_contexts=EventDriven")
     make(tree, "C", place, "Caller")
@@ -122,7 +87,7 @@ def test_event_driven_has_a_cycle_for_each_value_that_comes(
     assert notes.nothing()
 
 
-def test_ticks_from_outside(tree: Tree, notes: Notes) -> None:
+def test_ticks_from_outside(tree: Tree, notes: Any) -> None:
     make(tree, "T", "execution_contexts=ExtTrig(sim),Periodic(idle)&ec.idle.rate=50")
     change(tree, "T", Transition.ACTIVATE, "sim")
     for _ in range(3):
@@ -142,7 +107,7 @@ def test_ticks_from_outside(tree: Tree, notes: Notes) -> None:
     ]
 
 
-def test_a_participant_of_a_context_of_another(manager: Any, tree: Tree, notes: Notes) -> None:
+def test_a_participant_of_a_context_of_another(manager: Any, tree: Tree, notes: Any) -> None:
     make(tree, "Owner", "execution_contexts=ExtTrig(x)")
     make(tree, "Guest", "execution_contexts=none")
     make(tree, "Far", "manager_name=far")
@@ -172,7 +137,7 @@ def test_a_participant_of_a_context_of_another(manager: Any, tree: Tree, notes: 
     assert guest.contexts == ()
 
 
-def test_who_is_deleted_leaves_the_contexts_of_others(tree: Tree, notes: Notes) -> None:
+def test_who_is_deleted_leaves_the_contexts_of_others(tree: Tree, notes: Any) -> None:
     make(tree, "Owner", "execution_contexts=ExtTrig(x)")
     for guest in ("One", "Two"):
         make(tree, guest)

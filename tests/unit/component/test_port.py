@@ -242,8 +242,10 @@ def test_profiles(out, into):
 
 def test_service_ports_are_opened_within_their_limit():
     port = ServicePort("s", (), {"connection_limit": "1"})
-    port.attach("a")
+    port.attach(connector("a"))
+    port.attach(connector("a"))
+    assert port.connectors == ("a",)
     with pytest.raises(Refused):
-        port.attach("b")
+        port.attach(connector("b"))
     port.detach("a")
     assert port.connectors == ()

@@ -13,6 +13,7 @@ import pytest
 from rtkit import component as public
 from rtkit.component.codec import codec_for
 from rtkit.component.factory import Factories
+from rtkit.component.invocation import Direct
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile
@@ -24,6 +25,8 @@ NAMES = [
     "ConsoleOut",
     "Controller",
     "Motor",
+    "MyServiceConsumer",
+    "MyServiceProvider",
     "Sensor",
     "SeqIn",
     "SeqOut",
@@ -187,3 +190,22 @@ def test_the_motor_stops_when_nobody_tells_it(robot):
     robot["Motor"][0].pose.attach("poses", poses.append)
     drive(robot, 1)
     assert poses[0].data == poses[-1].data
+
+
+def test_a_service_is_used(factories):
+    provider, _ = make(factories, "MyServiceProvider")
+    consumer, context = make(factories, "MyServiceConsumer?conf.default.text=hi")
+    context.activate_component(consumer)
+    context.tick()
+    assert consumer.echoed.written == 0
+    wire = ConnectorProfile("s", "s", ())
+    targets = {each.interface.name: Direct(each) for each in provider.myservice.served}
+    consumer.myservice.attach(wire, targets)
+    heard = []
+    consumer.echoed.attach("heard", lambda value: heard.append(value.data))
+    consumer.value.attach("heard", lambda value: heard.append(value.data))
+    context.tick()
+    context.tick()
+    assert heard == ["hi 1", 1.0, "hi 2", 2.0]
+    assert provider.get_echo_history() == ["hi 1", "hi 2"]
+    assert provider.get_value_history() == [0.0, 1, 2]

@@ -1,0 +1,154 @@
+"""A call of a service in bytes: what the caller sends, what the provider answers.
+
+A request is one line (deadline, interface, method) and the arguments as CDR; a reply is the kind
+of its outcome on one line and the result as CDR, or the reason as text. The deadline is in
+nanoseconds of the monotonic clock, which all processes of one host share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from rtkit.component.callbacks import describe_failure
+from rtkit.component.interface import Interface, Method
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable, from_kind
+
+NANOSECONDS = 1_000_000_000
+Send = Callable[[bytes, float], bytes]
+"""Takes a request and a time-out [s], returns the reply or raises `Unreachable`."""
+_OK = "ok"
+
+
+class Target(Protocol):
+    """What a client calls."""
+
+    def call(
+        self,
+        method: Method,
+        arguments: Sequence[Any],
+        named: Mapping[str, Any],
+        timeout_s: float,
+    ) -> Any:
+        """Call a method.
+
+        Raises:
+            Malformed: The arguments, or the result, are not what the interface says.
+            Refused: The provider raised an exception; the message names it.
+            Unreachable: No answer in time, or the provider is gone.
+        """
+
+
+class Served(NamedTuple):
+    """One interface that is provided, and by what.
+
+    Attributes:
+        label: ``Provider0.myservice``, for messages.
+        called: Called after each call.
+    """
+
+    interface: Interface
+    implementation: object
+    label: str
+    called: Callable[[], object]
+
+    def invoke(self, method: Method, arguments: Sequence[Any]) -> Any:
+        """Call the implementation on this thread; nothing but an `RtkitError` gets out.
+
+        Raises:
+            Refused: It raised an exception.
+        """
+        function = getattr(self.implementation, method.name)
+        try:
+            return method.call(function, arguments)
+        except BaseException as error:
+            why = describe_failure(error, function)
+            raise Refused(f"{self.label}: {method.label} failed: {why}") from error
+        finally:
+            self.called()
+
+
+class Direct:
+    """A provider in this process: its implementation runs on the caller's thread."""
+
+    def __init__(self, served: Served) -> None:
+        self._served = served
+
+    def call(
+        self,
+        method: Method,
+        arguments: Sequence[Any],
+        named: Mapping[str, Any],
+        timeout_s: float,
+    ) -> Any:
+        """See `Target.call`; the time-out bounds only calls to other processes."""
+        own = self._served.interface.by_signature.get(method.signature)
+        if own is None:
+            raise _differs(self._served, method.signature)
+        return self._served.invoke(own, method.bind(arguments, named))
+
+
+class Remote:
+    """A provider in another process."""
+
+    def __init__(self, type_name: str, label: str, send: Send, clock: Callable[[], int]) -> None:
+        self._type_name = type_name
+        self._label = label
+        self._send = send
+        self._clock = clock
+
+    def call(
+        self,
+        method: Method,
+        arguments: Sequence[Any],
+        named: Mapping[str, Any],
+        timeout_s: float,
+    ) -> Any:
+        """See `Target.call`."""
+        body = method.encode_arguments(arguments, named)
+        deadline = self._clock() + int(timeout_s * NANOSECONDS)
+        head = f"{deadline}\t{self._type_name}\t{method.signature}\n"
+        try:
+            reply = self._send(head.encode() + body, timeout_s)
+        except Unreachable as error:
+            raise Unreachable(f"{self._label}: {method.label}: {error}") from None
+        kind, _, tail = reply.partition(b"\n")
+        if kind != _OK.encode():
+            raise from_kind(kind.decode(), tail.decode())
+        return method.decode_result(tail)
+
+
+def answer(request: bytes, served: Sequence[Served], now_ns: int) -> bytes:
+    """Serve one request and return the reply, whatever arrived."""
+    try:
+        return _OK.encode() + b"\n" + _serve(request, served, now_ns)
+    except RtkitError as error:
+        return f"{error.kind}\n{error}".encode()
+
+
+def _serve(request: bytes, served: Sequence[Served], now_ns: int) -> bytes:
+    head, newline, body = request.partition(b"\n")
+    parts = head.decode(errors="replace").split("\t")
+    if not newline or len(parts) != 3 or not parts[0].isdecimal():
+        raise Malformed("what arrived is no call")
+    deadline, type_name, signature = parts
+    if int(deadline) < now_ns:
+        raise Unreachable("the call came when nobody waited for it any more")
+    for each in served:
+        if each.interface.name == type_name:
+            method = each.interface.by_signature.get(signature)
+            if method is None:
+                raise _differs(each, signature)
+            result = each.invoke(method, method.decode_arguments(body))
+            try:
+                return method.encode_result(result)
+            except Malformed as error:
+                raise Malformed(f"{each.label}: {error}") from None
+    raise NotFound(f"interface {type_name} is not provided here")
+
+
+def _differs(served: Served, signature: str) -> Refused:
+    name = signature.partition("(")[0]
+    own = served.interface.methods.get(name)
+    known = f"{name} is {own.signature}" if own else f"there is no {name}"
+    return Refused(f"{served.label}: interfaces differ: {known} there, called is {signature}")

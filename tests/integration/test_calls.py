@@ -1,0 +1,95 @@
+"""Calls of services between two real zenoh sessions."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import threading
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from rtkit.errors import Unreachable
+from rtkit.link.streams import Streams
+
+KEY = "rtd/test/host/calls/0"
+
+
+@pytest.fixture
+def ends() -> Iterator[tuple[Streams, Streams]]:
+    with tempfile.TemporaryDirectory(prefix="rt") as folder:
+        provider, consumer = Streams(f"{folder}/a"), Streams(f"{folder}/b")
+        yield provider, consumer
+        consumer.close()
+        provider.close()
+        assert os.listdir(folder) == []
+
+
+def test_each_request_gets_its_own_reply(ends: tuple[Streams, Streams]) -> None:
+    provider, consumer = ends
+    endpoint, _ = provider.serve(KEY, lambda request: b"re: " + request)
+    caller = consumer.caller(endpoint, KEY, 5.0)
+    requests = [b"", b"\0", b"x" * 1_000_000]
+    assert [caller.call(each, 5.0) for each in requests] == [b"re: " + r for r in requests]
+    with ThreadPoolExecutor(4) as pool:
+        several = [b"%d" % number for number in range(200)]
+        replies = list(pool.map(lambda each: caller.call(each, 5.0), several))
+    assert replies == [b"re: " + each for each in several]
+
+
+def test_a_provider_that_never_comes_back_is_waited_for_no_longer_than_told(
+    ends: tuple[Streams, Streams],
+) -> None:
+    provider, consumer = ends
+    release = threading.Event()
+
+    def stuck(request: bytes) -> bytes:
+        release.wait(30.0)
+        return b"late"
+
+    endpoint, served = provider.serve(KEY, stuck)
+    caller = consumer.caller(endpoint, KEY, 5.0)
+    with pytest.raises(Unreachable, match=r"no answer within 0.1 s"):
+        caller.call(b"", 0.1)
+    served.close()
+    with pytest.raises(Unreachable, match="the provider is gone"):
+        caller.call(b"", 5.0)
+    assert not release.is_set(), "closing waited for the provider"
+    release.set()
+
+
+def test_nobody_answers_at_once(ends: tuple[Streams, Streams]) -> None:
+    provider, consumer = ends
+    endpoint, served = provider.serve(KEY, lambda request: b"")
+    caller = consumer.caller(endpoint, KEY, 5.0)
+    assert caller.call(b"", 5.0) == b""
+    served.close()
+    with pytest.raises(Unreachable, match="gone"):
+        caller.call(b"", 60.0)
+
+
+def test_a_caller_that_is_closed_calls_no_more(ends: tuple[Streams, Streams]) -> None:
+    provider, consumer = ends
+    endpoint, _ = provider.serve(KEY, lambda request: b"")
+    caller = consumer.caller(endpoint, KEY, 5.0)
+    caller.close()
+    with pytest.raises(Unreachable, match="closed"):
+        caller.call(b"", 5.0)
+
+
+def test_calls_of_several_connectors_do_not_wait_for_each_other(
+    ends: tuple[Streams, Streams],
+) -> None:
+    provider, consumer = ends
+    meeting = threading.Barrier(2, timeout=5.0)
+
+    def meet(request: bytes) -> bytes:
+        meeting.wait()
+        return request
+
+    keys = [f"{KEY}/{number}" for number in range(2)]
+    callers = [consumer.caller(provider.serve(key, meet)[0], key, 5.0) for key in keys]
+    with ThreadPoolExecutor(2) as pool:
+        replies = pool.map(lambda caller: caller.call(b"here", 5.0), callers)
+        assert list(replies) == [b"here", b"here"]

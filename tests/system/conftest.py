@@ -1,0 +1,51 @@
+"""What tests of real components share: a connection to the manager, and word from components."""
+
+from __future__ import annotations
+
+import os
+import select
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from rtkit.tree.client import Tree, connect
+
+
+class Notes:
+    """What the components wrote into their diary, line by line as it comes."""
+
+    def __init__(self, path: str) -> None:
+        os.mkfifo(path)
+        self._fd = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+        self._text = b""
+
+    def next(self, count: int) -> list[str]:
+        while self._text.count(b"\n") < count:
+            assert select.select([self._fd], [], [], 10.0)[0], f"only {self._text!r} came"
+            self._text += os.read(self._fd, 65536)
+        *lines, self._text = self._text.split(b"\n", count)
+        return [line.decode() for line in lines]
+
+    def nothing(self) -> bool:
+        return not self._text and not select.select([self._fd], [], [], 0)[0]
+
+    def close(self) -> None:
+        os.close(self._fd)
+
+
+@pytest.fixture
+def notes(manager: Any) -> Iterator[Notes]:
+    """A diary that components write into: ``$RTKIT_STATE_DIR/diary``."""
+    notes = Notes(manager.environment["RTKIT_STATE_DIR"] + "/diary")
+    yield notes
+    notes.close()
+
+
+@pytest.fixture
+def tree(manager: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Tree]:
+    """A connection to the manager."""
+    for key in ("RTKIT_RUNTIME_DIR", "RTKIT_STATE_DIR"):
+        monkeypatch.setenv(key, manager.environment[key])
+    with connect() as tree:
+        yield tree

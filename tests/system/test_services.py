@@ -1,0 +1,194 @@
+"""Service ports on real processes: called, refused, stuck, killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from typing import Any
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.errors import Refused, RtkitError
+from rtkit.resources import resource
+from rtkit.rtc.enums import Transition
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.tree.client import Tree
+
+FILE = resource("profiles", "systems", "my-service.xml")
+PEERS = """
+import os
+import time
+from typing import Protocol
+from rtkit.component import Component, ServicePort
+
+
+class Work(Protocol):
+    def work(self, how: str) -> str: ...
+
+
+class Again(Protocol):
+    def again(self) -> str: ...
+
+
+class Peer(Component):
+    \"\"\"Offers Work and Again; calls Work on activation, as its parameter says.\"\"\"
+
+    rate = 100.0
+    offered = ServicePort.provided(Work).provide(Again)
+    needed = ServicePort.required(Work, timeout_s=0.3)
+
+    def on_activated(self, context):
+        self.logger.info("answered: %s", self.needed.client.work(self.options.get("how", "")))
+
+    def work(self, how):
+        if how == "raise":
+            raise ValueError("not today")
+        if how == "stuck":
+            if os.path.exists(os.environ["RTKIT_STATE_DIR"] + "/diary"):
+                fd = os.open(os.environ["RTKIT_STATE_DIR"] + "/diary", os.O_WRONLY)
+                os.write(fd, b"stuck\\n")
+            while True:
+                time.sleep(60)
+        if how == "sleep":
+            time.sleep(0.5)
+        if how == "back":
+            return self.needed.client.work("back")
+        return "done by " + self.instance
+
+    def again(self):
+        return "again"
+
+
+def PeerInit(manager):
+    manager.register_factory(Peer)
+"""
+
+
+@pytest.fixture
+def tree(tree: Tree, manager: Any) -> Tree:
+    (manager.modules / "Peer.py").write_text(PEERS)
+    return tree
+
+
+def peer(tree: Tree, instance: str, place: str, how: str = "") -> None:
+    create = f"Peer?instance_name={instance}&how={how}"
+    tree.perform(act.Create(f"{create}&manager_name={place}" if place else create))
+
+
+def wire(tree: Tree, consumer: str, provider: str, **properties: str) -> None:
+    ends = (PortRef(consumer, "needed"), PortRef(provider, "offered"))
+    named = {key.replace("__", "."): value for key, value in properties.items()}
+    tree.perform(act.Connect(ConnectorProfile(consumer + provider, "w", ends, named)))
+
+
+def activate(tree: Tree, instance: str) -> None:
+    tree.perform(act.ChangeState(instance, "0", Transition.ACTIVATE))
+
+
+@pytest.mark.parametrize("place", ["near", "far"])
+def test_calls_in_one_process_and_between_two(tree: Tree, place: str) -> None:
+    peer(tree, "A", "near")
+    peer(tree, "B", place)
+    wire(tree, "A", "B")
+    activate(tree, "A")
+    facts = tree.snapshot().component("A")
+    assert facts is not None
+    assert (facts.state, facts.cause) == ("Active", "")
+    tree.perform(act.Disconnect("AB"))
+    tree.perform(act.ChangeState("A", "0", Transition.DEACTIVATE))
+    with pytest.raises(Refused, match=r"A.needed: no provider of Work is connected"):
+        activate(tree, "A")
+
+
+@pytest.mark.parametrize("place", ["near", "far"])
+def test_an_exception_of_the_provider_is_named_to_the_caller(tree: Tree, place: str) -> None:
+    peer(tree, "A", "near", "raise")
+    peer(tree, "B", place)
+    wire(tree, "A", "B")
+    told = r"Refused: B.offered: Work.work failed: ValueError: not today \(Peer.py:\d+ in work\)"
+    with pytest.raises(Refused, match=told):
+        activate(tree, "A")
+
+
+def test_a_provider_that_is_stuck_holds_up_its_caller_no_longer_than_the_time_out(
+    tree: Tree,
+) -> None:
+    peer(tree, "A", "", "stuck")
+    peer(tree, "B", "far")
+    wire(tree, "A", "B", service__timeout="0.2")
+    with pytest.raises(Refused, match=r"A.needed: B.offered: Work.work: no answer within 0.2 s"):
+        activate(tree, "A")
+    tree.perform(act.Disconnect("AB"))
+    wire(tree, "A", "B")
+    tree.perform(act.Delete("B"))
+    assert tree.snapshot().component("B") is None
+
+
+def test_two_that_wait_for_each_other_are_bounded(tree: Tree) -> None:
+    peer(tree, "A", "one", "back")
+    peer(tree, "B", "two", "back")
+    wire(tree, "A", "B")
+    wire(tree, "B", "A")
+    with pytest.raises(Refused, match=r"A.needed: B.offered: Work.work: no answer within 0.3 s"):
+        activate(tree, "A")
+    for instance in ("A", "B"):
+        tree.perform(act.Delete(instance))
+
+
+def test_a_provider_that_is_killed_is_noticed_at_once(tree: Tree, notes: Any) -> None:
+    peer(tree, "A", "", "stuck")
+    peer(tree, "B", "far")
+    wire(tree, "A", "B", service__timeout="60")
+    far = next(p for p in tree.snapshot().processes if p.name == "far")
+    tree.perform(act.ChangeState("A", "0", Transition.ACTIVATE, wait=False))
+    assert notes.next(1) == ["stuck"]
+    os.kill(far.pid, signal.SIGKILL)
+    with pytest.raises(Refused, match=r"precondition not met \(state is Error\)"):
+        tree.perform(act.ChangeState("A", "0", Transition.ACTIVATE))
+    facts = tree.snapshot().component("A")
+    assert facts is not None
+    assert "A.needed: B.offered: Work.work: the provider is gone" in facts.cause
+
+
+def test_what_does_not_match_is_refused(manager: Any, tree: Tree) -> None:
+    peer(tree, "A", "")
+    peer(tree, "B", "far")
+    a, b = "/localhost/A.rtc", "/localhost/B.rtc"
+    for ends, why in (
+        (f"{a}:needed {b}:needed", "Polarities do not match."),
+        (f"{a}:offered {b}:offered", "Polarities do not match."),
+    ):
+        outcome = manager.run(f"rtcon {ends}")
+        assert (outcome.status, outcome.out) == (1, "")
+        assert why in outcome.err
+    manager.ok(f"rtcon {a}:needed {b}:offered")
+    shown = manager.ok(f"rtcat -ll {b}:offered")
+    for word in ("Interface:", "Work", "Again", "Provided", "/localhost/A.rtc:needed"):
+        assert word in shown
+    manager.ok(f"rtdis {a}:needed {b}:offered")
+
+
+def test_connection_limits_hold_for_services(tree: Tree) -> None:
+    for name in ("A", "B"):
+        peer(tree, name, "near")
+    tree.perform(
+        act.Create("Peer?instance_name=C&manager_name=far&port.service.offered.connection_limit=1")
+    )
+    wire(tree, "A", "C")
+    with pytest.raises(RtkitError, match="takes no more than 1"):
+        wire(tree, "B", "C")
+    assert [w.connector_id for w in tree.snapshot().connectors] == ["AC"]
+    tree.perform(act.Disconnect("AC"))
+    wire(tree, "B", "C")
+
+
+def test_the_samples_as_a_system(manager: Any) -> None:
+    assert manager.run(f"rtresurrect {FILE}") == (0, "", "")
+    names = ("MyServiceProvider0", "MyServiceConsumer0")
+    manager.ok("rtact " + " ".join(f"/localhost/{name}.rtc" for name in names))
+    assert manager.ok(f"rtcheck {FILE}") == ""
+    told = json.loads(manager.ok("rtcat --json /localhost/MyServiceConsumer0.rtc"))
+    assert told["state"] == "Active"
+    manager.ok(f"rtteardown {FILE}")
