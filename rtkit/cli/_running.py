@@ -1,8 +1,9 @@
-"""What rtstart, rtstop and rtteardown share: a plan shown or carried out, and never undone."""
+"""Commands whose plans are never undone tell, when they break off, how far they got."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from rtkit.cli import _system
@@ -11,42 +12,24 @@ from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
     from rtkit.deployment.live import Live
-    from rtkit.deployment.plan import Plan
     from rtkit.deployment.system import System
-    from rtkit.profile.rts_model import RtsProfile
 
 
-def run(
-    app: App,
-    profile: RtsProfile,
-    plan_for: Callable[[System, Live], Plan],
-    *,
-    dry_run: bool,
-    mapped: tuple[str, ...],
-    tell: Callable[[System, Live], str],
-) -> None:
-    """Carry out a plan for the system of `profile`; `tell` says how far one got that broke off.
+@contextmanager
+def telling(app: App, system: System, tell: Callable[[System, Live], str]) -> Iterator[None]:
+    """Add to what breaks off how far it got, which `tell` sees from what lives.
 
     Raises:
-        Refused: Something required failed; the message tells how far it went.
-        KeyboardInterrupt: Interrupted; its text tells how far it went.
+        RtkitError: What was raised inside.
+        KeyboardInterrupt: Likewise.
     """
-    from rtkit.deployment.live import Live
-
-    snapshot = _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(app, profile, snapshot, mapped=mapped)
-    plan = plan_for(system, Live(snapshot, system))
-    if dry_run:
-        _system.show(plan)
-        return
-    runner = _system.runner(app)
-    runner.check(plan.checks)
     try:
-        runner.run(plan)
+        yield
     except RtkitError as error:
         raise type(error)(f"{error}; {_progress(app, system, tell)}") from error
     except KeyboardInterrupt as error:
-        raise KeyboardInterrupt(_progress(app, system, tell)) from error
+        more = _progress(app, system, tell)
+        raise KeyboardInterrupt("; ".join(filter(None, (str(error), more)))) from error
 
 
 def _progress(app: App, system: System, tell: Callable[[System, Live], str]) -> str:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.plan import Plan
     from rtkit.deployment.system import KnownType, System
+    from rtkit.deployment.turns import StartPlan
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.apply import Runner
 
@@ -133,15 +134,20 @@ def look(app: App, *, dry_run: bool) -> Snapshot:
     except Unreachable as error:
         if not dry_run:
             raise
-        import os
-
-        from rtkit.deployment.facts import Snapshot
-
         app.fail(f"{error}; shown as if nothing lived")
-        return Snapshot(os.uname().nodename, "manager", 0, "")
+        return nothing()
 
 
-def show(plan: Plan) -> None:
+def nothing() -> Snapshot:
+    """Return what is to be seen where nothing lives."""
+    import os
+
+    from rtkit.deployment.facts import Snapshot
+
+    return Snapshot(os.uname().nodename, "manager", 0, "")
+
+
+def show(plan: Plan | StartPlan) -> None:
     """Print a plan on stdout."""
     for line in plan.lines():
         click.echo(line)

@@ -2,36 +2,43 @@
 
 from __future__ import annotations
 
-import click
-
-from rtkit.cli import _running, _system
+from rtkit.cli import _starting, _system
 from rtkit.cli._app import App, command
 
 
 @command("rtstart")
-@click.option("--no-wait", is_flag=True, help="Do not wait until each component is active.")
+@_starting.plan_options("active")
 @_system.system_options
 def main(
     app: App,
     files: tuple[str, ...],
     no_wait: bool,
+    draws: bool,
     dry_run: bool,
     strict: bool,
     mapped: tuple[str, ...],
 ) -> None:
     """Activate every component of an RTS profile (FILE, or stdin), in its order.
 
-    Each is active before the next is told. Required components must be there and must become
-    active, else the rest is not begun.
+    Each is active before the next is told, unless the profile's Activation says otherwise: by
+    places in the order, waiting times, and components that come first. Required components must
+    be there and must become active, else the rest is not begun; nor is it when a component that
+    comes first is not ready in time.
+
+    --timeout bounds a plan with such conditions as a whole. Without it the plan ends when nothing
+    has happened for 10 s after the last time that it names.
     """
-    from rtkit.deployment.running import active_now, start_plan
+    from rtkit.deployment.conditions import start_orders, stop_orders
+    from rtkit.deployment.running import start_plan
 
     profile = _system.read_profile(app, files, strict=strict)
-    _running.run(
+    orders = start_orders(profile)
+    stop_orders(profile)  # what cannot be stopped as written is not started
+    _starting.run(
         app,
         profile,
-        lambda system, live: start_plan(system, live, wait=not no_wait),
+        lambda system, live: start_plan(system, live, orders, wait=not no_wait),
+        draws=draws,
         dry_run=dry_run,
         mapped=mapped,
-        tell=active_now,
     )

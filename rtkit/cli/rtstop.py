@@ -2,35 +2,48 @@
 
 from __future__ import annotations
 
-import click
-
-from rtkit.cli import _running, _system
+from rtkit.cli import _starting, _system
 from rtkit.cli._app import App, command
+from rtkit.errors import InvalidDocument
 
 
 @command("rtstop")
-@click.option("--no-wait", is_flag=True, help="Do not wait until each component is inactive.")
+@_starting.plan_options("inactive")
 @_system.system_options
 def main(
     app: App,
     files: tuple[str, ...],
     no_wait: bool,
+    draws: bool,
     dry_run: bool,
     strict: bool,
     mapped: tuple[str, ...],
 ) -> None:
     """Deactivate every component of an RTS profile (FILE, or stdin), in reverse order.
 
-    A component that is missing or refuses is reported; the others are stopped all the same.
+    The order is that of the profile's Deactivation if there is one, else the reverse of the start.
+    A component that is missing or refuses is reported; the others are stopped all the same. Who
+    waits for another one to be inactive does not wait for one that is in Error or gone.
+
+    --timeout bounds a plan with conditions as a whole. Without it the plan ends when nothing has
+    happened for 10 s after the last time that it names.
     """
-    from rtkit.deployment.running import active_now, stop_plan
+    from rtkit.deployment.conditions import NO_ORDERS, start_orders, stop_orders
+    from rtkit.deployment.running import stop_plan
 
     profile = _system.read_profile(app, files, strict=strict)
-    _running.run(
+    orders = stop_orders(profile)
+    started = NO_ORDERS
+    try:
+        if not orders:
+            started = start_orders(profile)
+    except InvalidDocument as error:
+        app.fail(f"{error}; stopped in reverse of the order of the components")
+    _starting.run(
         app,
         profile,
-        lambda system, live: stop_plan(system, live, wait=not no_wait),
+        lambda system, live: stop_plan(system, live, orders, started=started, wait=not no_wait),
+        draws=draws,
         dry_run=dry_run,
         mapped=mapped,
-        tell=active_now,
     )

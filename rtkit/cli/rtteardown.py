@@ -23,14 +23,15 @@ def main(
 
     What is missing is reported; the rest is removed all the same.
     """
+    from rtkit.deployment.live import Live
     from rtkit.deployment.running import left_now, teardown_plan
 
     profile = _system.read_profile(app, files, strict=strict)
-    _running.run(
-        app,
-        profile,
-        lambda system, live: teardown_plan(system, live, ends_components=ends),
-        dry_run=dry_run,
-        mapped=mapped,
-        tell=left_now,
-    )
+    snapshot = _system.look(app, dry_run=dry_run)
+    system = _system.wanted_system(app, profile, snapshot, mapped=mapped)
+    plan = teardown_plan(system, Live(snapshot, system), ends_components=ends)
+    if dry_run:
+        _system.show(plan)
+        return
+    with _running.telling(app, system, left_now):
+        _system.runner(app).run(plan)

@@ -3,33 +3,44 @@
 from __future__ import annotations
 
 from rtkit.deployment.actions import ChangeState, Delete, Disconnect
+from rtkit.deployment.conditions import NO_ORDERS, Orders, Target
 from rtkit.deployment.creation import absence, component_checks
 from rtkit.deployment.live import Live, context_of, mismatch
 from rtkit.deployment.plan import Plan, Step, layer
 from rtkit.deployment.system import System, WantedComponent, WantedConnector
+from rtkit.deployment.turns import StartPlan, Turn, arrange, expected_order
+from rtkit.deployment.watch import Watched
 from rtkit.deployment.wiring import address, missing_end
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 
-def start_plan(system: System, live: Live, *, wait: bool = True) -> Plan:
-    """Return the activation of every component in each context of its profile, in its order."""
-    turns = [(c, number) for c in system.components for number in range(len(c.contexts))]
-    steps = [
-        _change(turn, component, number, live, Transition.ACTIVATE, wait)
-        for turn, (component, number) in enumerate(turns, 1)
-    ]
-    order = layer("start", steps, is_ordered=True, is_announced=True)
-    return Plan(tuple(component_checks(system, live)), order)
+def start_plan(
+    system: System, live: Live, orders: Orders = NO_ORDERS, *, wait: bool = True
+) -> StartPlan:
+    """Return the activation of every component in each context of its profile, as ordered."""
+    turns = _turns(system, live, Transition.ACTIVATE, wait)
+    return arrange(Transition.ACTIVATE, turns, orders, tuple(component_checks(system, live)))
 
 
-def stop_plan(system: System, live: Live, *, wait: bool = True) -> Plan:
-    """Return the deactivation of everything, in reverse order; nothing of it is required."""
-    turns = [(c, number) for c in system.components for number in range(len(c.contexts))]
-    steps = [
-        _change(turn, component, number, live, Transition.DEACTIVATE, wait)
-        for turn, (component, number) in enumerate(reversed(turns), 1)
-    ]
-    return Plan(layers=layer("stop", steps, is_ordered=True, is_announced=True))
+def stop_plan(
+    system: System,
+    live: Live,
+    orders: Orders = NO_ORDERS,
+    *,
+    started: Orders = NO_ORDERS,
+    wait: bool = True,
+) -> StartPlan:
+    """Return the deactivation of everything; nothing of it is required.
+
+    Without orders of its own it goes in reverse of the start, whose orders are `started`.
+    """
+    turns = _turns(system, live, Transition.DEACTIVATE, wait)
+    if orders:
+        return arrange(Transition.DEACTIVATE, reversed(turns), orders)
+    order = expected_order(arrange(Transition.ACTIVATE, turns, started))
+    places = {target: place for place, target in enumerate(order)}
+    turns.sort(key=lambda turn: places[turn.target], reverse=True)
+    return arrange(Transition.DEACTIVATE, turns)
 
 
 def teardown_plan(system: System, live: Live, *, ends_components: bool = False) -> Plan:
@@ -62,29 +73,39 @@ def left_now(system: System, live: Live) -> str:
     return f"left now: {', '.join(left) or 'none'}"
 
 
-def _change(
-    turn: int,
-    component: WantedComponent,
-    number: int,
-    live: Live,
-    transition: Transition,
-    wait: bool,
-) -> Step:
+def _turns(system: System, live: Live, transition: Transition, wait: bool) -> list[Turn]:
+    return [
+        _turn(component, number, live, transition, wait)
+        for component in system.components
+        for number in range(len(component.contexts))
+    ]
+
+
+def _turn(
+    component: WantedComponent, number: int, live: Live, transition: Transition, wait: bool
+) -> Turn:
     id = component.contexts[number].id
-    verb = transition.value.capitalize()
-    text = f"{{{turn}}} {verb} {component.path} in execution context {id}"
-    is_required = transition is Transition.ACTIVATE and component.is_required
     facts = live.at(component.instance)
-    away = absence(component, live)
-    if facts is None or away:
-        missing = f"Component missing: {component.path}" if facts is None else away
-        return Step(text, None, is_required, missing)
-    context = context_of(facts, component, number)
-    if context is None:
-        why = f"No execution context {id} on component at path {component.path}"
-        return Step(text, None, is_required, why)
-    action = ChangeState(component.instance, context.id, transition, wait)
-    return Step(text, action, is_required)
+    context = context_of(facts, component, number) if facts is not None else None
+    name = component.path
+    if len(component.contexts) > 1:
+        name += f" in execution context {id}"
+    watched = Watched(
+        facts.instance if facts is not None else component.instance,
+        context.id if context is not None else id,
+    )
+    text = f"{transition.value.capitalize()} {component.path} in execution context {id}"
+    is_required = transition is Transition.ACTIVATE and component.is_required
+    blocked = absence(component, live)
+    if facts is None:
+        blocked = f"Component missing: {component.path}"
+    elif not blocked and context is None:
+        blocked = f"No execution context {id} on component at path {component.path}"
+    action = None
+    if not blocked:
+        action = ChangeState(watched.instance, watched.context, transition, wait)
+    step = Step(text, action, is_required, blocked)
+    return Turn(Target(component.instance, number), name, watched, step)
 
 
 def _removal(wanted: WantedConnector, system: System, live: Live) -> Step:

@@ -44,6 +44,7 @@ class World:
         modules: What a module offers once it is loaded, by path.
         fault: Called before each action; a returned result is its outcome (to make it fail).
         performed: Every action performed, in order.
+        changed: Called after facts of a component changed.
     """
 
     def __init__(
@@ -68,6 +69,7 @@ class World:
         self.names: tuple[str, ...] = (f"{LOCAL}/{manager}{MANAGER_SUFFIX}",)
         self.fault: Callable[[Action], Result | None] = _no_fault
         self.performed: list[Action] = []
+        self.changed: Callable[[], object] = _nothing
         self._pids = itertools.count(_MASTER_PID + 1)
 
     def snapshot(self) -> Snapshot:
@@ -118,6 +120,7 @@ class World:
         """Replace facts of a component."""
         changed = replace(self.components[instance], **changes)  # type: ignore[arg-type]
         self.components[instance] = changed
+        self.changed()
 
     def state_of(self, instance: str) -> str:
         """Return the merged state of a component."""
@@ -389,6 +392,10 @@ def _check_same(known: ConnectorProfile, wire: ConnectorProfile) -> None:
     if changed:
         names = ", ".join(sorted(changed))
         raise Refused(f"connection {wire.connector_id} exists with another {names}")
+
+
+def _nothing() -> None:
+    """Do nothing."""
 
 
 def _no_fault(_action: Action) -> Result | None:

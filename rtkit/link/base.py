@@ -12,8 +12,19 @@ if TYPE_CHECKING:
 class Link(Protocol):
     """A way to reach services, and to offer one."""
 
+    def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
+        """Send a GET (payload None) or SET of the property at `key`; return what awaits the reply.
+
+        What one thread sends arrives in that order. The reply is to be awaited once, by any
+        thread, and comes within `timeout_s` [s].
+
+        Raises:
+            Unreachable: Nobody answered in time; when awaited.
+        """
+        ...
+
     def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
-        """GET (payload None) or SET the property at `key`, waiting at most `timeout_s` [s].
+        """Send, and wait for the reply.
 
         Raises:
             Unreachable: Nobody answered in time.

@@ -17,6 +17,10 @@ class InprocLink:
 
     def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
         """See `Link.call`."""
+        return self.send(key, payload, timeout_s)()
+
+    def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
+        """See `Link.send`."""
         service_key, is_extension, name = _split(key)
         enqueue = self._services.get(service_key)
         if enqueue is None:
@@ -28,10 +32,13 @@ class InprocLink:
             replies.append(reply)
             answered.set()
 
+        def reply() -> Reply:
+            if not answered.wait(timeout_s):
+                raise Unreachable(f"no answer within {timeout_s:g} s")
+            return replies[0]
+
         enqueue(Request(name, payload, answer, is_extension=is_extension))
-        if not answered.wait(timeout_s):
-            raise Unreachable(f"no answer within {timeout_s:g} s")
-        return replies[0]
+        return reply
 
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
         """See `Link.serve`."""

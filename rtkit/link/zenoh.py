@@ -8,7 +8,7 @@ fork; no shared memory but for port data, because a session leaves a segment of 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from threading import Thread
 
 import zenoh
@@ -105,6 +105,10 @@ class ZenohLink:
 
     def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
         """See `Link.call`."""
+        return self.send(key, payload, timeout_s)()
+
+    def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
+        """See `Link.send`."""
         try:
             replies = self._session.get(
                 key,
@@ -117,12 +121,7 @@ class ZenohLink:
             if self._session.is_closed():
                 raise Unreachable("the connection is closed") from error
             raise Malformed(f"not a property: {key}") from error
-        for reply in replies:
-            if reply.ok is not None:
-                return Reply(reply.ok.payload.to_string())
-            if reply.err is not None:
-                return _error_reply(reply.err, timeout_s)
-        raise Unreachable("nobody answers for it")
+        return lambda: _first(replies, timeout_s)
 
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
         """See `Link.serve`."""
@@ -136,6 +135,15 @@ class ZenohLink:
     def close(self) -> None:
         """See `Link.close`."""
         self._session.close()  # type: ignore[no-untyped-call]
+
+
+def _first(replies: Iterable[zenoh.Reply], timeout_s: float) -> Reply:
+    for reply in replies:
+        if reply.ok is not None:
+            return Reply(reply.ok.payload.to_string())
+        if reply.err is not None:
+            return _error_reply(reply.err, timeout_s)
+    raise Unreachable("nobody answers for it")
 
 
 def _receiver(

@@ -33,11 +33,14 @@ from rtkit.manager.events import (
     SlaveReady,
     StopAsked,
     Tick,
+    WakeAt,
+    WatchAsked,
 )
 from rtkit.manager.procedures import procedure_for
 from rtkit.manager.state import Process, State
 from rtkit.manager.stopping import FINALISE_S, stop_everything
 from rtkit.manager.tasks import Tasks
+from rtkit.manager.watching import Watchers
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -65,6 +68,7 @@ class Core:
         self.state = state
         self._out: list[Instruction] = []
         self._tasks = Tasks(state, self._out)
+        self._watchers = Watchers(state, self._out)
         self._is_stopping = False
 
     @property
@@ -81,6 +85,8 @@ class Core:
         match event:
             case BatchAsked():
                 self._begin(_Job(event))
+            case WatchAsked():
+                self._watch(event)
             case HolderSaid(key, message):
                 self._heard(key, message)
             case SlaveForked(key, pid):
@@ -98,6 +104,9 @@ class Core:
             case Tick():
                 pass
         self._tasks.run(now)
+        until = self._watchers.run(now)
+        if until is not None:
+            self._out.append(WakeAt(until))
         out = list(self._out)
         self._out.clear()
         return out
@@ -131,6 +140,12 @@ class Core:
     def _finish(self, job: _Job) -> None:
         results = [result for result in job.results if result is not None]
         self._out.append(AnswerClient(job.answer, Reply(results_to_text(results))))
+
+    def _watch(self, asked: WatchAsked) -> None:
+        if self._is_stopping:
+            self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
+        else:
+            self._watchers.begin(asked)
 
     # what processes report
 
@@ -233,6 +248,7 @@ class Core:
         if not self._is_stopping:
             self._is_stopping = True
             self._tasks.cancel(Refused(_STOPPING))
+            self._watchers.dismiss(Reply(_STOPPING, Refused.kind))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
 
     def _stopped(self, _result: Result) -> None:

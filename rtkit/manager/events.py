@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtkit.deployment.batch import Batch
+from rtkit.deployment.watch import Watch
 from rtkit.property.exchange import Reply
 
 Message = Mapping[str, Any]
@@ -24,6 +25,14 @@ class BatchAsked:
     """A client wants actions performed."""
 
     batch: Batch
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
+class WatchAsked:
+    """A client wants to know when states change."""
+
+    watch: Watch
     answer: Answer
 
 
@@ -96,6 +105,7 @@ class Tick:
 
 Event = (
     BatchAsked
+    | WatchAsked
     | StopAsked
     | SlaveForked
     | SlaveFailed

@@ -150,7 +150,7 @@ class FakeShell:
             case ev.AnswerClient(answer, reply):
                 answer(reply)
             case ev.WakeAt(moment):
-                self.wake_at = moment
+                self.wake_at = moment if self.wake_at is None else min(moment, self.wake_at)
             case ev.Finish():
                 self.is_finished = True
 

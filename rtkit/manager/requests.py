@@ -8,9 +8,10 @@ from typing import Any
 from rtkit.deployment.batch import batch_from_text
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
+from rtkit.deployment.watch import watch_from_text
 from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
-from rtkit.manager.events import BatchAsked, Event, StopAsked
+from rtkit.manager.events import BatchAsked, Event, StopAsked, WatchAsked
 from rtkit.manager.state import State
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.plain import encode
@@ -44,6 +45,8 @@ class Desk:
             return None
         if request.name == "batch":
             return BatchAsked(batch_from_text(request.payload), request.answer)
+        if request.name == "watch":
+            return WatchAsked(watch_from_text(request.payload), request.answer)
         if request.name == "stop":
             request.answer(Reply(str(self._state.pid)))
             return StopAsked()

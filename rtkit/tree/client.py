@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
@@ -17,6 +18,7 @@ from rtkit.tree.api import ByPath
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action, Result
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.watch import Watched
 
 DEFAULT_TIMEOUT_S = 10.0
 DEFAULT_MANAGER = "manager"
@@ -112,13 +114,27 @@ class Tree(ByPath):
         Raises:
             Unreachable: The manager does not answer in time.
         """
+        return self.begin(actions, is_ordered=is_ordered, timeout_s=timeout_s)()
+
+    def begin(
+        self,
+        actions: Sequence[Action],
+        *,
+        is_ordered: bool = True,
+        timeout_s: float | None = None,
+    ) -> Callable[[], tuple[Result, ...]]:
+        """Send a batch and return what awaits its results; see `apply`.
+
+        Batches that one thread begins are taken up in that order.
+        """
         from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 
         bound = self.timeout_s if timeout_s is None else timeout_s
         batch = Batch(tuple(actions), is_ordered, bound)
         rounds = len(batch.actions) if is_ordered else 1
         key = keys.property_key(self._service, "batch")
-        return results_from_text(self._ask(key, batch_to_text(batch), bound * rounds))
+        answer = self._send(key, batch_to_text(batch), bound * rounds)
+        return lambda: results_from_text(answer())
 
     def perform(self, action: Action, *, timeout_s: float | None = None) -> str:
         """Perform one action and return what it made.
@@ -130,6 +146,21 @@ class Tree(ByPath):
         result.raise_for_error()
         return result.value
 
+    def watch(
+        self, targets: Sequence[Watched], known: Sequence[str] = (), timeout_s: float = 0.0
+    ) -> tuple[str, ...]:
+        """Return the states of components as soon as they differ from those `known`, or in time.
+
+        Raises:
+            Unreachable: The manager does not answer.
+        """
+        from rtkit.deployment.watch import Watch, states_from_text, watch_to_text
+
+        watch = Watch(tuple(targets), tuple(known), timeout_s)
+        key = keys.property_key(self._service, "watch")
+        bound = max(timeout_s, self.timeout_s)
+        return states_from_text(self._ask(key, watch_to_text(watch), bound))
+
     def get(self, name: str) -> str:
         """Return the value of a property of the manager."""
         return self._ask(keys.property_key(self._service, name))
@@ -139,11 +170,28 @@ class Tree(ByPath):
         return self._ask(keys.property_key(self._service, name), value, timeout_s)
 
     def _ask(self, key: str, payload: str | None = None, timeout_s: float | None = None) -> str:
+        return self._send(key, payload, timeout_s)()
+
+    def _send(
+        self, key: str, payload: str | None, timeout_s: float | None = None
+    ) -> Callable[[], str]:
         bound = (self.timeout_s if timeout_s is None else timeout_s) + _GRACE_S * (
             payload is not None
         )
+
+        def answer() -> str:
+            with self._told():
+                return reply().value()
+
+        with self._told():
+            reply = self._link.send(key, payload, bounded(bound))
+        return answer
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Say which manager it was that could not be reached."""
         try:
-            return self._link.call(key, payload, bounded(bound)).value()
+            yield
         except Unreachable as error:
             raise Unreachable(f"{self.manager} on {self.host}: {error}") from error
 

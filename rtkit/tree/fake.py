@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from threading import RLock
 
 from rtkit.deployment.batch import batch_from_text, results_to_text
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
+from rtkit.deployment.watch import Watch, look, states_to_text, watch_from_text
 from rtkit.deployment.world import World
 from rtkit.errors import NotFound, RtkitError
 from rtkit.link import keys
@@ -20,19 +21,40 @@ from rtkit.tree.client import Tree
 def fake_tree(world: World, timeout_s: float = 1.0) -> Tree:
     """Return the real client of a fake manager that keeps its facts in `world`."""
     link = InprocLink()
-    link.serve(keys.service(world.host, world.manager), _server(world))
+    link.serve(keys.service(world.host, world.manager), _Server(world).serve)
     return Tree(link, world.host, world.manager, timeout_s)
 
 
-def _server(world: World) -> Callable[[Request], None]:
-    def serve(request: Request) -> None:
+class _Server:
+    """Answers as a manager would; a watch when the world changes."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._lock = RLock()
+        self._watching: list[tuple[Watch, Request]] = []
+        world.changed = self._look
+
+    def serve(self, request: Request) -> None:
         try:
-            reply = Reply(_answer(world, request))
+            with self._lock:
+                if request.name == "watch" and request.payload is not None:
+                    self._watching.append((watch_from_text(request.payload), request))
+                    self._look()
+                    return
+                reply = Reply(_answer(self._world, request))
         except RtkitError as error:
             reply = failure(error)
         request.answer(reply)
 
-    return serve
+    def _look(self) -> None:
+        with self._lock:
+            waiting, self._watching = self._watching, []
+            for watch, request in waiting:
+                states = look(watch.targets, self._world.components.get)
+                if states == watch.known and watch.timeout_s:
+                    self._watching.append((watch, request))
+                else:
+                    request.answer(Reply(states_to_text(states)))
 
 
 def _answer(world: World, request: Request) -> str:

@@ -469,7 +469,7 @@ def test_interrupted_at_the_start_of_a_system(run, file, world, monkeypatch):
     world.fault = fault
     status, _, err = run("rtstart", path)
     assert status == 130
-    assert err == START + f"rtstart: interrupted; active now: {SOURCE}\n"
+    assert err == START + f"rtstart: interrupted; no answer to: {{2}}; active now: {SOURCE}\n"
     status, _, err = run("rtteardown", "--exit", path)
     assert status == 130
     assert err == f"rtteardown: interrupted; left now: {SOURCE}, {SINK}\n"

@@ -1,0 +1,75 @@
+"""What rtstart and rtstop share: a plan shown, drawn or carried out, and never undone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from rtkit.cli import _running, _system
+from rtkit.cli._app import App
+
+if TYPE_CHECKING:
+    from rtkit.deployment.live import Live
+    from rtkit.deployment.system import System
+    from rtkit.deployment.turns import StartPlan
+    from rtkit.profile.rts_model import RtsProfile
+
+
+def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Return what adds the options that both commands have; `state` is what they lead to."""
+    no_wait = f"Do not wait until each component is {state}; conditions are waited for."
+    graph = "Print the plan as a graph (dot), and do nothing."
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        function = click.option("--plan", "draws", is_flag=True, help=graph)(function)
+        return click.option("--no-wait", is_flag=True, help=no_wait)(function)
+
+    return decorate
+
+
+def run(
+    app: App,
+    profile: RtsProfile,
+    plan_for: Callable[[System, Live], StartPlan],
+    *,
+    draws: bool,
+    dry_run: bool,
+    mapped: tuple[str, ...],
+) -> None:
+    """Carry out a plan for the system of `profile`, or only print it.
+
+    Raises:
+        Refused: It was broken off; the message tells how far it went.
+        KeyboardInterrupt: Interrupted; its text tells how far it went.
+    """
+    from rtkit.deployment.live import Live
+    from rtkit.deployment.running import active_now
+
+    snapshot = _system.nothing() if draws else _system.look(app, dry_run=dry_run)
+    system = _system.wanted_system(app, profile, snapshot, mapped=mapped)
+    plan = plan_for(system, Live(snapshot, system))
+    for text in plan.warnings():
+        app.fail(f"warning: {text}")
+    if draws:
+        from rtkit.deployment.plan_graph import to_dot
+
+        click.echo("\n".join(to_dot(plan)))
+        return
+    if dry_run:
+        _system.show(plan)
+        return
+    _system.runner(app).check(plan.checks)
+    with _running.telling(app, system, active_now):
+        _carry_out(app, plan)
+
+
+def _carry_out(app: App, plan: StartPlan) -> None:
+    from rtkit.tree.start import Starter
+
+    source = click.get_current_context().get_parameter_source("timeout")
+    is_bounded = plan.has_conditions and source is ParameterSource.COMMANDLINE
+    timeout_s = app.timeout_s if is_bounded else None
+    Starter(app.tree, plan, app.say, app.fail, timeout_s).run()

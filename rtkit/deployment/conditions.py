@@ -1,0 +1,155 @@
+"""When the actions of a start or stop are to be done: an order of a system profile, checked.
+
+Not for carrying it out: that is `rtkit.deployment.execution`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rtkit.deployment.described import contexts_of
+from rtkit.errors import InvalidDocument
+from rtkit.profile import rts_model as rts
+
+UNORDERED = -1
+"""Place of an action of which an order says nothing: before all others."""
+
+
+class Target(NamedTuple):
+    """A component in one of its execution contexts, by that one's number in the profile."""
+
+    instance: str
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """One entry of an order: a place, and at most one thing to wait for.
+
+    Attributes:
+        sequence: Place among the actions that can be done at the same time.
+        wait_ms: Time after the beginning of the delayed part of the plan [ms].
+        preceding: The action that comes first; None when there is none.
+        is_sync: Wait for the state that it leads to, not only until it was sent.
+        timeout_ms: How long to wait for it [ms]; 0 for no bound of its own.
+    """
+
+    sequence: int
+    wait_ms: int = 0
+    preceding: Target | None = None
+    is_sync: bool = True
+    timeout_ms: int = 0
+
+    @property
+    def is_delaying(self) -> bool:
+        """Whether there is anything to wait for."""
+        return self.wait_ms > 0 or self.preceding is not None
+
+
+Orders = Mapping[Target, tuple[Condition, ...]]
+NO_ORDERS: Orders = {}
+
+
+def sequence_of(conditions: Sequence[Condition]) -> int:
+    """Return the place of an action that has these conditions."""
+    return min((condition.sequence for condition in conditions), default=UNORDERED)
+
+
+def start_orders(profile: rts.RtsProfile) -> Orders:
+    """Return when each component is to be activated.
+
+    Raises:
+        InvalidDocument: A target that does not exist, a negative time, or conditions in a circle.
+    """
+    return _orders(profile.activation, "Activation", profile)
+
+
+def stop_orders(profile: rts.RtsProfile) -> Orders:
+    """Return when each component is to be deactivated; nothing when the profile leaves it open.
+
+    Raises:
+        InvalidDocument: A target that does not exist, a negative time, or conditions in a circle.
+    """
+    return _orders(profile.deactivation, "Deactivation", profile)
+
+
+def _orders(order: rts.Order | None, name: str, profile: rts.RtsProfile) -> Orders:
+    contexts = {
+        component.instance_name: tuple(c.id for c in contexts_of(component.execution_contexts))
+        for component in profile.components
+    }
+    found: dict[Target, tuple[Condition, ...]] = {}
+    try:
+        for entry in order.targets if order is not None else ():
+            target = _target(entry.target_component, contexts)
+            found[target] = (*found.get(target, ()), *_conditions(entry, contexts))
+        ring = _ring(found)
+    except InvalidDocument as error:
+        raise InvalidDocument(f"{name}: {error}") from error
+    if ring:
+        told = " waits for ".join(_named(target, contexts) for target in [*ring, ring[0]])
+        raise InvalidDocument(f"{name}: conditions in a circle: {told}")
+    return found
+
+
+def _target(named: rts.TargetComponent, contexts: Mapping[str, Sequence[str]]) -> Target:
+    """Find what an entry names: a context by its id, else by its number."""
+    ids = contexts.get(named.instance_name)
+    if ids is None:
+        raise InvalidDocument(f"unknown target: component {named.instance_name} is not listed")
+    if named.id in ids:
+        return Target(named.instance_name, ids.index(named.id))
+    is_number = named.id.isascii() and named.id.isdigit() and len(named.id) < 9
+    if is_number and int(named.id) < len(ids):
+        return Target(named.instance_name, int(named.id))
+    known = f"it has {', '.join(ids)}" if ids else "it has none"
+    raise InvalidDocument(
+        f"unknown target: execution context {named.id} of component {named.instance_name} ({known})"
+    )
+
+
+def _conditions(entry: rts.Condition, contexts: Mapping[str, Sequence[str]]) -> Iterator[Condition]:
+    wait_ms = entry.wait_time.wait_time if entry.wait_time is not None else 0
+    preceding = entry.preceding or rts.Preceding()
+    timeout_ms = preceding.timeout or 0
+    for what, value in (("waitTime", wait_ms), ("timeout", timeout_ms)):
+        if value < 0:
+            name = entry.target_component.instance_name
+            raise InvalidDocument(f"{what} of component {name} is negative: {value}")
+    is_sync = preceding.sending_timing in (None, "SYNC")
+    for component in preceding.preceding_components:
+        first = _target(component, contexts)
+        yield Condition(entry.sequence, 0, first, is_sync, timeout_ms)
+    if wait_ms or not preceding.preceding_components:
+        yield Condition(entry.sequence, wait_ms)
+
+
+def _ring(orders: Orders) -> list[Target]:
+    """Return targets each of which waits for the next, the last one for the first; else none."""
+    done: set[Target] = set()
+    for root in orders:
+        path: list[Target] = []
+        ways: list[Iterator[Target]] = [iter((root,))]
+        while ways:
+            target = next(ways[-1], None)
+            if target is None:
+                ways.pop()
+                done.update(path[-1:])
+                del path[-1:]
+            elif target in path:
+                return path[path.index(target) :]
+            elif target not in done:
+                path.append(target)
+                ways.append(_before(orders, target))
+    return []
+
+
+def _before(orders: Orders, target: Target) -> Iterator[Target]:
+    return (c.preceding for c in orders.get(target, ()) if c.preceding is not None)
+
+
+def _named(target: Target, contexts: Mapping[str, Sequence[str]]) -> str:
+    ids = contexts[target.instance]
+    return target.instance if len(ids) == 1 else f"{target.instance} in {ids[target.number]}"

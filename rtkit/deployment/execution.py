@@ -1,0 +1,260 @@
+"""Carries out a start or stop, as a core: results and states in, what is to be sent now out.
+
+Time comes in as an argument: monotonic seconds. A condition that waits for a state is judged by
+what was seen last, also when it held before: who waits for a component that died meanwhile goes
+on waiting.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping
+
+from rtkit.deployment.actions import Result
+from rtkit.deployment.conditions import Condition, Target
+from rtkit.deployment.turns import StartPlan, Turn, words
+from rtkit.rtc.enums import LifeCycleState, Transition
+
+_MOST_TOLD = 3
+
+
+class Execution:
+    """A start or stop under way.
+
+    Attributes:
+        plan: What is carried out.
+        failure: Why it was broken off; empty as long as it was not.
+    """
+
+    def __init__(
+        self, plan: StartPlan, now: float, timeout_s: float | None = None, patience_s: float = 10.0
+    ) -> None:
+        """Begin at time `now` [s].
+
+        Args:
+            plan: What is to be carried out.
+            now: The time [s].
+            timeout_s: Bound on the whole [s]; None for none.
+            patience_s: How long nothing may happen that conditions without a time-out wait for,
+                as long as there is no bound on the whole [s].
+        """
+        self.plan = plan
+        self.failure = ""
+        self._is_start = plan.transition is Transition.ACTIVATE
+        self._names = plan.names
+        self._queue = deque(plan.immediate)
+        self._waiting = {turn.id: turn for turn in plan.delayed}
+        self._running: dict[int, Turn] = {}
+        self._begun: set[Target] = set()
+        self._over: set[Target] = set()
+        self._states: Mapping[Target, str] = {}
+        self._armed_at: float | None = None
+        self._moved_at = now
+        self._unmet_since: dict[tuple[int, Condition], float] = {}
+        self._reports: list[str] = []
+        self._timeout_s = timeout_s
+        self._patience_s = patience_s
+        self._deadline = now + timeout_s if timeout_s is not None else None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing is under way and nothing will be begun."""
+        return not self._running and (bool(self.failure) or not self.waiting)
+
+    @property
+    def running(self) -> tuple[Turn, ...]:
+        """The actions that were begun and not answered."""
+        return tuple(self._running.values())
+
+    @property
+    def waiting(self) -> tuple[Turn, ...]:
+        """The actions that were not begun."""
+        return (*self._queue, *self._waiting.values())
+
+    @property
+    def watched(self) -> tuple[Turn, ...]:
+        """The actions whose state counts at present: to be looked at before `ready`."""
+        if self.failure or self._queue or (self._armed_at is None and self._running):
+            return ()
+        entries = ((c.preceding, c.is_sync) for _, c in self._entries())
+        targets = {target for target, is_sync in entries if is_sync}
+        return tuple(turn for turn in self.plan.turns if turn.target in targets)
+
+    @property
+    def lacks_a_state(self) -> bool:
+        """Whether an action waits for a state that is not reached."""
+        return any(condition.is_sync for _, condition in self._unmet_since)
+
+    def saw(self, states: Mapping[Target, str]) -> None:
+        """Take what is seen of all that is `watched`."""
+        self._states = states
+
+    def ready(self, now: float) -> list[Turn]:
+        """Return what is to be sent now, in this order; from now on it counts as sent."""
+        begun: list[Turn] = []
+        if self._deadline is not None and now >= self._deadline and not self.is_over:
+            self._too_late(f"not finished within {self._timeout_s:g} s")
+        elif self._queue:
+            begun = self._next_immediate(now)
+        elif self._armed_at is not None or not self._running:
+            self._armed_at = now if self._armed_at is None else self._armed_at
+            begun = self._next_delayed(now)
+            self._judge(now)
+        return begun
+
+    def answered(self, turn: Turn, result: Result, now: float) -> None:
+        """Take the outcome of an action that was begun."""
+        del self._running[turn.id]
+        self._over.add(turn.target)
+        self._moved_at = now
+        if not result.ok:
+            self._failed(turn, result.why)
+
+    def cancel(self, why: str) -> None:
+        """Begin nothing more; what was begun is still waited for."""
+        self.failure = self.failure or why
+        self._unmet_since.clear()
+
+    def reports(self) -> list[str]:
+        """Return what failed without ending the plan, since the last call."""
+        told, self._reports = self._reports, []
+        return told
+
+    def next_moment(self, now: float) -> float | None:
+        """Return when `ready` is to be asked again though nothing happened; None for never."""
+        if self.failure:
+            return None
+        moments = [] if self._deadline is None else [self._deadline]
+        if self._armed_at is not None:
+            waits = (self._moment(c) for turn in self._waiting.values() for c in turn.conditions)
+            moments += [moment for moment in waits if moment > now]
+            limits = [self._limit(entry) for entry in self._unmet_since if entry[1].timeout_ms]
+            moments += [*limits, *self._end_of_patience()]
+        elif not self._queue and not self._running and self._waiting:
+            moments.append(now)
+        return min(moments, default=None)
+
+    def _next_immediate(self, now: float) -> list[Turn]:
+        while self._queue and not self._running and not self.failure:
+            turn = self._queue.popleft()
+            if self._begin(turn, now):
+                return [turn]
+        return []
+
+    def _next_delayed(self, now: float) -> list[Turn]:
+        begun: list[Turn] = []
+        is_moving = True
+        while is_moving and not self.failure:
+            is_moving = False
+            for turn in list(self._waiting.values()):
+                vain = next((c for c in turn.conditions if self._is_vain(c)), None)
+                if self.failure or not (vain or self._is_due(turn, now)):
+                    continue
+                is_moving = True
+                del self._waiting[turn.id]
+                if vain is not None:
+                    self._over.add(turn.target)
+                    why = words(vain, self._names)
+                    self._failed(turn, f"Preceding condition cannot be met: {why}, of {turn.name}")
+                elif self._begin(turn, now):
+                    begun.append(turn)
+        return begun
+
+    def _begin(self, turn: Turn, now: float) -> bool:
+        self._moved_at = now
+        if turn.step.action is None:
+            self._over.add(turn.target)
+            self._failed(turn, turn.step.blocked)
+            return False
+        self._running[turn.id] = turn
+        self._begun.add(turn.target)
+        return True
+
+    def _failed(self, turn: Turn, why: str) -> None:
+        if turn.step.is_required:
+            self.cancel(f"Required action failed: {why}")
+        else:
+            self._reports.append(f"Action failed: {why}")
+
+    # conditions
+
+    def _entries(self) -> Iterator[tuple[int, Condition]]:
+        """Yield what the actions that were not begun wait for, other than a time."""
+        for turn in self._waiting.values():
+            for condition in turn.conditions:
+                if condition.preceding is not None:
+                    yield turn.id, condition
+
+    def _is_due(self, turn: Turn, now: float) -> bool:
+        return all(now >= self._moment(c) and self._is_met(c) for c in turn.conditions)
+
+    def _is_met(self, condition: Condition) -> bool:
+        first = condition.preceding
+        if first is None:
+            return True
+        if not condition.is_sync:
+            return first in self._begun or (first in self._over and not self._is_start)
+        state = self._states.get(first)
+        if self._is_start:
+            return state == LifeCycleState.ACTIVE
+        # One that failed or died is at rest too; the others must not run on because of it.
+        return state is not None and not state.startswith(LifeCycleState.ACTIVE)
+
+    def _is_vain(self, condition: Condition) -> bool:
+        """Whether a condition waits for an action that was found impossible."""
+        first = condition.preceding
+        is_asking = first is not None and not condition.is_sync and self._is_start
+        return is_asking and first in self._over and first not in self._begun
+
+    # time
+
+    def _judge(self, now: float) -> None:
+        """Note since when conditions are not met; end a plan that waited long enough."""
+        if self.failure:
+            return
+        known, self._unmet_since = self._unmet_since, {}
+        for entry in self._entries():
+            if not self._is_met(entry[1]):
+                self._unmet_since[entry] = known.get(entry, now)
+        for entry in self._unmet_since:
+            number, condition = entry
+            if condition.timeout_ms and now >= self._limit(entry):
+                self.cancel(
+                    "Error executing plan: Preceding condition timed out:"
+                    f" action {{{number}}} waited {condition.timeout_ms}ms"
+                    f" for: {self._told(condition)}"
+                )
+                return
+        if any(now >= moment for moment in self._end_of_patience()):
+            self._too_late(f"nothing has happened for {self._patience_s:g} s")
+
+    def _moment(self, condition: Condition) -> float:
+        assert self._armed_at is not None
+        return self._armed_at + condition.wait_ms / 1000
+
+    def _limit(self, entry: tuple[int, Condition]) -> float:
+        return self._unmet_since[entry] + entry[1].timeout_ms / 1000
+
+    def _end_of_patience(self) -> list[float]:
+        """Return when a plan without bound ends because nothing happens; nothing while it does."""
+        if self._deadline is not None or self._running or self._armed_at is None:
+            return []
+        if not self._waiting:
+            return []
+        return [max(self._moved_at, self._armed_at + self.plan.last_moment_s) + self._patience_s]
+
+    def _too_late(self, how: str) -> None:
+        told = [f"action {{{turn.id}}} is under way" for turn in self._running.values()]
+        told += [
+            f"action {{{number}}} waits for: {self._told(condition)}"
+            for number, condition in self._unmet_since
+        ]
+        more = [f"and {len(told) - _MOST_TOLD} more"] if len(told) > _MOST_TOLD else []
+        details = ", ".join([*told[:_MOST_TOLD], *more])
+        self.cancel(f"Error executing plan: {how}" + (f"; {details}" if details else ""))
+
+    def _told(self, condition: Condition) -> str:
+        assert condition.preceding is not None
+        state = self._states.get(condition.preceding, "not seen")
+        how = f"it is {state}" if condition.is_sync else "not sent"
+        return f"{words(condition, self._names)} ({how})"
