@@ -17,7 +17,7 @@ from rtkit.manager.events import OWN_PROCESS, Message
 from rtkit.manager.naming import unregister
 from rtkit.manager.state import Claim, Process, State
 from rtkit.manager.stopping import retire
-from rtkit.manager.wiring import connect, disconnect, living, unwire
+from rtkit.manager.wiring import connect, cut, disconnect, living, unwire
 from rtkit.manager.wishes import Ask, Later, Need, Procedure, Tell
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, check_instance_name, is_local_host
@@ -218,6 +218,8 @@ def _make(
 def _unmake(state: State, key: int, instance: str, before: ComponentFacts | None) -> Procedure:
     """Leave nothing of a component that could not be made; a zombie stays the zombie it was."""
     if state.components.get(instance) is not before:
+        for wire in state.connectors_of(instance):
+            yield from cut(state, wire)
         state.forget(instance)
     process = state.processes.get(key)
     if process is not None and process.is_ready:

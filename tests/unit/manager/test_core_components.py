@@ -6,10 +6,18 @@ import signal
 
 import pytest
 
-from rtkit.deployment.actions import ChangeState, Create, Delete, Load, SetParameters, Unload
+from rtkit.deployment.actions import (
+    ChangeState,
+    Connect,
+    Create,
+    Delete,
+    Load,
+    SetParameters,
+    Unload,
+)
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager import events as ev
-from rtkit.manager.fake import OWN, FakeShell, facts
+from rtkit.manager.fake import OWN, FakeShell, facts, wire
 from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
@@ -242,6 +250,21 @@ def test_facts_that_come_before_a_failure_are_taken_back(shell):
     assert shell.told == [(OWN, {"op": "delete", "instance": "A"})]
 
 
+def test_what_was_connected_to_it_meanwhile_is_parted(shell):
+    key = shell.make("Other", "s")
+    asked = shell.ask(create())
+    call = shell.next("create")
+    shell.say(OWN, facts=facts("A"))
+    connected = shell.ask(Connect(wire("w", "A.out", "Other.in")))
+    shell.serve()
+    assert connected.result.ok
+    shell.refuse(call)
+    assert not asked.result.ok
+    assert not shell.state.connectors
+    unlink = {"op": "unlink", "connector_id": "w"}
+    assert [told for told in shell.told if told[1] == unlink] == [(OWN, unlink), (key, unlink)]
+
+
 def test_a_good_answer_without_facts_is_not_believed(shell):
     asked = shell.ask(create())
     shell.reply(shell.next("create"))
@@ -421,6 +444,10 @@ def test_a_deletion_that_takes_too_long_keeps_the_entry_until_it_is_true(shell):
     shell.wait(1.0)
     assert asked.result.kind == "unreachable"
     assert "A" in shell.state.components
+    again = shell.ask(Delete("A"))
+    assert shell.next("delete").message["instance"] == "A"
+    shell.wait(10.0)
+    assert again.result.kind == "unreachable"
     shell.say(OWN, gone="A")
     assert "A" not in shell.state.components
     assert shell.ask(Delete("A")).result.kind == "not-found"
