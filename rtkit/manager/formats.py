@@ -1,0 +1,87 @@
+"""Templates of the names under which components are registered (``naming.formats``).
+
+``%n`` instance, ``%t`` and ``%m`` type, ``%v`` version, ``%V`` vendor, ``%c`` category, ``%h``
+host, ``%M`` manager, ``%p`` pid of its process, ``%%`` a per cent sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rtkit.errors import Malformed
+from rtkit.rtc.names import LOCAL
+from rtkit.rtc.profiles import TypeProfile
+
+DEFAULT = "%n.rtc"
+_LETTERS = "ntmvVchMp%"
+_EARLY = "nhM%"
+"""What is known before a component is made."""
+
+
+def check(text: str) -> tuple[str, ...]:
+    """Return the templates of a comma list.
+
+    Raises:
+        Malformed: One of them cannot be read; tells why.
+    """
+    templates = tuple(item for item in map(str.strip, text.split(",")) if item)
+    for template in templates:
+        letters = _letters(template)
+        bad = sorted(set(letters) - set(_LETTERS))
+        if bad:
+            known = " ".join(f"%{letter}" for letter in _LETTERS)
+            raise Malformed(f"unknown %{bad[0]} in name template {template} (known: {known})")
+        if any(part in ("", ".", "..") for part in template.split("/")):
+            raise Malformed(f"name template has an empty or dotted element: {template}")
+        if ":" in template or not template.isprintable():
+            raise Malformed(f"name template has a character that no name may have: {template}")
+    return templates
+
+
+def is_early(template: str) -> bool:
+    """Whether the name is known before the component is made."""
+    return set(_letters(template)) <= set(_EARLY)
+
+
+def expand(
+    templates: Iterable[str],
+    *,
+    instance: str,
+    host: str,
+    manager: str,
+    type: TypeProfile | None = None,
+    pid: int = 0,
+) -> tuple[str, ...]:
+    """Return the full names, each once.
+
+    Raises:
+        Malformed: A template gives a name with an empty element.
+    """
+    made = type or TypeProfile("")
+    told = {
+        "n": instance,
+        "t": made.type_name,
+        "m": made.type_name,
+        "v": made.version,
+        "V": made.vendor,
+        "c": made.category,
+        "h": host,
+        "M": manager,
+        "p": str(pid),
+        "%": "%",
+    }
+    clean = {letter: text.replace("/", "_").replace(":", "_") for letter, text in told.items()}
+    return tuple(dict.fromkeys(f"{LOCAL}/{_expand(each, clean)}" for each in templates))
+
+
+def _expand(template: str, told: dict[str, str]) -> str:
+    head, *rest = template.replace("%%", "%\0").split("%")
+    name = head + "".join(told["%" if part[:1] == "\0" else part[:1]] + part[1:] for part in rest)
+    if any(part in ("", ".", "..") for part in name.split("/")):
+        raise Malformed(f"name template {template} gives a name with an empty element: {name}")
+    return name
+
+
+def _letters(template: str) -> list[str]:
+    pieces = template.replace("%%", "%\0").split("%")[1:]
+    return ["%" if piece[:1] == "\0" else piece[:1] for piece in pieces]

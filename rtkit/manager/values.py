@@ -1,0 +1,72 @@
+"""Values of properties that are more than a word: ports, processors, modules to load."""
+
+from __future__ import annotations
+
+from rtkit.errors import Malformed, Refused
+from rtkit.rtc.names import LOCAL
+
+DEFAULT_PORT = 2810
+"""Where a manager listens by convention."""
+
+MAX_PROCESSOR = 4095
+_LOOPBACK = ("", LOCAL, "127.0.0.1")
+
+
+def endpoint(text: str) -> int | None:
+    """Return the port of ``[HOST]:PORT`` (0 for any free one), None for ``none``.
+
+    ``all`` is the usual port. Only this host can be listened on.
+
+    Raises:
+        Malformed: It cannot be read.
+        Refused: It is an address that other hosts could reach.
+    """
+    word = text.strip().lower()
+    if word in ("none", "no"):
+        return None
+    if word == "all":
+        return DEFAULT_PORT
+    host, _, port = word.rpartition(":")
+    if "," in word or not (port.isascii() and port.isdigit() and int(port) < 65536):
+        raise Malformed(f"not [{LOCAL}]:PORT, all or none: {text}")
+    if host not in _LOOPBACK:
+        raise Refused(
+            f"other hosts could reach {text}, which needs TLS and is not there yet;"
+            f" {LOCAL}:{port} can be had"
+        )
+    return int(port)
+
+
+def processors(text: str) -> frozenset[int]:
+    """Return the processors of a list as ``0,2-3``.
+
+    Raises:
+        Malformed: It cannot be read.
+    """
+    found: set[int] = set()
+    for item in text.split(","):
+        first, dash, last = (part.strip() for part in item.partition("-"))
+        numbers = (first, last if dash else first)
+        if not all(n.isascii() and n.isdigit() and int(n) <= MAX_PROCESSOR for n in numbers):
+            raise Malformed(f"not a list of processors as 0,2-3: {text}")
+        low, high = map(int, numbers)
+        if high < low:
+            raise Malformed(f"not a list of processors as 0,2-3: {text}")
+        found.update(range(low, high + 1))
+    return frozenset(found)
+
+
+def modules(text: str) -> tuple[tuple[str, str], ...]:
+    """Return file and init function (empty for the usual one) of each ``FILE (InitFunc)``.
+
+    Raises:
+        Malformed: A part is missing.
+    """
+    found = []
+    for item in filter(None, map(str.strip, text.split(","))):
+        file, opening, tail = item.partition("(")
+        init = tail.strip().removesuffix(")").strip()
+        if not file.strip() or (opening and not (tail.rstrip().endswith(")") and init)):
+            raise Malformed(f"not FILE (InitFunc): {item}")
+        found.append((file.strip(), init))
+    return tuple(found)
