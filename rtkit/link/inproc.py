@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from rtkit.errors import Unreachable
+from rtkit.errors import Malformed, Unreachable
 from rtkit.property.exchange import Reply, Request
 
 
@@ -54,4 +54,4 @@ def _split(key: str) -> tuple[str, bool, str]:
         service_key, found, name = key.partition(mark)
         if found:
             return service_key, is_extension, name
-    raise ValueError(f"not a property key: {key}")
+    raise Malformed(f"not a property: {key}")
