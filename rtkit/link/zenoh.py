@@ -31,6 +31,9 @@ def _config(mode: str, settings: dict[str, str], has_shared_memory: bool) -> zen
         "connect/retry": _RETRY,
         "transport/shared_memory/enabled": str(has_shared_memory).lower(),
     }
+    if has_shared_memory:
+        # Queries and replies stay out of it: there it races with its own watchdog under load.
+        common["transport/shared_memory/transport_optimization/messages"] = '["put"]'
     for key, value in {**common, **settings}.items():
         config.insert_json5(key, value)
     return config
