@@ -18,6 +18,7 @@ from rtkit.manager.events import (
     AdoptSlave,
     AnswerClient,
     BatchAsked,
+    CallbackStuck,
     Event,
     Finish,
     HolderSaid,
@@ -99,6 +100,8 @@ class Core:
                 self._ended(key, reason)
             case SlaveHalted(key, is_halted):
                 self._halted(key, is_halted)
+            case CallbackStuck(key, instance, text):
+                self._stuck(key, instance, text)
             case StopAsked():
                 self._stop()
             case Tick():
@@ -240,7 +243,20 @@ class Core:
             return
         process.state = "stopped" if is_halted else "up"
         for instance in self.state.held_by(key):
-            self.state.update(instance, trouble="stopped" if is_halted else "")
+            self.state.update(instance, trouble=self.state.trouble_of(instance, process))
+
+    def _stuck(self, key: int, instance: str, text: str) -> None:
+        process = self.state.processes.get(key)
+        claim = self.state.claims.get(instance)
+        is_held = self.state.holders.get(instance) == key
+        if process is None or not (is_held or (claim is not None and claim.key == key)):
+            return
+        if text:
+            self.state.stuck[instance] = text
+        else:
+            self.state.stuck.pop(instance, None)
+        if process.is_alive and is_held:
+            self.state.update(instance, trouble=self.state.trouble_of(instance, process))
 
     # the end
 

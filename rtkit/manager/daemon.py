@@ -26,6 +26,9 @@ from rtkit.version import __version__
 
 _DATA_SUFFIX = ".data"
 _ZYGOTE_SUFFIX = ".zygote"
+_KINDS = ("data", "beats", "stack", "zygote")
+"""What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
+
 _DESCRIPTORS = 65_536
 
 
@@ -205,18 +208,22 @@ def remove_stale(name: str) -> None:
     left = [os.path.join(folder, entry) for entry in os.listdir(folder)]
     for path in left:
         beside = path.removesuffix(".lock")
-        if beside not in own and not _is_data_socket(os.path.basename(beside), name):
+        is_own = beside in own
+        if not is_own and not _is_of_the_dead(os.path.basename(beside), name):
             continue
-        if beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
+        if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
             raise Refused(f"not a socket, and not removed: {path}")
         os.unlink(path)
 
 
-def _is_data_socket(entry: str, name: str) -> bool:
-    """Whether it was one of a process of that manager, and of no other whose name is longer."""
-    pid = entry.removeprefix(f"{name}.").removesuffix(_DATA_SUFFIX)
-    is_one = pid.isdigit() and entry == f"{name}.{pid}{_DATA_SUFFIX}"
-    return is_one and not os.path.exists(f"/proc/{pid}")  # slaves outlive their manager
+def _is_of_the_dead(entry: str, name: str) -> bool:
+    """Whether a process of that manager, and of no other whose name is longer, left it behind.
+
+    Slaves outlive their manager: what belongs to one that lives is let be.
+    """
+    pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
+    is_one = entry == f"{name}.{pid}.{kind}" and pid.isdigit() and kind in _KINDS
+    return is_one and not os.path.exists(f"/proc/{pid}")
 
 
 def main() -> int:

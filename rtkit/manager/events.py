@@ -91,6 +91,15 @@ class SlaveHalted:
 
 
 @dataclass(frozen=True, slots=True)
+class CallbackStuck:
+    """A callback of a component exceeds its deadline; or, with no text, it goes on again."""
+
+    key: int
+    instance: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
 class HolderSaid:
     """The holder of a process answered, or reported a fact."""
 
@@ -113,6 +122,7 @@ Event = (
     | SlaveFound
     | SlaveEnded
     | SlaveHalted
+    | CallbackStuck
     | HolderSaid
     | Tick
 )

@@ -33,13 +33,15 @@ def take(state: State, process: Process, report: object) -> ComponentFacts:
         if known is not None:
             state.forget(instance)
             known = None
-    state.components[instance] = facts = _completed(facts, known, process)
+    state.components[instance] = facts = _completed(
+        facts, known, process, state.trouble_of(instance, process)
+    )
     state.holders[instance] = process.key
     return facts
 
 
 def _completed(
-    facts: ComponentFacts, known: ComponentFacts | None, process: Process
+    facts: ComponentFacts, known: ComponentFacts | None, process: Process, trouble: str
 ) -> ComponentFacts:
     """Return the facts with those that are the manager's own, whatever was reported of them."""
     return replace(
@@ -47,7 +49,7 @@ def _completed(
         process=process.name,
         names=known.names if known is not None else (),
         create=known.create if known is not None else "",
-        trouble="stopped" if process.state == "stopped" else "",
+        trouble=trouble,
         zombie="",
     )
 

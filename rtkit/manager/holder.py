@@ -20,6 +20,7 @@ from rtkit.component.service import ServicePort
 from rtkit.component.standin import stand_in
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.streams import Fetcher, Outlet
+from rtkit.manager.beats import Beats, Slot
 from rtkit.manager.connect import Wires
 from rtkit.manager.contexts import Contexts, release
 from rtkit.manager.events import Message
@@ -43,8 +44,17 @@ E = TypeVar("E", Outlet, Fetcher)
 class Holder:
     """The components of one process, on a thread of its own or the process's main thread."""
 
-    def __init__(self, send: Callable[[Message], object], wires: Wires, loader: Loader) -> None:
+    def __init__(
+        self,
+        send: Callable[[Message], object],
+        wires: Wires,
+        loader: Loader,
+        beats: Beats | None = None,
+    ) -> None:
         self._send = send
+        self._beats = beats
+        self._own_slot = beats.slot() if beats is not None else None
+        self._slots: dict[tuple[str, str], Slot] = {}
         self._wires = wires
         self._loader = loader
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -160,7 +170,7 @@ class Holder:
             for path, init in message.get("modules", ()):
                 self._loader.load(path, init)
             component = self._loader.make(create)
-        component.initialize()
+        self._watched(instance, "on_initialize", component.initialize)
         self._components[instance] = component
         self._memory[instance] = message.get("kept", {})
         for context in component.contexts.values():
@@ -172,6 +182,21 @@ class Holder:
         key = (component.instance, context.id)
         self._pacers[key] = Pacer(context, f"{component.instance}/{context.id}")
         context.changed = self._changed
+        slot = self._beats.slot() if self._beats is not None else None
+        if slot is not None:
+            self._slots[key] = slot
+            context.watch = slot.watch
+
+    def _watched(self, instance: str, callback: str, work: Callable[[], object]) -> None:
+        """Do what runs a callback on this thread, with a heartbeat."""
+        if self._own_slot is None:
+            work()
+            return
+        self._own_slot.watch(instance, callback)
+        try:
+            work()
+        finally:
+            self._own_slot.watch("", "")
 
     def _changed(self, component: Component) -> None:
         self.post(lambda: self.tell(component))
@@ -230,7 +255,10 @@ class Holder:
                 self._cut(connector_id)
         for key in [key for key in self._pacers if key[0] == instance]:
             self._pacers.pop(key).close(_DEACTIVATE_S)
-        component.finalize()
+            slot = self._slots.pop(key, None)
+            if slot is not None and self._beats is not None:
+                self._beats.release(slot)
+        self._watched(instance, "on_finalize", component.finalize)
         for message in self._takeovers.pop(instance, ()):
             self.refuse(message, Refused(f"{instance} was deleted"))
 

@@ -20,6 +20,7 @@ from rtkit.manager.holder import Holder
 from rtkit.manager.lines import Lines
 from rtkit.manager.nursery import Nursery
 from rtkit.manager.requests import Desk
+from rtkit.manager.watchman import POLL_S, Watchman, callback_deadline_s
 from rtkit.property.exchange import Request, failure
 
 _log = logging.getLogger(__name__)
@@ -39,6 +40,8 @@ class Loop:
         self._nursery = nursery
         self._inbox: queue.SimpleQueue[ev.Event | Request] = queue.SimpleQueue()
         self._wake_at: float | None = None
+        self._watchman = Watchman(nursery.data_pattern, self._deadline_s, nursery.signal)
+        self._look_at = 0.0
         self._is_finished = False
         self._is_closed = False
         self._selector = selectors.DefaultSelector()
@@ -74,6 +77,7 @@ class Loop:
                 self._wake_at = None
                 self._handle(ev.Tick())
             self._lines.check_settled()
+            self._look()
 
     def close(self) -> None:
         """Let go of all descriptors; what is posted from now on is not heard."""
@@ -84,8 +88,22 @@ class Loop:
             os.close(descriptor)
 
     def _patience(self) -> float | None:
-        moments = [moment for moment in (self._wake_at, self._lines.deadline) if moment is not None]
+        look_at = self._look_at if self._watchman.has_work else None
+        wishes = (self._wake_at, self._lines.deadline, look_at)
+        moments = [moment for moment in wishes if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
+
+    def _look(self) -> None:
+        """See whether a callback is stuck, when it is time."""
+        now = time.monotonic()
+        if self._watchman.has_work and now >= self._look_at:
+            self._look_at = now + POLL_S
+            for event in list(self._watchman.poll()):
+                self._handle(event)
+
+    def _deadline_s(self, instance: str) -> float:
+        facts = self._core.state.components.get(instance)
+        return callback_deadline_s(facts.create if facts is not None else "")
 
     def _drain(self) -> None:
         os.read(self._wake_read, 4096)
@@ -124,8 +142,12 @@ class Loop:
         self._desk.forget_views()
         for instruction in instructions:
             _guarded(self._carry_out, instruction)
-        if isinstance(event, ev.SlaveEnded):
-            self._lines.drop(event.key)
+        match event:
+            case ev.SlaveReady(key):
+                self._watchman.watch(key, self._core.state.processes[key].pid)
+            case ev.SlaveEnded(key):
+                self._lines.drop(key)
+                self._watchman.forget(key)
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:
@@ -140,6 +162,7 @@ class Loop:
                 self._nursery.fork(key, name)
             case ev.AdoptSlave(key, pid):
                 self._lines.adopt(key, pid)
+                self._watchman.watch(key, pid)
             case ev.SignalSlave(key, number):
                 self._nursery.signal(key, signal.Signals(number))
             case ev.WakeAt(moment):

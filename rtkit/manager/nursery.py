@@ -52,6 +52,11 @@ class Nursery:
         """Return the descriptor of the socket to the zygote."""
         return self._channel.fileno()
 
+    @property
+    def data_pattern(self) -> str:
+        """Path of slaves' data sockets, ``%p`` for the pid."""
+        return str(self._settings["data"])
+
     def fork(self, key: int, name: str) -> None:
         """Ask for a slave; when the zygote is just ending, `restart` tells that it failed."""
         self._asked[key] = name

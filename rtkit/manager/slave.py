@@ -5,6 +5,7 @@ It outlives its manager (see `rtkit.manager.contact`) and ends when one tells it
 
 from __future__ import annotations
 
+import faulthandler
 import logging
 import os
 import signal
@@ -13,11 +14,13 @@ import threading
 from typing import Any
 
 from rtkit.link.streams import Streams
+from rtkit.manager.beats import Beats
 from rtkit.manager.connect import Wires
 from rtkit.manager.contact import Contact
 from rtkit.manager.holder import Holder
 from rtkit.manager.leftovers import MARK, end_session
 from rtkit.manager.loader import Loader
+from rtkit.manager.watchman import STACK_SIGNAL, beats_path, stack_path
 
 LAST_S = 5
 """Grace that components have to finalise after a TERM, if nobody sends a KILL before [s]."""
@@ -41,10 +44,14 @@ def run(key: int, name: str, settings: Any) -> None:
         comm.write(f"rtkit {name}")
     contact = Contact(settings["control"], name)
     data = settings["data"].replace("%p", str(os.getpid()))
+    beats = Beats(beats_path(settings["data"], os.getpid()))
+    stack = open(stack_path(settings["data"], os.getpid()), "w")  # noqa: SIM115 - open for life
+    faulthandler.register(STACK_SIGNAL, stack, all_threads=True)
     holder = Holder(
         contact.send,
         Wires(settings["host"], Streams(data)),
         Loader(list(settings["load_path"])),
+        beats,
     )
     contact.greet(key)
     threading.Thread(target=_listen, args=(contact, holder), name="control", daemon=True).start()

@@ -77,6 +77,7 @@ class State:
         claims: Instance names of components that are being made.
         ending: Instance names of components that are being deleted.
         openings: Connectors that are being made, by id.
+        stuck: Components of which a callback exceeds its deadline, with where it is.
         names: Paths under which the manager itself is registered.
         loose: Connectors of which a slave that was found holds one end, and the other end is
             not known yet; with the key of that slave.
@@ -95,8 +96,22 @@ class State:
     claims: dict[str, Claim] = field(default_factory=dict)
     ending: set[str] = field(default_factory=set)
     openings: dict[str, Opening] = field(default_factory=dict)
+    stuck: dict[str, str] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     loose: dict[str, tuple[ConnectorProfile, int]] = field(default_factory=dict)
+
+    def trouble_of(self, instance: str, process: Process) -> str:
+        """Return why a component that lives does not answer; empty when it does."""
+        return "stopped" if process.state == "stopped" else self.stuck.get(instance, "")
+
+    def stuck_in(self, key: int) -> list[str]:
+        """Return what is stuck in a process, each as ``Motor0 is stuck in …``."""
+        claimed = [instance for instance, claim in self.claims.items() if claim.key == key]
+        return [
+            f"{instance} is {self.stuck[instance]}"
+            for instance in (*self.held_by(key), *claimed)
+            if instance in self.stuck
+        ]
 
     def living_process(self, name: str) -> Process | None:
         """Return the living process of that name, or None."""
@@ -138,6 +153,7 @@ class State:
         """Drop a component with its connectors; a lost process goes with its last one."""
         self.drop_connectors(instance)
         self.components.pop(instance, None)
+        self.stuck.pop(instance, None)
         key = self.holders.pop(instance, None)
         if key is not None:
             self.drop_if_empty(key)

@@ -230,7 +230,10 @@ class Tasks:
         if process is None:
             return Unreachable("time is up")
         if process.state != "starting":
-            return Unreachable(f"no answer from {process.name} in time")
+            stuck = "; ".join(self._state.stuck_in(key))
+            return Unreachable(
+                f"no answer from {process.name} in time" + (f": {stuck}" if stuck else "")
+            )
         if len(self._waiting_for(key)) == 1:
             process.is_wanted = False
             self._out.append(SignalSlave(key, signal.SIGKILL))

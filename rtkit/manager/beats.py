@@ -1,0 +1,145 @@
+"""Heartbeats: which callback each execution context of a process is in, and since when.
+
+The thread that drives a context writes its own slot, in memory that the manager reads: a callback
+that holds the interpreter lock, or loops for ever, is seen from outside all the same.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import struct
+import threading
+import time
+from typing import NamedTuple
+
+CALLBACKS = (
+    "",
+    "on_initialize",
+    "on_finalize",
+    "on_startup",
+    "on_shutdown",
+    "on_activated",
+    "on_deactivated",
+    "on_aborting",
+    "on_error",
+    "on_reset",
+    "on_execute",
+    "on_state_update",
+    "on_rate_changed",
+    "on_action",
+)
+_CODES = {name: code for code, name in enumerate(CALLBACKS)}
+_HEADER = struct.Struct("<I")
+_START = struct.Struct("<Q")
+_SLOT = struct.Struct("<QQBB")
+_NAME_BYTES = 110
+_STRIDE = 128
+_FIRST = 128
+_SLOTS = 1024
+_SIZE = _FIRST + _SLOTS * _STRIDE
+
+
+class Beat(NamedTuple):
+    """A callback that is under way.
+
+    Attributes:
+        since_ns: When it was entered, monotonic [ns].
+        thread: Identity of the thread that runs it.
+    """
+
+    instance: str
+    callback: str
+    since_ns: int
+    thread: int
+
+
+class Beats:
+    """The slots of this process."""
+
+    def __init__(self, path: str) -> None:
+        flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW
+        descriptor = os.open(path, flags, 0o600)
+        try:
+            os.ftruncate(descriptor, _SIZE)
+            self._memory = mmap.mmap(descriptor, _SIZE)
+        finally:
+            os.close(descriptor)
+        self._free = list(range(_SLOTS - 1, -1, -1))
+        self._used = 0
+        self._lock = threading.Lock()
+
+    def slot(self) -> Slot | None:
+        """Return a slot for one execution context; None when all are taken."""
+        with self._lock:
+            if not self._free:
+                return None
+            index = self._free.pop()
+            self._used = max(self._used, index + 1)
+            _HEADER.pack_into(self._memory, 0, self._used)
+            return Slot(self._memory, index)
+
+    def release(self, slot: Slot) -> None:
+        """Take a slot back."""
+        slot.watch("", "")
+        with self._lock:
+            self._free.append(slot.index)
+
+
+class Slot:
+    """Where one execution context tells what it does."""
+
+    def __init__(self, memory: mmap.mmap, index: int) -> None:
+        self.index = index
+        self._memory = memory
+        self._offset = _FIRST + index * _STRIDE
+        self._names: dict[str, bytes] = {}
+
+    def watch(self, instance: str, callback: str) -> None:
+        """Note that a callback was entered, or with empty texts that it was left."""
+        if not callback:
+            _START.pack_into(self._memory, self._offset, 0)
+            return
+        name = self._names.get(instance)
+        if name is None:
+            name = self._names[instance] = instance.encode()[:_NAME_BYTES]
+        offset = self._offset + _SLOT.size
+        self._memory[offset : offset + len(name)] = name
+        # The start is what makes the rest valid, so a reader compares it before and after.
+        code = _CODES.get(callback, 0)
+        thread = threading.get_ident()
+        _SLOT.pack_into(self._memory, self._offset, time.monotonic_ns(), thread, code, len(name))
+
+
+class BeatReader:
+    """Reads the slots of another process.
+
+    Raises:
+        OSError: It has none.
+    """
+
+    def __init__(self, path: str) -> None:
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+        try:
+            self._memory = mmap.mmap(descriptor, _SIZE, prot=mmap.PROT_READ)
+        finally:
+            os.close(descriptor)
+
+    def close(self) -> None:
+        """Let go of the memory."""
+        self._memory.close()
+
+    def inside(self) -> list[Beat]:
+        """Return every callback that is under way."""
+        used = min(_HEADER.unpack_from(self._memory, 0)[0], _SLOTS)
+        beats = []
+        for offset in range(_FIRST, _FIRST + used * _STRIDE, _STRIDE):
+            start, thread, code, length = _SLOT.unpack_from(self._memory, offset)
+            if not start:
+                continue
+            at = offset + _SLOT.size
+            name = self._memory[at : at + min(length, _NAME_BYTES)]
+            if _START.unpack_from(self._memory, offset)[0] == start and code < len(CALLBACKS):
+                instance = name.decode("utf-8", "replace")
+                beats.append(Beat(instance, CALLBACKS[code], start, thread))
+        return beats

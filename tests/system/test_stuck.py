@@ -1,0 +1,100 @@
+"""Callbacks that do not come back are named, with the line they are at."""
+
+from __future__ import annotations
+
+import re
+import time
+from typing import Any
+
+import pytest
+
+MANAGER = "/localhost/manager.mgr"
+STUCK = '''
+import re
+import time
+from rtkit.component import Component, Parameter
+
+
+class Stuck(Component):
+    """Does not come back."""
+
+    rate = 100.0
+    how = Parameter("")
+
+    def on_initialize(self):
+        if self.options.get("when") == "initialize":
+            time.sleep(60)
+
+    def on_execute(self, context):
+        if self.how == "sleep":
+            time.sleep(1.5)  # sleep
+        if self.how == "loop":
+            while True:
+                self.n = 1  # loop
+        if self.how == "lock":
+            re.match("(a+)+$", "a" * 40 + "b")  # lock
+
+
+def StuckInit(manager):
+    manager.register_factory(Stuck)
+'''
+
+
+@pytest.fixture
+def stuck(manager: Any) -> Any:
+    (manager.modules / "Stuck.py").write_text(STUCK)
+    return manager
+
+
+def line_of(shell: Any, instance: str, mark: str) -> str:
+    """Wait until the listing tells that an instance is in trouble; return what it tells."""
+    deadline = time.monotonic() + 10.0
+    while time.monotonic() < deadline:
+        for line in shell.ok("rtls -l /localhost").splitlines():
+            if f" {instance}.rtc" in line and mark in line:
+                return str(line)
+    raise AssertionError(f"{instance} is not said to be {mark}{shell.log()}")
+
+
+@pytest.mark.parametrize("how", ["sleep", "loop", "lock"])
+def test_a_stuck_callback_is_named_with_its_line(stuck: Any, how: str) -> None:
+    stuck.ok(
+        f"rtmgr {MANAGER} -c 'Stuck?instance_name=S&manager_name=s&conf.default.how={how}"
+        "&exec_cxt.callback_deadline=0.2'"
+    )
+    # Code that holds the interpreter lock keeps the slave from answering that it was activated.
+    stuck.run("rtact --timeout 1 /localhost/S.rtc")
+    told = line_of(stuck, "S", "Stuck.py:")
+    found = re.search(r"\(stuck in on_execute since [\d:]{8} \(Stuck\.py:(\d+) in on_exec", told)
+    assert found is not None, told
+    line = STUCK.splitlines()[int(found[1]) - 1]
+    assert f"# {how}" in line or (how == "loop" and "while True" in line), line
+
+
+def test_a_callback_that_comes_back_is_no_longer_in_trouble(stuck: Any) -> None:
+    stuck.ok(
+        f"rtmgr {MANAGER} -c 'Stuck?instance_name=S&manager_name=s&conf.default.how=sleep"
+        "&exec_cxt.callback_deadline=0.2'"
+    )
+    stuck.ok("rtact /localhost/S.rtc")
+    line_of(stuck, "S", "stuck")
+    stuck.ok("rtdeact /localhost/S.rtc")
+    line_of(stuck, "S", "S.rtc")
+    assert "stuck" not in stuck.ok("rtls -l /localhost")
+
+
+def test_a_creation_that_does_not_end_says_where_it_is(stuck: Any) -> None:
+    line = f"rtmgr {MANAGER} --timeout 2 -c 'Stuck?instance_name=S&manager_name=s&when=initialize'"
+    status, out, err = stuck.run(line)
+    assert (status, out) == (1, "")
+    assert re.search(r"S is stuck in on_initialize since [\d:]{8} \(Stuck\.py:\d+ in on_init", err)
+    assert "S.rtc" not in stuck.ok("rtls /localhost")
+
+
+def test_another_command_says_what_it_waited_for(stuck: Any) -> None:
+    stuck.ok(f"rtmgr {MANAGER} -c 'Stuck?instance_name=S&manager_name=s&conf.default.how=loop'")
+    stuck.ok("rtact /localhost/S.rtc")
+    line_of(stuck, "S", "stuck")
+    status, _, err = stuck.run("rtdeact --timeout 0.5 /localhost/S.rtc")
+    assert status == 1
+    assert "no answer from s in time: S is stuck in on_execute" in err

@@ -1,0 +1,106 @@
+"""Heartbeats in shared memory, and the line of a stack that is told."""
+
+from __future__ import annotations
+
+import sys
+import sysconfig
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from rtkit.manager.beats import CALLBACKS, BeatReader, Beats
+from rtkit.manager.watchman import DEADLINE_S, callback_deadline_s, place_of
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> tuple[Beats, BeatReader]:
+    path = str(tmp_path / "beats")
+    beats = Beats(path)
+    return beats, BeatReader(path)
+
+
+@pytest.mark.parametrize("callback", CALLBACKS[1:])
+def test_a_callback_is_seen_from_entry_to_exit(
+    pair: tuple[Beats, BeatReader], callback: str
+) -> None:
+    beats, reader = pair
+    slot = beats.slot()
+    assert slot is not None
+    before = time.monotonic_ns()
+    slot.watch("Motor0", callback)
+    (beat,) = reader.inside()
+    assert (beat.instance, beat.callback) == ("Motor0", callback)
+    assert before <= beat.since_ns <= time.monotonic_ns()
+    assert beat.thread == threading.get_ident()
+    slot.watch("", "")
+    assert reader.inside() == []
+
+
+def test_each_context_has_a_slot_of_its_own(pair: tuple[Beats, BeatReader]) -> None:
+    beats, reader = pair
+    slots = [beats.slot() for _ in range(3)]
+    for number, slot in enumerate(slots):
+        assert slot is not None
+        slot.watch(f"C{number}", "on_execute")
+    assert [beat.instance for beat in reader.inside()] == ["C0", "C1", "C2"]
+    assert slots[1] is not None
+    beats.release(slots[1])
+    assert [beat.instance for beat in reader.inside()] == ["C0", "C2"]
+    again = beats.slot()
+    assert again is not None
+    assert again.index == 1
+
+
+def test_slots_come_to_an_end(pair: tuple[Beats, BeatReader]) -> None:
+    beats, _ = pair
+    slots = [beats.slot() for _ in range(1025)]
+    assert slots[1023] is not None
+    assert slots[1024] is None
+
+
+def test_a_long_name_is_cut_and_disturbs_no_neighbour(pair: tuple[Beats, BeatReader]) -> None:
+    beats, reader = pair
+    first, second = beats.slot(), beats.slot()
+    assert first is not None
+    assert second is not None
+    second.watch("B", "on_error")
+    first.watch("ä" * 200, "on_execute")
+    names = [beat.instance for beat in reader.inside()]
+    assert names == ["ä" * 55, "B"]
+
+
+def test_the_line_is_the_author_s_own() -> None:
+    stacks = f'''Thread 0x{17:016x} (most recent call first):
+  File "{sysconfig.get_path("stdlib")}/re/__init__.py", line 166 in match
+  File "/home/me/Arm.py", line 21 in grasp
+  File "/home/me/Arm.py", line 9 in on_execute
+
+Current thread 0x{18:016x} (most recent call first):
+  File "/home/me/Leg.py", line 3 in on_execute
+'''
+    assert place_of(stacks, 17) == "Arm.py:21 in grasp"
+    assert place_of(stacks, 18) == "Leg.py:3 in on_execute"
+    assert place_of(stacks, 19) == ""
+
+
+def test_without_a_line_of_the_author_the_innermost_is_told() -> None:
+    import selectors
+
+    stacks = f'Thread 0x{1:016x}\n  File "{selectors.__file__}", line 5 in select\n'
+    assert place_of(stacks, 1) == "selectors.py:5 in select"
+    assert sys.modules["selectors"] is selectors
+
+
+@pytest.mark.parametrize(
+    ("create", "deadline_s"),
+    [
+        ("Arm", DEADLINE_S),
+        ("Arm?exec_cxt.callback_deadline=0.2", 0.2),
+        ("Arm?exec_cxt.callback_deadline=soon", DEADLINE_S),
+        ("Arm?exec_cxt.callback_deadline=-1", DEADLINE_S),
+    ],
+)
+def test_the_deadline_is_an_option(create: str, deadline_s: float) -> None:
+    assert callback_deadline_s(create) == deadline_s
