@@ -37,11 +37,12 @@ from rtkit.manager.events import (
     WakeAt,
     WatchAsked,
 )
-from rtkit.manager.procedures import procedure_for
+from rtkit.manager.procedures import procedure_for, slaves_of
 from rtkit.manager.state import Process, State
-from rtkit.manager.stopping import FINALISE_S, stop_everything
+from rtkit.manager.stopping import FINALISE_S, retire, stop_everything
 from rtkit.manager.tasks import Tasks
 from rtkit.manager.watching import Watchers
+from rtkit.manager.wishes import Need, Procedure
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -56,6 +57,8 @@ class _Job:
         self.answer = asked.answer
         self.results: list[Result | None] = [None] * len(asked.batch.actions)
         self.pending = len(self.results)
+        self.slaves: list[str] = []
+        self.is_over = False
 
 
 class Core:
@@ -122,10 +125,24 @@ class Core:
         elif not job.pending:
             self._finish(job)
         elif job.batch.is_ordered:
+            self._start_slaves(job)
             self._start(job, 0)
         else:
             for index in range(job.pending):
                 self._start(job, index)
+
+    def _start_slaves(self, job: _Job) -> None:
+        """Start the slaves of an ordered batch side by side; its actions find them ready."""
+        for name in slaves_of(job.batch.actions):
+            if name != self.state.name and self.state.living_process(name) is None:
+                job.slaves.append(name)
+                self._tasks.begin(self._started(job, name), job.batch.timeout_s)
+
+    def _started(self, job: _Job, name: str) -> Procedure:
+        process: Process = yield Need(name)
+        if job.is_over:
+            yield from retire(self.state, process)
+        return Result()
 
     def _start(self, job: _Job, index: int) -> None:
         steps = procedure_for(job.batch.actions[index], self.state)
@@ -141,6 +158,11 @@ class Core:
             self._start(job, index + 1)
 
     def _finish(self, job: _Job) -> None:
+        job.is_over = True
+        for name in job.slaves:
+            process = self.state.living_process(name)
+            if process is not None:
+                self._tasks.begin(retire(self.state, process), job.batch.timeout_s)
         results = [result for result in job.results if result is not None]
         self._out.append(AnswerClient(job.answer, Reply(results_to_text(results))))
 

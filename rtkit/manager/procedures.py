@@ -5,8 +5,9 @@ What a procedure has changed when it fails, it takes back itself.
 
 from __future__ import annotations
 
+import contextlib
 import itertools
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from typing import Any
 
 from rtkit.deployment import actions as act
@@ -178,6 +179,18 @@ def _place(state: State, create: CreateString) -> Generator[Need, Any, Process]:
         check_instance_name(name)
     process: Process = yield Need(name)
     return process
+
+
+def slaves_of(actions: Iterable[Action]) -> list[str]:
+    """Return the named slaves in which these actions make components; none if it is but one."""
+    names: dict[str, None] = {}
+    for action in actions:
+        if isinstance(action, act.Create):
+            with contextlib.suppress(Malformed):
+                place = parse_create(action.create).place
+                if place not in ("", FRESH_SLAVE):
+                    names[check_instance_name(place)] = None
+    return list(names) if len(names) > 1 else []
 
 
 def _slave_at(state: State, address: str) -> str:

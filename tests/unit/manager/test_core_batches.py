@@ -279,3 +279,27 @@ def test_nothing_is_instructed_twice(shell):
     shell.ask(activate("A"))
     assert shell.feed(ev.Tick()) == [ev.WakeAt(1010.0)]
     assert shell.state.processes[OWN].is_alive
+
+
+def test_slaves_of_an_ordered_batch_start_side_by_side() -> None:
+    shell = FakeShell()
+    asked = shell.ask(*(Create(f"Thing?instance_name={n}&manager_name={n}s") for n in "ABC"))
+    assert list(shell.spawned) == ["As", "Bs", "Cs"]
+    for name in ("Cs", "As", "Bs"):
+        shell.fork(name)
+    shell.serve()
+    assert [result.value for result in asked.results] == ["A", "B", "C"]
+    assert shell.signals == []
+
+
+@pytest.mark.parametrize("is_late", [False, True])
+def test_slaves_that_a_failed_batch_does_not_need_are_ended(is_late: bool) -> None:
+    shell = FakeShell()
+    asked = shell.ask(*(Create(f"Thing?instance_name={n}&manager_name={n}s") for n in "AB"))
+    first = shell.fork("As")
+    second = shell.spawned["Bs"] if is_late else shell.fork("Bs")
+    shell.refuse(shell.next("create"))
+    assert not asked.result.ok
+    if is_late:
+        shell.fork("Bs")
+    assert {key for key, _ in shell.signals} == {first, second}
