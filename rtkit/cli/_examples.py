@@ -35,6 +35,9 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtconf -l /localhost/Robot0.rtc", "All configuration sets with their values."),
         ("rtconf /localhost/Robot0.rtc get speed", "The value of a parameter of the active set."),
         ("rtconf /localhost/Robot0.rtc set speed=0.5 turn=-0.1", "Two changes, both or none."),
+        ("rtconf /localhost/Robot0.rtc diff careful", "Where the active set differs from another."),
+        ("rtconf /localhost/Robot0.rtc export robot.json", "Write the sets to a file."),
+        ("rtconf /localhost/Robot1.rtc import robot.json", "Take them over, here or elsewhere."),
         ("rtconf -s careful /localhost/Robot0.rtc act", "Make another set the active one."),
     ),
     "rtcryo": (

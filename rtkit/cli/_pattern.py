@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.errors import NotFound
+from rtkit.errors import Malformed, NotFound
+from rtkit.profile.words import property_value
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
 
 if TYPE_CHECKING:
-    from rtkit.profile.rtc_model import DataPort, RtcProfile, ServicePort
+    from rtkit.profile.rtc_model import Configuration, DataPort, RtcProfile, ServicePort
 
 _DEFAULT_RATE = 1000.0
 
@@ -34,14 +35,12 @@ def read_pattern(file: str) -> ComponentPattern:
 
 def pattern_of(profile: RtcProfile) -> ComponentPattern:
     """Return the pattern of the component type that a profile describes."""
-    sets = profile.configuration_set
-    values = {each.name: each.default_value for each in sets.configurations} if sets else {}
     ports = [_data_port(port) for port in profile.data_ports]
     ports += [_service_port(port) for port in profile.service_ports]
     return ComponentPattern(
         _type(profile),
         tuple(ports),
-        {"default": values} if values else {},
+        _sets(profile),
         contexts=(_context(profile),),
     )
 
@@ -55,6 +54,33 @@ def _type(profile: RtcProfile) -> TypeProfile:
     return TypeProfile(
         info.name, info.vendor, info.category, info.version, info.description or "", language
     )
+
+
+def _sets(profile: RtcProfile) -> dict[str, dict[str, str]]:
+    """Return the default values, and the hints that components with code give too."""
+    if profile.configuration_set is None:
+        return {}
+    sets: dict[str, dict[str, str]] = {}
+    for each in profile.configuration_set.configurations:
+        texts = {
+            "default": each.default_value,
+            "__type__": each.type,
+            "__constraints__": _constraint(each),
+            "__widget__": property_value(each.properties, "__widget__") or "",
+        }
+        for set_id, text in texts.items():
+            if text or set_id == "default":
+                sets.setdefault(set_id, {})[each.name] = text
+    return sets
+
+
+def _constraint(configuration: Configuration) -> str:
+    from rtkit.profile.constraint_text import format_constraint
+
+    try:
+        return format_constraint(configuration.constraint) if configuration.constraint else ""
+    except Malformed:
+        return ""  # it has no form that a hint can have
 
 
 def _context(profile: RtcProfile) -> ContextPattern:

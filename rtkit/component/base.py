@@ -9,7 +9,7 @@ from rtkit.component.callbacks import Callbacks, attempt
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import PERIODIC, wanted_contexts
-from rtkit.component.parameter import Parameter
+from rtkit.component.parameter import Parameter, kind_of
 from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused
@@ -291,6 +291,7 @@ class Component(Callbacks):
         configuration.update()
 
     def _declare_options(self) -> None:
+                "__type__": kind_of(parameter.default).name,
         for key, value in self.options.items():
             if key.startswith("conf."):
                 set_id, _, name = key.removeprefix("conf.").partition(".")

@@ -112,6 +112,7 @@ def test_initial_configuration():
     assert made.configuration.sets == {
         "default": {"gain": "2", "more": "x"},
         "fast": {"gain": "9"},
+        "__type__": {"gain": "double"},
     }
     active = Controller("C1", {**options, "configuration.active_config": "fast"})
     assert active.gain == 9.0

@@ -92,3 +92,4 @@ def test_hints_go_into_hidden_sets():
     assert sets["__description__"] == {"gain": "How much [1/s]"}
     assert sets["__constraints__"] == {"gain": "0<=x<=9"}
     assert sets["__widget__"] == {"gain": "slider.0.1"}
+    assert sets["__type__"] == {"gain": "double", "class": "string"}

@@ -1,0 +1,176 @@
+"""Configuration sets in a file, and how sets differ: ``rtconf diff``, ``export``, ``import``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.cli import _out
+from rtkit.cli._app import App
+from rtkit.cli._sets import Asked, Sets, change, print_json, to_json, visible
+from rtkit.errors import InvalidDocument, NotFound, Refused
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import ComponentFacts
+
+STDIN = "-"
+
+
+class Difference(NamedTuple):
+    """A parameter that is not the same on both sides; None where it is not there at all."""
+
+    here: str
+    there: str
+    value_here: str | None
+    value_there: str | None
+
+
+class Saved(NamedTuple):
+    """What a file holds: the active set, empty when it does not say, and the sets."""
+
+    active: str
+    sets: Sets
+
+
+def do(app: App, facts: ComponentFacts, sets: Sets, chosen: Sets, asked: Asked) -> int:
+    """Compare, write or take over sets; return the exit status.
+
+    Args:
+        app: The run.
+        facts: The component.
+        sets: Those of its sets that are to be seen.
+        chosen: Those of them that were asked for.
+        asked: What to do.
+
+    Raises:
+        NotFound: No such set, parameter or file.
+        InvalidDocument: The file holds no configuration sets.
+        RtkitError: The component refused.
+    """
+    argument = asked.arguments[0] if asked.arguments else STDIN
+    if asked.verb == "export":
+        _export(facts, chosen, argument)
+        return 0
+    if asked.verb == "import":
+        _import(app, facts, sets, asked, argument)
+        return 0
+    found = list(_differences(facts, sets, asked, argument))
+    if asked.is_json:
+        print_json(*(each._asdict() for each in found))
+    else:
+        _out.write(line for each in found for line in _lines(each))
+    return app.status(Refused()) if found else 0
+
+
+def _differences(
+    facts: ComponentFacts, sets: Sets, asked: Asked, other: str
+) -> Iterator[Difference]:
+    set_id = asked.set_id or facts.active_set
+    if other in sets:
+        yield from _compare(set_id, facts.sets[set_id], other, sets[other])
+        return
+    if other != STDIN and "/" not in other and not _is_file(other):
+        raise NotFound(f"No such configuration set: {other}")
+    saved = _read(other)
+    if saved.active not in ("", facts.active_set) and not asked.set_id:
+        yield Difference("", "", facts.active_set, saved.active)
+    names = {asked.set_id} if asked.set_id else visible(saved.sets, asked)
+    for name in sorted(names):
+        yield from _compare(name, sets.get(name, {}), name, saved.sets.get(name, {}))
+
+
+def _is_file(name: str) -> bool:
+    import os
+
+    return os.path.exists(name)
+
+
+def _compare(
+    here: str, ours: Mapping[str, str], there: str, theirs: Mapping[str, str]
+) -> Iterator[Difference]:
+    for name in sorted(ours.keys() | theirs.keys()):
+        if ours.get(name) != theirs.get(name):
+            yield Difference(f"{here}.{name}", f"{there}.{name}", ours.get(name), theirs.get(name))
+
+
+def _lines(each: Difference) -> Iterator[str]:
+    if each.value_here is not None:
+        yield _out.printable(f"-{each.here or 'active set'}  {each.value_here}")
+    if each.value_there is not None:
+        yield _out.printable(f"+{each.there or 'active set'}  {each.value_there}")
+
+
+def _export(facts: ComponentFacts, chosen: Sets, target: str) -> None:
+    record = {
+        "component": facts.instance,
+        "type": facts.type.id,
+        "active": facts.active_set,
+        "sets": {name: dict(values) for name, values in chosen.items()},
+    }
+    if target == STDIN:
+        print_json(record, indent=2)
+        return
+    try:
+        with open(target, "w", encoding="utf-8") as file:
+            file.writelines(f"{line}\n" for line in to_json([record], 2))
+    except OSError as error:
+        raise NotFound(f"cannot write {target}: {error.strerror}") from error
+
+
+def _import(app: App, facts: ComponentFacts, sets: Sets, asked: Asked, source: str) -> None:
+    saved = _read(source)
+    wanted = saved.sets
+    if asked.set_id:
+        if asked.set_id not in wanted:
+            raise NotFound(f"No configuration set {asked.set_id} in {source}")
+        wanted = {asked.set_id: wanted[asked.set_id]}
+    active = "" if asked.set_id else saved.active
+    for name in (*wanted, *([active] if active else [])):
+        if name not in sets:
+            raise NotFound(f"No such configuration set: {name}")
+    changed = {
+        name: {key: text for key, text in values.items() if facts.sets[name].get(key) != text}
+        for name, values in wanted.items()
+    }
+    change(app, facts, {name: values for name, values in changed.items() if values}, active)
+
+
+def _read(source: str) -> Saved:
+    where = "<stdin>" if source == STDIN else source
+    try:
+        if source == STDIN:
+            data = sys.stdin.buffer.read()
+        else:
+            with open(source, "rb") as file:
+                data = file.read()
+    except OSError as error:
+        raise NotFound(f"cannot read {source}: {error.strerror}") from error
+    try:
+        document = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise InvalidDocument(f"{where}: not JSON: {error}") from error
+    return _saved(document, where)
+
+
+def _saved(document: object, where: str) -> Saved:
+    if not isinstance(document, dict) or not isinstance(document.get("sets"), dict):
+        raise InvalidDocument(f'{where}: no configuration sets: {{"sets": {{NAME: {{…}}}}}}')
+    sets = {}
+    for name, values in document["sets"].items():
+        if not isinstance(values, dict):
+            raise InvalidDocument(f"{where}: configuration set {name} is no table")
+        sets[name] = {key: _text(value, f"{where}: {name}.{key}") for key, value in values.items()}
+    active = document.get("active", "")
+    if not isinstance(active, str):
+        raise InvalidDocument(f"{where}: active is no name of a set")
+    return Saved(active, sets)
+
+
+def _text(value: object, where: str) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str | int | float):
+        return str(value)
+    raise InvalidDocument(f"{where} is neither text nor number")

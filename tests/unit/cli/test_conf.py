@@ -1,0 +1,184 @@
+"""Configuration sets: descriptions, checks before anything is sent, files."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.world import World
+
+Run = Callable[[str], Any]
+STD = "/localhost/Std0.rtc"
+
+
+def test_a_set_s_description_stands_in_brackets(world: World, run: Run) -> None:
+    slow = {"param": "1", "description": "slow and\nsafe"}
+    fast = {"param": "2", "description": "fast"}
+    world.update("Std0", sets={"default": slow, "fast": fast})
+    assert run(f"rtconf {STD}").out == "+default* (slow and\\nsafe)\n+fast  (fast)\n"
+    assert run(f"rtconf -l -s fast {STD}").out == (
+        "-fast (fast)\n  description  fast\n  param        2\n"
+    )
+
+
+@pytest.fixture
+def hinted(world: World) -> World:
+    world.update(
+        "Std0",
+        sets={
+            "default": {"gain": "1", "mode": "a"},
+            "fast": {"gain": "5", "mode": "b"},
+            "__type__": {"gain": "double", "mode": "string"},
+            "__constraints__": {"gain": "0<=x<=9", "mode": "(a,b)"},
+        },
+    )
+    return world
+
+
+def test_a_value_that_does_not_fit_is_not_sent(hinted: World, run: Run) -> None:
+    told = "rtconf: gain cannot be 'x': it is no number\n"
+    assert run(f"rtconf {STD} set gain x") == (1, "", told)
+    told = "rtconf: gain cannot be '10': it is to be 0<=x<=9\n"
+    assert run(f"rtconf -s fast {STD} set gain=10 mode=a") == (1, "", told)
+    assert run(f"rtconf {STD} set gain=-1 mode=c") == (
+        1,
+        "",
+        "rtconf: gain cannot be '-1': it is to be 0<=x<=9\n"
+        "rtconf: mode cannot be 'c': it is to be (a,b)\n"
+        "rtconf: nothing was changed\n",
+    )
+    assert hinted.performed == []
+
+
+def test_hints_themselves_are_not_checked(hinted: World, run: Run) -> None:
+    assert run(f"rtconf -a -s __constraints__ {STD} set gain x<99").status == 0
+    assert run(f"rtconf {STD} set gain 50").status == 0
+
+
+def test_a_property_of_a_manager_is_set(world: World, run: Run) -> None:
+    assert run("rtconf /localhost/manager.mgr set a.b=1 c=x=y") == (0, "", "")
+    assert (world.properties["a.b"], world.properties["c"]) == ("1", "x=y")
+
+
+def exported(run: Run, line: str, tmp_path: Path) -> Path:
+    file = tmp_path / "sets.json"
+    assert run(f"rtconf {line} export {file}") == (0, "", "")
+    return file
+
+
+def test_what_was_exported_is_no_difference(run: Run, tmp_path: Path) -> None:
+    for line in (STD, f"-a {STD}", f"-s set1 {STD}"):
+        file = exported(run, line, tmp_path)
+        assert run(f"rtconf {line} diff {file}") == (0, "", ""), line
+
+
+def test_hidden_sets_are_exported_on_demand(run: Run, tmp_path: Path) -> None:
+    document = json.loads(exported(run, STD, tmp_path).read_text())
+    assert document["schema"] == "rtkit.conf/1"
+    assert sorted(document["sets"]) == ["default", "set1", "set2"]
+    document = json.loads(exported(run, f"-a {STD}", tmp_path).read_text())
+    assert sorted(document["sets"]) == ["__hidden__", "default", "set1", "set2"]
+
+
+def test_differences_from_a_file(world: World, run: Run, tmp_path: Path) -> None:
+    file = exported(run, f"-a {STD}", tmp_path)
+    world.update("Std0", active_set="set1", sets={"default": {"new": "0"}, "set1": {"param": "7"}})
+    assert run(f"rtconf {STD} diff {file}") == (
+        1,
+        "-active set  set1\n"
+        "+active set  default\n"
+        "-default.new  0\n"
+        "+default.param  0\n"
+        "-set1.param  7\n"
+        "+set1.param  1\n"
+        "+set2.param  2\n",
+        "",
+    )
+    assert "+__hidden__.param  3\n" in run(f"rtconf -a {STD} diff {file}").out
+    assert run(f"rtconf -s set1 {STD} diff {file}").out == "-set1.param  7\n+set1.param  1\n"
+    records = run(f"rtconf --json -s set1 {STD} diff {file}").out.splitlines()
+    assert [json.loads(each)["value_there"] for each in records] == ["1"]
+
+
+def test_only_what_differs_is_imported(world: World, run: Run, tmp_path: Path) -> None:
+    file = exported(run, STD, tmp_path)
+    assert run(f"rtconf {STD} import {file}") == (0, "", "")
+    assert world.performed == []
+    run(f"rtconf -s set2 {STD} set param 9")
+    run(f"rtconf -s set1 {STD} act")
+    world.performed.clear()
+    assert run(f"rtconf {STD} import {file}") == (0, "", "")
+    assert world.performed == [
+        act.SetParameters("Std0", "set2", {"param": "2"}),
+        act.ActivateSet("Std0", "default"),
+    ]
+
+
+def test_a_change_of_the_active_set_is_seen_at_once(world: World, run: Run, tmp_path: Path) -> None:
+    file = exported(run, STD, tmp_path)
+    run(f"rtconf {STD} set param 9")
+    world.performed.clear()
+    run(f"rtconf {STD} import {file}")
+    assert world.performed == [
+        act.SetParameters("Std0", "default", {"param": "0"}),
+        act.ActivateSet("Std0", "default"),
+    ]
+
+
+def test_one_set_of_a_file_is_imported(world: World, run: Run, tmp_path: Path) -> None:
+    file = exported(run, STD, tmp_path)
+    for name in ("set1", "set2"):
+        run(f"rtconf -s {name} {STD} set param 9")
+    assert run(f"rtconf -s set1 {STD} import {file}").status == 0
+    sets = world.components["Std0"].sets
+    assert (sets["set1"]["param"], sets["set2"]["param"]) == ("1", "9")
+    file.write_text('{"sets": {}}')
+    told = f"rtconf: No configuration set set1 in {file}\n"
+    assert run(f"rtconf -s set1 {STD} import {file}") == (1, "", told)
+
+
+def test_stdin_is_imported(world: World, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    document = {"sets": {"default": {"param": 2.5}, "set1": {"param": True}}}
+    text = io.TextIOWrapper(io.BytesIO(json.dumps(document).encode()))
+    monkeypatch.setattr(sys, "stdin", text)
+    assert run(f"rtconf {STD} import").status == 0
+    sets = world.components["Std0"].sets
+    assert (sets["default"]["param"], sets["set1"]["param"]) == ("2.5", "true")
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("{", "{file}: not JSON: "),
+        ("[]", "{file}: no configuration sets: "),
+        ('{"sets": 1}', "{file}: no configuration sets: "),
+        ('{"sets": {"default": 1}}', "{file}: configuration set default is no table"),
+        ('{"sets": {"default": {"param": []}}}', "{file}: default.param is neither text nor"),
+        ('{"sets": {}, "active": 1}', "{file}: active is no name of a set"),
+        ('{"sets": {"no": {}}}', "No such configuration set: no"),
+        ('{"sets": {"__hidden__": {"param": "1"}}}', "No such configuration set: __hidden__"),
+        ('{"sets": {}, "active": "no"}', "No such configuration set: no"),
+        (
+            '{"sets": {"set1": {"param": "5"}, "default": {"no": "1"}}}',
+            "No such configuration parameter: no",
+        ),
+        ('{"sets": {}, "active": "__hidden__"}', "No such configuration set: __hidden__"),
+        ("[" * 100_000, "{file}: not JSON: "),
+    ],
+)
+def test_nothing_of_a_bad_file_is_imported(
+    world: World, run: Run, tmp_path: Path, text: str, why: str
+) -> None:
+    file = tmp_path / "bad.json"
+    file.write_text(text)
+    status, out, err = run(f"rtconf {STD} import {file}")
+    assert (status, out) == (1, "")
+    assert err.startswith(f"rtconf: {why.format(file=file)}")
+    assert world.performed == []

@@ -1,0 +1,81 @@
+"""Which values satisfy which constraints."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtkit.profile.constraint_model import (
+    Comparison,
+    Constraint,
+    ConstraintUnit,
+    IsNull,
+    Like,
+    Logical,
+)
+from rtkit.profile.constraint_model import ConstraintGroup as Group
+from rtkit.profile.constraint_text import parse_constraint
+from rtkit.profile.constraint_value import allows
+
+
+def unit(test: Comparison | Like | IsNull | Logical) -> Constraint:
+    return Constraint(ConstraintUnit(test))
+
+
+@pytest.mark.parametrize(
+    ("rule", "good", "bad"),
+    [
+        ("100", ["100", "1e2", "100.0"], ["99", "x", ""]),
+        ("x>1", ["2", "1.01", "inf"], ["1", "0", "nan", "one"]),
+        ("x>=1", ["1"], ["0.9"]),
+        ("x<-1", ["-2"], ["-1", "0"]),
+        ("0<=x<=100", ["0", "100", "50.5"], ["-0.1", "100.1", "nan", "", "x"]),
+        ("0<x<100", ["0.1"], ["0", "100"]),
+        ("(a,b,c)", ["a", " b ", "C"], ["d", "", "a,b"]),
+        ("(1,2)", ["1", "2.0"], ["3"]),
+        ("a<x<b", ["anything"], []),
+    ],
+)
+def test_one_value(rule: str, good: list[str], bad: list[str]) -> None:
+    constraint = parse_constraint(rule)
+    assert constraint is not None
+    assert [value for value in good if not allows(constraint, value)] == []
+    assert [value for value in bad if allows(constraint, value)] == []
+
+
+def test_lists_are_tested_element_by_element() -> None:
+    each = parse_constraint("x>0,x<0")
+    assert each is not None
+    assert allows(each, ["1", "-1"])
+    assert not allows(each, ["1", "1"])
+    assert allows(each, ["1", "-1", "what"])
+    one = parse_constraint("x>0")
+    assert one is not None
+    assert allows(one, ["1", "2"])
+    assert not allows(one, ["1", "0"])
+
+
+def test_a_hash_says_nothing_of_a_value_without_keys() -> None:
+    named = parse_constraint("{a:x>0}")
+    assert named is not None
+    assert allows(named, "0")
+
+
+def test_forms_that_only_documents_have() -> None:
+    small = unit(Comparison("propertyIsLessThan", "1"))
+    assert allows(unit(Logical("Not", (small,))), "2")
+    assert not allows(unit(Logical("Not", (small,))), "0")
+    assert not allows(unit(Comparison("propertyIsNotEqualTo", "x")), "X")
+    assert allows(unit(Comparison("propertyIsNotEqualTo", "x", match_case=True)), "X")
+    assert allows(unit(IsNull()), "")
+    assert not allows(unit(IsNull()), "0")
+    assert allows(Constraint(Group("ConstraintListType", (small,))), "0")
+
+
+@pytest.mark.parametrize(
+    ("literal", "good", "bad"),
+    [("a*", "abc", "ba"), ("a?c", "abc", "abbc"), ("a!*", "a*", "ab"), ("a.c", "a.c", "abc")],
+)
+def test_patterns(literal: str, good: str, bad: str) -> None:
+    constraint = unit(Like(literal, "*", "?", "!"))
+    assert allows(constraint, good)
+    assert not allows(constraint, bad)
