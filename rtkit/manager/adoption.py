@@ -7,6 +7,7 @@ known again when both its ends are; one whose other end nobody holds any more is
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
@@ -14,6 +15,7 @@ from rtkit.errors import Malformed
 from rtkit.manager.events import Message
 from rtkit.manager.state import Process, State
 from rtkit.manager.wishes import Pause, Procedure, Tell
+from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.plain import decode
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -31,21 +33,38 @@ def free_name(state: State, name: str, pid: int) -> str:
     return name if state.living_process(name) is None else f"{name}_{pid}"
 
 
-def take(state: State, process: Process, components: object, wires: object) -> list[Message]:
-    """Fold what a found slave holds into the state; return what it is to undo.
+class Holding(NamedTuple):
+    """What a found slave says it holds: components, and ends of connectors."""
+
+    components: list[ComponentFacts]
+    wires: list[ConnectorProfile]
+
+
+def read(name: str, components: object, wires: object) -> Holding:
+    """Read what the slave `name` says it holds.
 
     Raises:
-        Malformed: It cannot be read; nothing is changed.
+        Malformed: It cannot be read.
     """
     if not isinstance(components, list) or not isinstance(wires, list):
-        raise Malformed(f"{process.name} says it holds what is no list")
+        raise Malformed(f"{name} says it holds what is no list")
     held = [decode(ComponentFacts, each) for each in components]
-    ends = [decode(ConnectorProfile, each) for each in wires]
-    undo: list[Message] = []
     for facts in held:
+        check_instance_name(facts.instance)
+    return Holding(held, [decode(ConnectorProfile, each) for each in wires])
+
+
+def take(state: State, process: Process, holding: Holding) -> list[Message]:
+    """Fold what a found slave holds into the state; return what it is to undo."""
+    undo: list[Message] = []
+    for facts in holding.components:
         if not _take_component(state, process, facts):
             undo.append({"op": "delete", "instance": facts.instance})
-    for wire in ends:
+    named = {facts.instance for facts in holding.components}
+    for instance in state.held_by(process.key):
+        if instance not in named:  # it ended while the line was broken
+            state.forget(instance)
+    for wire in holding.wires:
         _take_end(state, process, wire)
     return undo
 
@@ -53,12 +72,15 @@ def take(state: State, process: Process, components: object, wires: object) -> l
 def _take_component(state: State, process: Process, facts: ComponentFacts) -> bool:
     known = state.components.get(facts.instance)
     holder = state.process_of(facts.instance)
-    if known is not None and not known.zombie and holder is not process:
+    is_elsewhere = (known is not None and not known.zombie) or facts.instance in state.claims
+    if is_elsewhere and holder is not process:
         return False
     if known is not None and holder is not process:
         state.forget(facts.instance)
-    names = tuple(n for n in facts.names if state.name_owner(n) in ("", facts.instance))
-    kept = replace(facts, names=names, process=process.name, trouble="", zombie="")
+    names = (n for n in facts.names if state.name_owner(n) in ("", facts.instance))
+    kept = replace(
+        facts, names=tuple(dict.fromkeys(names)), process=process.name, trouble="", zombie=""
+    )
     state.components[facts.instance] = kept
     state.holders[facts.instance] = process.key
     for wire, key in list(state.loose.values()):

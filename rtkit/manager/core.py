@@ -13,7 +13,7 @@ from functools import partial
 from rtkit.deployment.actions import Result
 from rtkit.deployment.batch import results_to_text
 from rtkit.errors import Malformed, Refused
-from rtkit.manager import adoption, facts_in
+from rtkit.manager import adoption, configuring, facts_in, operations
 from rtkit.manager.events import (
     AdoptSlave,
     AnswerClient,
@@ -24,6 +24,7 @@ from rtkit.manager.events import (
     HolderSaid,
     Instruction,
     Message,
+    OperationAsked,
     SendToHolder,
     SignalSlave,
     SlaveEnded,
@@ -91,6 +92,8 @@ class Core:
                 self._begin(_Job(event))
             case WatchAsked():
                 self._watch(event)
+            case OperationAsked():
+                self._operate(event)
             case HolderSaid(key, message):
                 self._heard(key, message)
             case SlaveForked(key, pid):
@@ -166,6 +169,17 @@ class Core:
         results = [result for result in job.results if result is not None]
         self._out.append(AnswerClient(job.answer, Reply(results_to_text(results))))
 
+    def _operate(self, asked: OperationAsked) -> None:
+        def done(result: Result) -> None:
+            text, kind = (result.value, "") if result.ok else (result.why, result.kind)
+            self._out.append(AnswerClient(asked.answer, Reply(text, kind)))
+
+        if self._is_stopping:
+            self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
+        else:
+            steps = operations.DO[asked.name](self.state, asked.argument)
+            self._tasks.begin(steps, operations.TIMEOUT_S, done)
+
     def _watch(self, asked: WatchAsked) -> None:
         if self._is_stopping:
             self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
@@ -211,18 +225,27 @@ class Core:
             return
         process.state = "up"
         if not self._end_unwanted(process):
+            self._configure(process)
             self._tasks.process_is_up(process)
+
+    def _configure(self, process: Process) -> None:
+        if configuring.is_needed(self.state):
+            self._out.append(SendToHolder(process.key, configuring.message(self.state)))
 
     def _found(self, event: SlaveFound) -> None:
         """Believe a slave about what it holds; what contradicts the living, it is to drop."""
+        holding = adoption.read(event.name, event.components, event.wires)
         process = adoption.process_of(self.state, event.pid)
         if process is None:
             name = adoption.free_name(self.state, event.name, event.pid)
             process = self._tasks.new_process(name, event.pid)
         process.state = "up"
         self._out.append(AdoptSlave(process.key, event.pid))
-        for message in adoption.take(self.state, process, event.components, event.wires):
+        self._configure(process)
+        for message in adoption.take(self.state, process, holding):
             self._out.append(SendToHolder(process.key, message))
+        process.is_wanted &= not self._is_stopping
+        self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
 
     def _end_unwanted(self, process: Process) -> bool:
@@ -236,6 +259,7 @@ class Core:
         if process is None or not process.is_alive:
             return
         process.state, process.reason = "lost", reason
+        self.state.drop_loose(key)
         self._bury(process)
         self.state.drop_if_empty(key)
         self._tasks.process_ended(process)

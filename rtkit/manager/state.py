@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.manager.events import OWN_PROCESS
+from rtkit.manager.properties import Settings
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 
 NOWHERE = -1
@@ -54,10 +55,15 @@ class Process:
 
 @dataclass(slots=True)
 class Claim:
-    """What a component will have that is being made: its names, and its process once chosen."""
+    """What a component will have that is being made: its names, and its process once chosen.
+
+    Attributes:
+        is_by_template: Nobody asked for these names; once it is made there may be more.
+    """
 
     names: tuple[str, ...]
     key: int = NOWHERE
+    is_by_template: bool = False
 
 
 @dataclass(slots=True)
@@ -79,6 +85,12 @@ class State:
         openings: Connectors that are being made, by id.
         stuck: Components of which a callback exceeds its deadline, with where it is.
         names: Paths under which the manager itself is registered.
+        settings: The properties that the manager was given.
+        folder: Where relative paths of properties begin.
+        base_paths: Folders of modules that are always there.
+        port: TCP port of the front door, 0 without one.
+        masters: Managers that this one is registered with.
+        slaves: Managers with processes of their own that are registered with this one.
         loose: Connectors of which a slave that was found holds one end, and the other end is
             not known yet; with the key of that slave.
     """
@@ -99,6 +111,12 @@ class State:
     stuck: dict[str, str] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     loose: dict[str, tuple[ConnectorProfile, int]] = field(default_factory=dict)
+    settings: Settings = field(default_factory=Settings)
+    folder: str = "/"
+    base_paths: tuple[str, ...] = ()
+    port: int = 0
+    masters: list[str] = field(default_factory=list)
+    slaves: list[str] = field(default_factory=list)
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
@@ -165,6 +183,10 @@ class State:
         for opening in self.openings.values():
             opening.is_broken |= _has_end(opening.wire, instance)
 
+    def drop_loose(self, key: int) -> None:
+        """Drop the connector ends of a found slave whose other ends are not known."""
+        self.loose = {id: end for id, end in self.loose.items() if end[1] != key}
+
     def drop_if_empty(self, key: int) -> None:
         """Drop a lost process of which no component is shown any more."""
         process = self.processes.get(key)
@@ -210,6 +232,8 @@ class State:
             assert facts.instance == instance, facts
             assert holder is not None, f"no process holds {instance}"
             assert bool(facts.zombie) is not holder.is_alive, f"{instance} in {holder}"
+        for _, key in self.loose.values():
+            assert self.processes[key].is_alive, "a lost process holds an end"
         names = [name for facts in self.components.values() for name in facts.names]
         names += self.names
         assert len(names) == len(set(names)), f"a name is used twice: {names}"

@@ -199,6 +199,23 @@ class CoreMachine(RuleBasedStateMachine):
         self.shell.wait(0.0)
         assert self.shell.state.snapshot().components == before.components
 
+    @rule(
+        instances=st.lists(st.sampled_from(INSTANCES), max_size=3),
+        wires=st.lists(st.sampled_from(WIRES), max_size=2),
+        pid=st.sampled_from([900, 901, 902]),
+        name=st.sampled_from(["s", "t", "u"]),
+    )
+    def find(self, instances, wires, pid, name):
+        """A slave of an earlier manager comes back, or one whose line broke."""
+        self.held[self.shell.find(pid, name, instances, wires)] = set(instances)
+
+    @rule(components=st.sampled_from([None, [1], [{}], [facts("a/b")]]))
+    def find_nonsense(self, components):
+        before = self.shell.state.snapshot()
+        with suppress(Malformed):
+            self.shell.feed(ev.SlaveFound(999, "s", components, []))
+        assert self.shell.state.snapshot() == before
+
     @rule(instance=st.sampled_from(INSTANCES), key=st.integers(1, 5))
     def the_dead_are_heard(self, instance, key):
         process = self.shell.state.processes.get(key)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.actions import Delete, Disconnect
+from rtkit.deployment.actions import Create, Delete, Disconnect
 from rtkit.errors import Malformed
 from rtkit.manager import events as ev
 from rtkit.manager.adoption import SETTLE_S
-from rtkit.manager.fake import FakeShell, wire
+from rtkit.manager.fake import FakeShell, facts, wire
 
 
 def test_what_a_found_slave_holds_is_known_again() -> None:
@@ -91,3 +91,51 @@ def test_what_cannot_be_read_changes_nothing_else(held: object) -> None:
     with pytest.raises(Malformed):
         shell.feed(ev.SlaveFound(300, "s", held, []))
     assert list(shell.state.components) == ["A"]
+
+
+def test_the_end_of_a_slave_ends_its_loose_connectors() -> None:
+    shell = FakeShell()
+    shell.end(shell.find(300, "a", ["A"], [wire("w")]))
+    assert shell.state.loose == {}
+    shell.find(301, "b", ["B"], [wire("w")])
+    assert shell.state.connectors == {}
+
+
+def test_what_ended_while_a_line_was_broken_is_forgotten() -> None:
+    shell = FakeShell()
+    shell.find(300, "s", ["A", "B"])
+    shell.find(300, "s", ["B"])
+    assert list(shell.state.components) == ["B"]
+
+
+def test_an_instance_that_is_just_being_made_elsewhere_is_dropped_by_the_slave() -> None:
+    shell = FakeShell()
+    asked = shell.ask(Create("Thing?instance_name=A"))
+    key = shell.find(300, "s", ["A"])
+    assert (key, {"op": "delete", "instance": "A"}) in shell.told
+    shell.serve()
+    assert asked.result.ok
+    assert shell.state.holders["A"] == ev.OWN_PROCESS
+
+
+def test_a_slave_that_is_found_while_everything_ends_is_ended_too() -> None:
+    shell = FakeShell()
+    shell.make("A")
+    shell.stop()
+    key = shell.find(300, "s", ["B"])
+    assert key in shell.killed()
+
+
+def test_names_given_twice_are_one() -> None:
+    shell = FakeShell()
+    held = {**facts("A"), "names": ["localhost/a.rtc", "localhost/a.rtc"]}
+    shell.feed(ev.SlaveFound(300, "s", [held], []))
+    assert shell.state.components["A"].names == ("localhost/a.rtc",)
+
+
+def test_what_cannot_be_read_makes_no_process() -> None:
+    shell = FakeShell()
+    for components in (None, [1], [facts("a/b")], [{**facts("A"), "type": 5}]):
+        with pytest.raises(Malformed):
+            shell.feed(ev.SlaveFound(300, "s", components, []))
+    assert list(shell.state.processes) == [ev.OWN_PROCESS]
