@@ -37,6 +37,15 @@ class WatchAsked:
 
 
 @dataclass(frozen=True, slots=True)
+class OperationAsked:
+    """A client wants an operation done (see `rtkit.manager.operations`)."""
+
+    name: str
+    argument: str
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
 class StopAsked:
     """A client or a signal wants the manager to end."""
 
@@ -115,6 +124,7 @@ class Tick:
 Event = (
     BatchAsked
     | WatchAsked
+    | OperationAsked
     | StopAsked
     | SlaveForked
     | SlaveFailed

@@ -5,6 +5,7 @@ from __future__ import annotations
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.events import Message
 from rtkit.manager.state import State
 from rtkit.manager.wishes import Procedure, Tell
 
@@ -26,6 +27,12 @@ def unregister(state: State, action: act.Unregister) -> Procedure:
     if facts.zombie and not left and facts.instance not in state.ending:
         state.forget(facts.instance)
     elif process is not None and process.is_ready:
-        kept = {"names": list(left), "create": facts.create}
-        yield Tell(process, {"op": "remember", "instance": facts.instance, "kept": kept})
+        yield Tell(process, remember(state, facts.instance))
     return Result()
+
+
+def remember(state: State, instance: str) -> Message:
+    """Return the message that has a process remember names and origin of a component."""
+    facts = state.components[instance]
+    kept = {"names": list(facts.names), "create": facts.create}
+    return {"op": "remember", "instance": instance, "kept": kept}

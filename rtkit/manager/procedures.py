@@ -14,19 +14,20 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.manager.configuring import config_files, inherited
 from rtkit.manager.events import OWN_PROCESS, Message
-from rtkit.manager.naming import unregister
+from rtkit.manager.naming import remember, unregister
+from rtkit.manager.registration import check_free, early_names, late_names
 from rtkit.manager.state import Claim, Process, State
 from rtkit.manager.stopping import retire
+from rtkit.manager.transitions import change_state
+from rtkit.manager.values import DEFAULT_PORT
 from rtkit.manager.wiring import connect, cut, disconnect, living, unwire
 from rtkit.manager.wishes import Ask, Later, Need, Procedure, Tell
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, check_instance_name, is_local_host
+from rtkit.rtc.names import check_instance_name, is_local_host
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ModuleProfile
-
-MASTER_PORT = 2810
-"""Where a master listens by convention; addresses of other local ports stand for its slaves."""
 
 
 def procedure_for(action: Action, state: State) -> Procedure:
@@ -52,13 +53,7 @@ def procedure_for(action: Action, state: State) -> Procedure:
         case act.ActivateSet():
             return _tell(state, action.instance, {"op": "activate_set", "set_id": action.set_id})
         case act.ChangeState():
-            message: dict[str, Any] = {
-                "op": "change_state",
-                "context": action.context,
-                "transition": action.transition.value,
-                "wait": action.wait,
-            }
-            return _tell(state, action.instance, message)
+            return change_state(state, action)
         case act.SetRate():
             rate: Message = {"op": "set_rate", "context": action.context, "rate": action.rate}
             return _tell(state, action.instance, rate)
@@ -127,13 +122,18 @@ def _create(state: State, action: act.Create) -> Procedure:
         process = yield from _place(state, create)
         claim.key = process.key
         made = yield from _make(state, process, action, create.with_options(instance_name=instance))
+        names = claim.names
+        if claim.is_by_template:
+            names = (*names, *late_names(state, create, instance))
     except RtkitError:
         del state.claims[instance]
         yield Later(_unmake(state, claim.key, instance, known))
         raise
     finally:
         state.claims.pop(instance, None)
-    state.update(instance, create=str(made), process=process.name, names=claim.names)
+    state.update(instance, create=str(made), process=process.name, names=names)
+    if names != claim.names:
+        yield Tell(process, remember(state, instance))
     return Result(value=instance)
 
 
@@ -145,12 +145,10 @@ def _claim(
     check_instance_name(instance)
     if instance in state.claims:
         raise Refused(f"{instance} is just being made")
-    names = action.names or (known.names if known is not None else ()) or (_own_name(instance),)
-    for name in names:
-        owner = state.name_owner(name)
-        if owner and owner != instance:
-            raise Refused(f"name /{name} is taken by {owner}")
-    claim = state.claims[instance] = Claim(tuple(dict.fromkeys(names)))
+    asked = action.names or (known.names if known is not None else ())
+    names = tuple(dict.fromkeys(asked or early_names(state, create, instance)))
+    check_free(state, names, instance)
+    claim = state.claims[instance] = Claim(names, is_by_template=not asked)
     return instance, claim
 
 
@@ -163,12 +161,8 @@ def _free_name(state: State, action: act.Create, create: CreateString) -> str:
         for name in names
         if name not in state.components
         and name not in state.claims
-        and (action.names or not state.name_owner(_own_name(name)))
+        and (action.names or not any(map(state.name_owner, early_names(state, create, name))))
     )
-
-
-def _own_name(instance: str) -> str:
-    return f"{LOCAL}/{instance}{COMPONENT_SUFFIX}"
 
 
 def _place(state: State, create: CreateString) -> Generator[Need, Any, Process]:
@@ -202,7 +196,7 @@ def _slave_at(state: State, address: str) -> str:
         raise Malformed(f"manager address is not host:port: {address}")
     if not is_local_host(host, state.host):
         raise Unreachable(f"no manager is known on host {host}: {address}")
-    return "" if int(port) == MASTER_PORT else f"{state.name}_{int(port)}"
+    return "" if int(port) in (DEFAULT_PORT, state.port) else f"{state.name}_{int(port)}"
 
 
 def _make(
@@ -219,6 +213,8 @@ def _make(
             "create": str(create),
             "pattern": encode(action.pattern) if action.pattern is not None else None,
             "modules": [[module.path, module.init] for module in state.modules.values()],
+            "inherited": inherited(state),
+            "config_files": config_files(state),
             "kept": {"names": list(state.claims[instance].names), "create": str(again)},
         },
     )

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 from rtkit.deployment.batch import batch_from_text
+from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
 from rtkit.deployment.watch import watch_from_text
 from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
-from rtkit.manager.events import BatchAsked, Event, StopAsked, WatchAsked
+from rtkit.manager import configuring, operations
+from rtkit.manager.events import BatchAsked, Event, OperationAsked, StopAsked, WatchAsked
 from rtkit.manager.state import State
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.plain import encode
@@ -50,28 +53,42 @@ class Desk:
         if request.name == "stop":
             request.answer(Reply(str(self._state.pid)))
             return StopAsked()
-        raise Refused(f"read-only or unknown property: {request.name}")
+        return self._operation(keys.unescape(request.name), request)
 
     def _view(self, name: str) -> str:
         kind, _, which = name.partition("/")
         if kind == "part":
             instances = keys.unescape(which).split(",")
-            return _compact(encode(part_of(self._state.snapshot(), instances)))
+            return _compact(encode(part_of(self._snapshot(), instances)))
         if name not in self._views:
             if name == "listing":
-                text = listing_to_text(listing_of(self._state.snapshot()))
+                text = listing_to_text(listing_of(self._snapshot()))
             elif name == "snapshot":
-                text = _compact(encode(self._state.snapshot()))
+                text = _compact(encode(self._snapshot()))
             else:
                 raise NotFound(f"no such view: {name}")
             self._views[name] = text
         return self._views[name]
 
+    def _snapshot(self) -> Snapshot:
+        return replace(self._state.snapshot(), properties=configuring.table(self._state))
+
     def _property(self, name: str) -> str:
-        value = self._state.properties.get(name)
+        read = operations.READ.get(name)
+        value = read(self._state) if read else configuring.lookup(self._state, name)
+        if name in operations.DO:
+            raise Refused(f"{name} is an operation: set it to its argument")
         if value is None:
             raise NotFound(f"no such property: {name}")
         return value
+
+    def _operation(self, name: str, request: Request) -> Event:
+        argument = request.payload or ""
+        if name in operations.READ:
+            raise Refused(f"read-only property: {name}")
+        if name in operations.DO:
+            return OperationAsked(name, argument, request.answer)
+        return OperationAsked("set_configuration", f"{name}:{argument}", request.answer)
 
 
 def _compact(data: Any) -> str:

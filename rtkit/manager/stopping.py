@@ -19,12 +19,17 @@ TERM_S = 2.0
 
 def retire(state: State, process: Process) -> Procedure:
     """End a slave that holds nothing any more (``manager.shutdown_on_nortcs``)."""
-    if process.is_slave and process.is_ready and not state.is_needed(process.key):
-        yield from end_slaves([process])
+    may_end = state.settings.flag("manager.shutdown_on_nortcs")
+    if may_end and process.is_slave and process.is_ready and not state.is_needed(process.key):
+        yield from end_slaves([process], _term_s(state))
     return Result()
 
 
-def end_slaves(slaves: Iterable[Process]) -> Procedure:
+def _term_s(state: State) -> float:
+    return state.settings.number("manager.termination_waittime")
+
+
+def end_slaves(slaves: Iterable[Process], term_s: float = TERM_S) -> Procedure:
     """End these processes: TERM, a grace, KILL; return when the kernel reported their end."""
     meant = tuple(slaves)
     for process in meant:
@@ -36,7 +41,7 @@ def end_slaves(slaves: Iterable[Process]) -> Procedure:
                 if process.state == "stopped":
                     yield Signal(process, signal.SIGCONT)
         try:
-            yield AllEnded(meant, TERM_S)
+            yield AllEnded(meant, term_s)
         except Unreachable:
             continue
         break
@@ -65,5 +70,6 @@ def stop_everything(state: State) -> Procedure:
             silent.add(process.key)
         else:
             state.forget(instance)
-    yield from end_slaves(p for p in state.processes.values() if p.is_slave and p.is_alive)
+    slaves = [p for p in state.processes.values() if p.is_slave and p.is_alive]
+    yield from end_slaves(slaves, _term_s(state))
     return Result()
