@@ -9,11 +9,10 @@ import click
 
 from rtkit.cli._app import App, Main, command
 from rtkit.errors import Malformed, Partial, RtkitError, UsageProblem, from_kind
-from rtkit.rtc.enums import UNKNOWN_STATE, Transition
+from rtkit.rtc.enums import Transition
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import ChangeState, Result
-    from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.names import Path
     from rtkit.tree.view import Node
 
@@ -96,7 +95,7 @@ def _asked(
     from rtkit.tree.resolve import component
     from rtkit.tree.view import build
 
-    # The first context is always named "0": then the short listing is enough.
+    # The short listing tells the first context.
     listing = app.tree.listing()
     root = build(listing)
     nodes = [component(root, path, listing.host) for path in paths]
@@ -105,7 +104,9 @@ def _asked(
     for path, node in zip(paths, nodes, strict=True):
         instance = node.instance
         facts = snapshot.component(instance) if snapshot is not None else None
-        contexts = _context_ids(facts) if facts is not None else _first_context(node)
+        contexts = _first_context(node)
+        if facts is not None:
+            contexts = [context.id for context in facts.contexts]
         chosen = contexts if index is None else contexts[index : index + 1] if index >= 0 else []
         if not chosen:
             raise Malformed(f"Bad execution context index: {0 if index is None else index}")
@@ -114,12 +115,7 @@ def _asked(
 
 
 def _first_context(node: Node) -> list[str]:
-    return [] if node.row is None or node.row.state == UNKNOWN_STATE else ["0"]
-
-
-def _context_ids(facts: ComponentFacts) -> list[str]:
-    own = [each.id for each in facts.contexts if each.owner == facts.instance]
-    return own + [each.id for each in facts.contexts if each.owner != facts.instance]
+    return [node.row.context] if node.row is not None and node.row.context else []
 
 
 def _error(path: Path, action: ChangeState, result: Result) -> RtkitError | None:

@@ -26,11 +26,16 @@ class ComponentFacts:
         process: Name of the manager or slave process that holds it.
         sets: Configuration sets: set name to parameter name to text.
         names: Paths under which it is registered, ``localhost/dir.host_cxt/Motor0.rtc``.
-        create: Create string that makes it again; empty for a stand-in.
+        contexts: Execution contexts, own ones first: an index is a place in here.
+        create: Create string that makes it again; a stand-in, together with its pattern.
         module: ``PATH:INIT`` of its module when one was loaded for it.
         is_stand_in: Generated from data, no code of its own.
         cause: The exception that put it into Error, one line with file:line.
         zombie: Why nobody is behind the entry any more (``signal 9``); empty while it lives.
+        composite_type: ``PeriodicECShared``, ``PeriodicStateShared`` or ``Grouping``; empty for a
+            component that is no composite.
+        members: Instance names of a composite's members, in order of execution.
+        composite: The composite that it is a member of; empty for most.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
     """
 
@@ -49,6 +54,9 @@ class ComponentFacts:
     zombie: str = ""
     trouble: str = ""
     properties: Mapping[str, str] = field(default_factory=dict)
+    composite_type: str = ""
+    members: tuple[str, ...] = ()
+    composite: str = ""
 
     @property
     def state(self) -> str:

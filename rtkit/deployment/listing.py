@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Row(NamedTuple):
-    """One component; ``ins`` … ``services_connected`` count ports."""
+    """One component; ``ins`` … ``services_connected`` count ports, `context` is its first one."""
 
     instance: str
     state: str
@@ -34,6 +34,7 @@ class Row(NamedTuple):
     trouble: str
     is_stand_in: bool
     names: tuple[str, ...]
+    context: str = ""
 
 
 class Listing(NamedTuple):
@@ -86,6 +87,7 @@ def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Ro
         component.trouble,
         component.is_stand_in,
         component.names,
+        component.contexts[0].id if component.contexts else "",
     )
 
 
@@ -102,13 +104,12 @@ def listing_from_text(text: str) -> Listing:
     """
     try:
         host, manager, pid, slaves, rows, names = json.loads(text)
-        width = len(Row._fields) - 1
         return Listing(
             str(host),
             str(manager),
             int(pid),
             tuple((str(name), str(state), str(why)) for name, state, why in slaves),
-            tuple(Row._make([*row[:width], tuple(row[width])]) for row in rows),
+            tuple(Row._make([*row, tuple(names), str(context)]) for *row, names, context in rows),
             tuple(map(str, names)),
         )
     except (ValueError, TypeError) as error:

@@ -73,9 +73,15 @@ def mismatch(wanted: WantedComponent, facts: ComponentFacts) -> str:
 def context_of(
     facts: ComponentFacts, wanted: WantedComponent, number: int
 ) -> ExecutionContextProfile | None:
-    """Return the live context that the wanted one of that number means: by id, else by number."""
-    id = wanted.contexts[number].id
-    for context in facts.contexts:
-        if context.id == id:
-            return context
-    return facts.contexts[number] if number < len(facts.contexts) else None
+    """Return the live context that the wanted one of that number means: by id, else by place.
+
+    Those that are found by no id take the places that are left, so that no two mean the same one.
+    """
+    live = {context.id: context for context in facts.contexts}
+    ids = [context.id for context in wanted.contexts]
+    if ids[number] in live:
+        return live[ids[number]]
+    own = [context for context in facts.contexts if context.owner == facts.instance]
+    left = [context for context in own if context.id not in ids]
+    place = sum(id not in live for id in ids[:number])
+    return left[place] if place < len(left) else None

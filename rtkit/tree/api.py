@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.deployment.listing import Listing
-from rtkit.errors import NotFound
+from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.names import parse_path
 from rtkit.tree import resolve
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 class ByPath:
     """Paths are absolute, as ``rtls`` shows them. Every method is bounded by the time-out.
+
+    An execution context is told by its number (own ones first, then those taken part in) or id.
 
     Example::
 
@@ -92,7 +94,7 @@ class ByPath:
             raise NotFound(f"Not a component: {path}")
         self.perform(Delete(node.instance))
 
-    def activate(self: _Calls, path: str, context: str = "0") -> None:
+    def activate(self: _Calls, path: str, context: int | str = 0) -> None:
         """Make a component active in an execution context; returns when it is.
 
         Raises:
@@ -100,7 +102,7 @@ class ByPath:
         """
         _change(self, path, context, Transition.ACTIVATE)
 
-    def deactivate(self: _Calls, path: str, context: str = "0") -> None:
+    def deactivate(self: _Calls, path: str, context: int | str = 0) -> None:
         """Make a component inactive in an execution context; returns when it is.
 
         Raises:
@@ -108,7 +110,7 @@ class ByPath:
         """
         _change(self, path, context, Transition.DEACTIVATE)
 
-    def reset(self: _Calls, path: str, context: str = "0") -> None:
+    def reset(self: _Calls, path: str, context: int | str = 0) -> None:
         """Bring a component from Error to Inactive; returns when it is.
 
         Raises:
@@ -185,11 +187,21 @@ def _component(listing: Listing, path: str) -> Node:
     return resolve.component(build(listing), parse_path(path), listing.host)
 
 
-def _change(tree: _Calls, path: str, context: str, transition: Transition) -> None:
+def _change(tree: _Calls, path: str, context: int | str, transition: Transition) -> None:
     from rtkit.deployment.actions import ChangeState
 
     node = _component(tree.listing(), path)
-    tree.perform(ChangeState(node.instance, context, transition))
+    id = context if isinstance(context, str) else _context(tree, node, context)
+    tree.perform(ChangeState(node.instance, id, transition))
+
+
+def _context(tree: _Calls, node: Node, index: int) -> str:
+    if index == 0 and node.row is not None and node.row.context:
+        return node.row.context
+    facts = tree.part([node.instance]).component(node.instance)
+    if facts is None or not 0 <= index < len(facts.contexts):
+        raise Malformed(f"Bad execution context index: {index}")
+    return facts.contexts[index].id
 
 
 def _facts(tree: _Calls, path: str) -> ComponentFacts:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -95,6 +96,40 @@ def profile(*items: Any) -> rts.RtsProfile:
     )
 
 
+def entry(instance: str, sequence: int = 1, **told: Any) -> rts.Condition:
+    """Return one entry of an order: at most one of `wait` [ms] and `after` (instances)."""
+    after = told.get("after", "").split()
+    preceding = rts.Preceding(
+        tuple(_target(*each.split("/")) for each in after), told.get("timeout"), told.get("timing")
+    )
+    return rts.Condition(
+        sequence,
+        _target(instance, told.get("context", "0")),
+        None if after else rts.WaitTime(told.get("wait", 0)),
+        preceding if after else None,
+    )
+
+
+def _target(instance: str, context: str = "0") -> rts.TargetComponent:
+    return rts.TargetComponent(f"RTC:Me:test:{instance[:-1]}:1.0", instance, context)
+
+
+def ordered(
+    rts_profile: rts.RtsProfile, *entries: rts.Condition, stop: bool = False
+) -> rts.RtsProfile:
+    """Return a profile with these entries as its Activation, or its Deactivation."""
+    order = rts.Order(entries)
+    if stop:
+        return replace(rts_profile, deactivation=order)
+    return replace(rts_profile, activation=order)
+
+
+def sinks(count: int, optional: str = "") -> rts.RtsProfile:
+    """Return components Sink0, Sink1 …; those named in `optional` are not required."""
+    names = [f"Sink{number}" for number in range(count)]
+    return profile(*(component(name, required=name not in optional.split()) for name in names))
+
+
 def pattern(kind: str, name: str, port_type: PortType) -> ComponentPattern:
     told = {"port.port_type": port_type.value, "dataport.data_type": LONG}
     sets = {"default": {"gain": "1", "mode": "a"}, "fast": {"gain": "9", "mode": "b"}}
@@ -140,6 +175,9 @@ def make() -> SimpleNamespace:
         live,
         make_world,
         pattern,
+        entry,
+        ordered,
+        sinks,
     )
     return SimpleNamespace(**{function.__name__: function for function in functions})
 

@@ -1,5 +1,7 @@
 """Rows of §10 of the command reference: lines of dry runs, and reasons of failures."""
 
+from dataclasses import replace
+
 import pytest
 
 from rtkit.deployment import actions as act
@@ -10,7 +12,9 @@ from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.errors import Malformed, NotFound
-from rtkit.rtc.enums import LifeCycleState, Transition
+from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Transition
+from rtkit.rtc.pattern import ContextPattern
+from rtkit.rtc.profiles import ExecutionContextProfile
 
 OPTIONS = (
     "{'dataport.data_type': 'IDL:RTC/TimedLong:1.0', 'dataport.interface_type': 'corba_cdr',"
@@ -259,6 +263,25 @@ def test_a_context_is_found_by_id_else_by_number(make, world):
     plan = start_plan(*make.live(make.profile(named), world), wait=False)
     assert plan.steps[0].action == act.ChangeState("Sink0", "0", Transition.ACTIVATE, wait=False)
     assert plan.steps[0].text.endswith("in execution context Ec1")
+
+
+def test_no_two_contexts_of_a_profile_mean_the_same_live_one(make, world):
+    live = tuple(ContextPattern(id) for id in ("0", "1"))
+    world.types["Sink"] = replace(world.types["Sink"], contexts=live)
+    world.perform(act.Create("Sink?instance_name=Sink0"))
+    other = ExecutionContextProfile("Other/0", ExecutionKind.PERIODIC, 1.0, "Other")
+    world.update("Sink0", contexts=(*world.components["Sink0"].contexts, other))
+
+    def meant(*ids):
+        contexts = tuple((id, "PERIODIC", 10.0) for id in ids)
+        profile = make.profile(make.component("Sink0", contexts=contexts))
+        plan = start_plan(*make.live(profile, world))
+        return [step.action and step.action.context for step in plan.steps]
+
+    assert meant("Ec1", "0") == ["1", "0"]
+    assert meant("1", "Ec1") == ["1", "0"]
+    assert meant("Ec1", "Ec2", "Ec3") == ["0", "1", None]
+    assert meant("Ec1", "Other/0") == ["0", "Other/0"]
 
 
 def test_stop_goes_backwards_and_needs_nothing(make, world):

@@ -10,7 +10,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.world import World
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, PortType, Transition
-from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 from rtkit.tree.client import Tree
 from rtkit.tree.fake import fake_tree
@@ -86,6 +86,32 @@ def test_transitions(tree: Tree, world: World) -> None:
     with pytest.raises(NotFound, match="A has no execution context 7"):
         tree.activate(A, "7")
     assert world.performed[0] == act.ChangeState("A", "0", Transition.ACTIVATE)
+
+
+def test_contexts_by_number_or_id(tree: Tree, world: World) -> None:
+    contexts = (ContextPattern("Ec1"), ContextPattern("slow"))
+    world.types["Two"] = ComponentPattern(TypeProfile("Two"), contexts=contexts)
+    world.types["None"] = ComponentPattern(TypeProfile("None"))
+    world.perform(act.Create("Two?instance_name=T"))
+    world.perform(act.Create("None?instance_name=N"))
+    world.update("N", contexts=())
+    path = "/localhost/T.rtc"
+
+    def states() -> list[str]:
+        return [context.state.value for context in world.components["T"].contexts]
+
+    tree.activate(path)
+    assert states() == ["Active", "Inactive"]
+    tree.activate(path, 1)
+    tree.deactivate(path, 0)
+    assert states() == ["Inactive", "Active"]
+    tree.deactivate(path, "slow")
+    assert states() == ["Inactive", "Inactive"]
+    for wrong in (2, -1):
+        with pytest.raises(Malformed, match=f"Bad execution context index: {wrong}"):
+            tree.activate(path, wrong)
+    with pytest.raises(Malformed, match="Bad execution context index: 0"):
+        tree.activate("/localhost/N.rtc")
 
 
 def test_connections(tree: Tree, world: World) -> None:
