@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-import stat
 import sys
+from collections.abc import Callable, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -12,8 +12,16 @@ from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString
-from rtkit.rtc.profiles import ModuleProfile
+from rtkit.rtc.profiles import ModuleProfile, TypeProfile
+
+
+Complete = Callable[[CreateString, TypeProfile], CreateString]
+
+
+def _as_it_is(create: CreateString, _type: TypeProfile) -> CreateString:
+    return create
 
 
 class _Registrar:
@@ -35,9 +43,17 @@ class Loader:
     """
 
     def __init__(self, load_path: list[str]) -> None:
-        self.load_path = load_path
         self.factories = Factories()
+        self._search = Search(load_path)
+        self._is_search_allowed = True
         self._modules: dict[str, ModuleProfile] = {}
+
+    def configure(
+        self, folders: Sequence[str], *, is_absolute_allowed: bool, is_search_allowed: bool
+    ) -> None:
+        """Change where modules are looked for; those that are loaded stay."""
+        self._search = Search(folders, is_absolute_allowed=is_absolute_allowed)
+        self._is_search_allowed = is_search_allowed
 
     def load(self, path: str, init: str = "") -> ModuleProfile:
         """Load a module and call its init function; loading it again changes nothing.
@@ -49,9 +65,10 @@ class Loader:
         known = self._modules.get(path)
         if known is not None:
             return known
-        file = self._find(path)
+        file, source = self._search.read(path)
         name = init or f"{os.path.basename(file).partition('.')[0]}Init"
-        module = _import(file, _read(file))
+        _offer_neighbours(file)
+        module = _import(file, source)
         classes = _initialise(module, name, path)
         types = tuple(self.factories.register(component_class) for component_class in classes)
         profile = self._modules[path] = ModuleProfile(path, name, types)
@@ -67,53 +84,42 @@ class Loader:
             if profile in self.factories.types and profile.id not in kept:
                 self.factories.unregister(profile)
 
-    def make(self, create: CreateString) -> Component:
+    def make(self, create: CreateString, complete: Complete = _as_it_is) -> Component:
         """Make a component, loading the module of its type if nobody offers it yet.
+
+        `complete` may add properties when the type is known.
 
         Raises:
             NotFound: Nobody knows the type.
             Refused: Its module does not load, or its constructor raises.
         """
+        return self.factories.make(complete(create, self._type_of(create)))
+
+    def _type_of(self, create: CreateString) -> TypeProfile:
+        """Return the type that a create string means, loading its module if nobody offers it yet.
+
+        Raises:
+            NotFound: Nobody knows the type.
+            Refused: Its module does not load.
+        """
+        fields = (create.vendor, create.category, create.language, create.version)
         try:
-            return self.factories.make(create)
+            return self.factories.find(create.implementation_id, *fields)
         except NotFound:
-            path = f"{create.implementation_id}.py"
+            path = f"{create.implementation_id}{SUFFIX}"
             is_name = os.path.basename(path) == path  # a type's name must not lead elsewhere
-            if not is_name or path in self._modules or not self._search(path):
+            may_search = self._is_search_allowed and is_name and path not in self._modules
+            if not may_search or not self._search.has(path):
                 raise
         self.load(path)
-        return self.factories.make(create)
-
-    def _find(self, path: str) -> str:
-        file = path if os.path.isabs(path) else self._search(path)
-        if not file or not os.path.isfile(file):
-            looked = ", ".join(self.load_path)
-            raise NotFound(f"no module {path} (looked in {looked})")
-        return file
-
-    def _search(self, path: str) -> str:
-        for name in (path, f"{path}.py"):
-            for folder in self.load_path:
-                file = os.path.join(folder, name)
-                if os.path.isfile(file):
-                    return file
-        return ""
+        return self.factories.find(create.implementation_id, *fields)
 
 
-def _read(file: str) -> bytes:
-    """Return the source of a module, the very file that was found not to be open to everybody."""
-    folder = os.path.dirname(file)
-    status = os.stat(folder)
-    if status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:
-        raise Refused(f"module lies where everybody may write, refused: {file}")
-    try:
-        with open(file, "rb") as source:
-            status = os.fstat(source.fileno())
-            if status.st_mode & stat.S_IWOTH:
-                raise Refused(f"module may be written by everybody, refused: {file}")
-            return source.read()
-    except OSError as error:
-        raise Refused(f"cannot read module {file}: {error.strerror}") from error
+def _offer_neighbours(file: str) -> None:
+    """Let a module import what lies beside it, behind everything that has its name already."""
+    folder = os.path.dirname(os.path.realpath(file))
+    if folder not in sys.path:
+        sys.path.append(folder)
 
 
 def _import(file: str, source: bytes) -> ModuleType:
