@@ -26,8 +26,10 @@ from rtkit.manager.contexts import Contexts, release
 from rtkit.manager.events import Message
 from rtkit.manager.facts_out import facts_of
 from rtkit.manager.host import LATER
+from rtkit.manager.layers import layered
 from rtkit.manager.loader import Loader
 from rtkit.manager.pacer import Pacer
+from rtkit.manager.process_settings import configure
 from rtkit.manager.services import Services
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ReturnCode
@@ -79,6 +81,7 @@ class Holder:
             "set": self._set,
             "activate_set": self._activate_set,
             "remember": self._remember,
+            "configure": lambda message: configure(message, loader),
             **Contexts(self).operations,
             **self._services.operations,
         }
@@ -165,11 +168,14 @@ class Holder:
             raise Refused(f"{instance} exists already")
         if message.get("pattern") is not None:
             pattern = decode(ComponentPattern, message["pattern"])
+            create = layered(create, pattern.type, message, inherits=False)
             component: Component = stand_in(pattern, instance, create.options)
         else:
             for path, init in message.get("modules", ()):
                 self._loader.load(path, init)
-            component = self._loader.make(create)
+            component = self._loader.make(
+                create, lambda create, type: layered(create, type, message)
+            )
         self._watched(instance, "on_initialize", component.initialize)
         self._components[instance] = component
         self._memory[instance] = message.get("kept", {})
