@@ -16,7 +16,6 @@ from rtkit.manager.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
-
 Complete = Callable[[CreateString, TypeProfile], CreateString]
 
 
