@@ -1,4 +1,4 @@
-"""Connections to be made at start: ``A.out?port=B.in&dataflow_type=push`` turned into connectors."""
+"""Connections made at start: ``A.out?port=B.in&dataflow_type=push`` turned into connectors."""
 
 from __future__ import annotations
 

@@ -28,8 +28,8 @@ def read_private(path: str, *, must_be_ours: bool = False) -> bytes:
         if os.readlink(f"/proc/self/fd/{descriptor}") != real:
             raise Refused(f"file changed its place while it was opened: {path}")
         _check_file(status, path)
-        owner = check_folders(real, path)
-        if (must_be_ours or owner) and status.st_uid not in (os.getuid(), 0):
+        is_shared = check_folders(real, path)
+        if (must_be_ours or is_shared) and status.st_uid not in (os.getuid(), 0):
             raise Refused(f"file belongs to another user, refused: {path}")
         with os.fdopen(os.dup(descriptor), "rb") as file:
             return file.read(_LARGEST)

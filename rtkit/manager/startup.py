@@ -71,9 +71,7 @@ class StartUp:
         self._done = done
         self._failures: list[tuple[str, str]] = []
         self._steps = [
-            (key, plan, item)
-            for key, plan in _PHASES
-            for item in state.settings.items(key)
+            (key, plan, item) for key, plan in _PHASES for item in state.settings.items(key)
         ]
 
     def begin(self) -> None:

@@ -58,13 +58,71 @@ def test_a_type_that_nobody_offers_is_looked_for(loader):
         make(loader, "Other")
 
 
-def test_a_type_s_name_leads_to_no_other_folder(folder):
+def test_a_name_leads_to_no_other_folder(folder):
     loader = Loader([str(folder / "below")])
     (folder / "below").mkdir()
+    (folder / "below" / "Link.py").symlink_to(folder / "Thing.py")
     for name in ("../Thing", f"{folder}/Thing", "./../Thing"):
         with pytest.raises(NotFound):
             make(loader, name)
-    assert loader.load("../Thing.py").types  # a path that somebody typed is another matter
+    for name in ("../Thing.py", "x/../../Thing", ".."):
+        with pytest.raises(Refused, match="leaves the load paths"):
+            loader.load(name)
+    for name in ("Link.py", "Link"):
+        with pytest.raises(Refused, match="is a link that leaves the load path"):
+            loader.load(name)
+    with pytest.raises(Refused, match="is a link that leaves"):
+        make(loader, "Link")
+
+
+def test_a_link_inside_a_load_path_is_followed(folder):
+    (folder / "sub").mkdir()
+    (folder / "sub" / "Real.py").write_text(THING.format(name="Alias", text="One"))
+    (folder / "Alias.py").symlink_to("sub/Real.py")
+    loader = Loader([str(folder)])
+    assert loader.load("Alias").types
+    assert loader.load("sub/Real.py", "AliasInit").types
+
+
+def test_absolute_paths_where_they_are_not_allowed(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (elsewhere / "Thing.py").write_text(THING.format(name="Thing", text="One"))
+    (folder / "Link.py").symlink_to(elsewhere / "Thing.py")
+    loader = Loader([])
+    loader.configure([str(folder)], is_absolute_allowed=False, is_search_allowed=True)
+    assert loader.load(f"{folder}/Thing.py").types
+    with pytest.raises(Refused, match="abs_path_allowed is NO"):
+        loader.load(f"{elsewhere}/Thing.py")
+    with pytest.raises(Refused, match="leaves the load path"):
+        loader.load(f"{folder}/Link.py")
+    with pytest.raises(Refused, match="abs_path_allowed is NO"):
+        loader.load(f"{folder}/../{elsewhere.name}/Thing.py")
+
+
+def test_without_search_a_type_has_to_be_loaded_first(loader, folder):
+    loader.configure([str(folder)], is_absolute_allowed=True, is_search_allowed=False)
+    with pytest.raises(NotFound):
+        make(loader, "Thing")
+    loader.load("Thing")
+    assert make(loader, "Thing").instance == "A"
+
+
+@pytest.mark.parametrize("name", ["random", "os", "json", "rtkit"])
+def test_a_module_may_have_the_name_of_a_standard_one(folder, name):
+    (folder / f"{name}.py").write_text("import random\n" + THING.format(name=name, text="One"))
+    loader = Loader([str(folder)])
+    assert loader.load(name).types
+    module = __import__(name)
+    assert not (module.__file__ or "").startswith(str(folder))
+    assert str(folder) not in sys.path[: len(sys.path) - 1]
+
+
+def test_a_module_may_import_what_lies_beside_it(loader, folder):
+    (folder / "rtkit_test_beside.py").write_text("text = 'Two'")
+    text = "from rtkit_test_beside import text\n" + THING.format(name="Near", text="One")
+    (folder / "Near.py").write_text(text)
+    assert loader.load("Near").types
+    assert sys.modules.pop("rtkit_test_beside").text == "Two"
 
 
 def test_forgetting_a_module_forgets_its_types(loader, folder):
@@ -139,7 +197,40 @@ def test_a_module_that_everybody_may_write(loader, folder):
         loader.load("Thing.py")
     os.chmod(folder / "Thing.py", 0o644)
     os.chmod(folder, 0o777)
-    with pytest.raises(Refused, match="where everybody may write"):
+    with pytest.raises(Refused, match=f"folder {folder} may be written by everybody"):
         loader.load("Thing.py")
+    (folder / "safe").mkdir(mode=0o755)
+    (folder / "safe" / "Thing.py").write_text(THING.format(name="Thing", text="One"))
+    with pytest.raises(Refused, match=f"folder {folder} may be written by everybody"):
+        loader.load("safe/Thing.py")
     os.chmod(folder, 0o1777)
     assert loader.load("Thing.py").types
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can give files away")
+def test_where_everybody_may_write_the_owner_matters(loader, folder):
+    os.chmod(folder, 0o1777)
+    os.chown(folder / "Thing.py", 65534, 65534)
+    with pytest.raises(Refused, match="belongs to another user"):
+        loader.load("Thing.py")
+
+
+def test_a_pipe_is_not_waited_for(loader, folder):
+    os.mkfifo(folder / "Pipe.py")
+    with pytest.raises(NotFound):
+        loader.load("Pipe.py")
+
+
+def test_a_file_that_is_swapped_while_it_is_opened(loader, folder, monkeypatch):
+    (folder / "Evil.py").write_text("raise SystemExit('ran')")
+    opening = os.open
+
+    def swap(path, *arguments, **more):
+        if str(path).endswith("Thing.py"):
+            os.replace(folder / "Evil.py", folder / "Thing.py")
+            os.chmod(folder / "Thing.py", 0o666)
+        return opening(path, *arguments, **more)
+
+    monkeypatch.setattr(os, "open", swap)
+    with pytest.raises(Refused, match="may be written by everybody"):
+        loader.load("Thing.py")
