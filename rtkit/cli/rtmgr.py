@@ -13,7 +13,7 @@ from rtkit.errors import Malformed, Unreachable, UsageProblem
 if TYPE_CHECKING:
     from rtkit.cli._steps import Step
 
-WORDS = ("start", "stop", "status", "run")
+WORDS = ("start", "stop", "restart", "status", "run")
 _ORDER = "rtkit.order"
 
 
@@ -26,7 +26,7 @@ class _InOrder(click.Command):
         taken: dict[str, int] = {}
         for parameter in order:
             name = parameter.name or ""
-            if not getattr(parameter, "multiple", False):
+            if parameter not in _STEPS:
                 continue
             index = taken.get(name, 0)
             taken[name] = index + 1
@@ -58,18 +58,31 @@ _STEPS = [
 @command("rtmgr", cls=_InOrder, params=_STEPS)
 @click.option("--print", "is_printing", is_flag=True, help="Print paths of created components.")
 @click.option("--json", "is_json", is_flag=True, help="Lists and status as JSON.")
-@click.argument("words", nargs=-1, metavar="MANAGER | start|stop|status|run [NAME]")
+@click.option("-f", "--file", "file", metavar="FILE", default="", help="start: the rtc.conf to read.")
+@click.option(
+    "-o", "--option", "given", multiple=True, metavar="KEY:VALUE", help="start: a property."
+)
+@click.option("-p", "--port", type=click.IntRange(0, 65535), help="start: TCP port; 0 for any.")
+@click.option("-a", "--no-door", is_flag=True, help="start: no TCP port at all.")
+@click.option("-i", "--lenient", is_flag=True, help="start: the file may be missing.")
+@click.argument("words", nargs=-1, metavar="MANAGER | start|stop|restart|status|run [NAME]")
 def main(
     app: App,
     words: tuple[str, ...],
     is_printing: bool,
     is_json: bool,
+    file: str,
+    given: tuple[str, ...],
+    port: int | None,
+    no_door: bool,
+    lenient: bool,
     **_values: object,
 ) -> int:
     """Start, stop and command managers.
 
-    start, stop, status and run (in the foreground) take the name of a manager, by default
-    "manager". Everything else is asked of the manager at a path, in the order of the command
+    start, stop, restart, status and run (in the foreground) take the name of a manager, by
+    default "manager". start and run read its properties from FILE, else from the file that
+    RTC_MANAGER_CONFIG names, ./rtc.conf, or one in /etc; what -o says counts more. Everything else is asked of the manager at a path, in the order of the command
     line and in one batch, and ends at the first failure.
 
     CREATE is TYPE?key=value&key=value, for instance ConsoleIn?instance_name=In0&manager_name=s1,
@@ -80,8 +93,12 @@ def main(
     from rtkit.cli._steps import read_step
 
     asked = click.get_current_context().meta[_ORDER]
+    overrides = (*given, *_door(port, no_door))
     if words and words[0] in WORDS:
-        return _word(app, words, bool(asked), is_json)
+        _check_word(words, bool(asked), bool(file or overrides or lenient))
+        return _word(app, words, is_json, (file, overrides, lenient))
+    if file or overrides or lenient:
+        raise UsageProblem("-f, -o, -p, -a and -i are for rtmgr start and rtmgr run")
     if len(words) > 1:
         raise WrongArguments
     steps = [read_step(name, str(value)) for name, value in asked]
@@ -119,11 +136,26 @@ def _direct_address(typed: str) -> tuple[str, int, str]:
     return host, int(port or 2810), name or "manager"
 
 
-def _word(app: App, words: Sequence[str], has_steps: bool, is_json: bool) -> int:
-    from rtkit.cli._daemon import run_word
+def _door(port: int | None, no_door: bool) -> list[str]:
+    if no_door and port is not None:
+        raise UsageProblem("a port (-p) and no port at all (-a) exclude each other")
+    if no_door:
+        return ["manager.net_servant:NO"]
+    return [] if port is None else [f"net.endpoints:localhost:{port}"]
 
+
+def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> None:
     if has_steps:
         raise UsageProblem(f"{words[0]} takes no options that command a manager")
+    if is_configured and words[0] not in ("start", "run"):
+        raise UsageProblem(f"-f, -o, -p, -a and -i are not for {words[0]}")
     if len(words) > 2:
         raise WrongArguments
-    return run_word(app, words[0], words[1] if len(words) > 1 else "", is_json)
+
+
+def _word(
+    app: App, words: Sequence[str], is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
+) -> int:
+    from rtkit.cli._daemon import run_word
+
+    return run_word(app, words[0], words[1] if len(words) > 1 else "", is_json, wanted)
