@@ -24,6 +24,7 @@ from rtkit.deployment.world import World
 from rtkit.manager.loader import Loader
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import Property
+from rtkit.profile.constraint_text import parse_constraint
 from rtkit.profile.write import write_rtc, write_rts
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, PortType
@@ -240,6 +241,7 @@ def _configurations(cls: type[Component]) -> Iterator[rtc.Configuration]:
             name=parameter.name,
             type=kind.name,
             default_value=kind.write(parameter.default),
+            constraint=parse_constraint(parameter.constraint),
             unit=parameter.unit or None,
             comment=parameter.doc or None,
             properties=properties,

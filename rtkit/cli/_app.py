@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli._out import printable
-from rtkit.errors import BUG_EXIT, Malformed, Partial, RtkitError
+from rtkit.errors import BUG_EXIT, Malformed, Partial, RtkitError, Unreachable
 
 if TYPE_CHECKING:
     from rtkit.rtc.names import Path
@@ -52,6 +52,20 @@ class App:
             from rtkit.tree.client import connect
 
             self._tree = connect(timeout_s=self.timeout_s)
+        return self._tree
+
+    def use_manager(self, name: str) -> Tree:
+        """Return the connection to the manager of that name.
+
+        Raises:
+            Unreachable: It does not run, or does not answer in time.
+        """
+        if self._tree is None:
+            from rtkit.tree.client import connect
+
+            self._tree = connect(name, timeout_s=self.timeout_s)
+        if self._tree.manager != name:
+            raise Unreachable(f"manager {name!r} is not the one asked: {self._tree.manager!r}")
         return self._tree
 
     def path(self, typed: str) -> Path:

@@ -73,6 +73,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "rtls": (
         ("rtls -l /localhost", "State, ports and connections of what runs here."),
         ("rtls -R /", "Everything."),
+        ("rtls -l --watch=0.5 /localhost", "Look again twice a second."),
         ("rtls -R --json /", "Everything, for another program."),
     ),
     "rtmgr": (

@@ -41,6 +41,7 @@ def pattern_of(profile: RtcProfile) -> ComponentPattern:
         _type(profile),
         tuple(ports),
         _sets(profile),
+        "default",
         contexts=(_context(profile),),
     )
 
@@ -58,10 +59,9 @@ def _type(profile: RtcProfile) -> TypeProfile:
 
 def _sets(profile: RtcProfile) -> dict[str, dict[str, str]]:
     """Return the default values, and the hints that components with code give too."""
-    if profile.configuration_set is None:
-        return {}
-    sets: dict[str, dict[str, str]] = {}
-    for each in profile.configuration_set.configurations:
+    sets: dict[str, dict[str, str]] = {"default": {}}
+    declared = profile.configuration_set
+    for each in declared.configurations if declared is not None else ():
         texts = {
             "default": each.default_value,
             "__type__": each.type,

@@ -48,6 +48,8 @@ def main(
     given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})
     ports = _port_paths(app, paths)
     snapshot, (first, *others) = find_ends(app.tree, ports)
+    if no_duplicates and connector_id:
+        snapshot = app.tree.snapshot()  # the id may be in use at quite other ports
     wires = []
     for other, each_id in zip(others, _ids(connector_id, len(others)), strict=True):
         wires.append(make_connector(first, other, each_id, name, given))

@@ -13,6 +13,7 @@ from rtkit.tree.resolve import entry
 from rtkit.tree.view import Kind, Node, build
 
 _Show = Callable[[list[Node]], Iterable[str]]
+_CLEAR = "\x1b[H\x1b[2J"
 _BLANK = ("-", "-", "-", "-", "-")
 _STYLES = {
     Kind.HOST: "directory",
@@ -22,11 +23,27 @@ _STYLES = {
 }
 
 
-@command("rtls")
+class _MayWatch(click.Command):
+    """Takes ``--watch`` with or without ``=SECONDS``, never the next argument."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        end = args.index("--") if "--" in args else len(args)
+        options = ["--watch=1" if each == "--watch" else each for each in args[:end]]
+        return super().parse_args(ctx, options + args[end:])
+
+
+@command("rtls", cls=_MayWatch)
 @click.option("-l", "is_long", is_flag=True, help="State, ports and connections of each entry.")
 @click.option("-R", "--recurse", is_flag=True, help="List directories below, one block each.")
 @click.option("-1", "is_single", is_flag=True, help="One name a line (as when not on a terminal).")
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.option(
+    "--watch",
+    "period_s",
+    type=click.FloatRange(min=0.05),
+    metavar="SECONDS",
+    help="List again, every second or --watch=SECONDS, until interrupted.",
+)
 @click.argument("paths", nargs=-1, metavar="[PATH]")
 def main(
     app: App,
@@ -35,29 +52,56 @@ def main(
     recurse: bool,
     is_single: bool,
     is_json: bool,
+    period_s: float | None,
 ) -> None:
     """List directories, managers and components of the tree.
 
     Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it,
     has a * before its name. With -l each line tells the state, then ports and how many of them
     are connected (all, in, out, service), then the name and in brackets what else to know.
+    Watched, what goes to a pipe or a file is written only when it has changed.
     """
     if len(paths) > 1:
         raise WrongArguments
     path = app.path(paths[0] if paths else ".")
     if path.port is not None:
         raise Malformed("Cannot list ports.")
-    listing = app.tree.listing()
-    node = entry(build(listing), path, listing.host)
     show = _json if is_json else _long if is_long else _short(is_single)
-    if not node.is_directory:
-        _out.write(show([node]))
-    elif not recurse:
-        _out.write(show(node.entries()))
-    elif is_json:
-        _out.write(show([child for child in node.walk() if child is not node]))
+
+    def look() -> Iterable[str]:
+        listing = app.tree.listing()
+        node = entry(build(listing), path, listing.host)
+        if not node.is_directory:
+            return show([node])
+        if not recurse:
+            return show(node.entries())
+        if is_json:
+            return show([child for child in node.walk() if child is not node])
+        return _blocks(node, ".", show)
+
+    if period_s is None:
+        _out.write(look())
     else:
-        _out.write(_blocks(node, ".", show))
+        _watch(look, period_s, "" if is_json else "\n")
+
+
+def _watch(look: Callable[[], Iterable[str]], period_s: float, gap: str) -> None:
+    """Show again and again: on a terminal in place of the last time, else what is new."""
+    import sys
+    import time
+
+    before = None
+    while True:
+        lines = list(look())
+        if _out.is_terminal():
+            sys.stdout.write(_CLEAR)
+            _out.write(lines)
+        elif lines != before:
+            sys.stdout.write(gap if before is not None else "")
+            _out.write(lines)
+        before = lines
+        sys.stdout.flush()
+        time.sleep(period_s)
 
 
 def _blocks(node: Node, title: str, show: _Show) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -12,9 +13,11 @@ from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.cli._steps import Step
+    from rtkit.tree.view import Node
 
 WORDS = ("start", "stop", "restart", "status", "run")
 _ORDER = "rtkit.order"
+_PORT = 2810
 
 
 class _InOrder(click.Command):
@@ -116,12 +119,33 @@ def _command(app: App, typed: str, steps: Sequence[Step], is_printing: bool, is_
     from rtkit.tree.view import build
 
     if typed.startswith("corbaloc:"):
-        host, port, name = _direct_address(typed)
-        raise Unreachable(f"no manager named {name} answers at {host}:{port}: {typed}")
-    path = app.path(typed)
-    listing = app.tree.listing()
-    node = manager(build(listing), path, listing.host)
+        node = _at_address(app, typed)
+    else:
+        path = app.path(typed)
+        listing = app.tree.listing()
+        node = manager(build(listing), path, listing.host)
     Runner(app, node, is_printing, is_json).run(steps)
+
+
+def _at_address(app: App, typed: str) -> Node:
+    """Return the manager, or the slave, at a direct address; it needs no name in the tree."""
+    from rtkit.rtc.names import is_local_host
+    from rtkit.tree.view import manager_node
+
+    host, port, name = _direct_address(typed)
+    why = f"no manager named {name} answers at {host}:{port}: {typed}"
+    if not is_local_host(host, os.uname().nodename):
+        raise Unreachable(why)
+    try:
+        listing = app.use_manager(name).listing()
+    except Unreachable as error:
+        raise Unreachable(f"{why} ({error})") from error
+    # Other ports than its own stand for its slaves, as they do in create strings.
+    slave = "" if port == _PORT else f"{name}_{port}"
+    node = manager_node(listing, slave)
+    if node is None:
+        raise Unreachable(why)
+    return node
 
 
 def _direct_address(typed: str) -> tuple[str, int, str]:
@@ -133,7 +157,7 @@ def _direct_address(typed: str) -> tuple[str, int, str]:
     is_bad_name = bool(slash) and (not name or "/" in name)
     if protocol not in ("", "iiop") or not host or is_bad_port or is_bad_name:
         raise Malformed("Invalid corbaloc URL.")
-    return host, int(port or 2810), name or "manager"
+    return host, int(port or _PORT), name or "manager"
 
 
 def _door(port: int | None, no_door: bool) -> list[str]:

@@ -24,8 +24,8 @@ def misfit(sets: Mapping[str, Mapping[str, str]], name: str, text: str) -> str:
     """Return why parameter `name` cannot be `text`; empty when it can."""
     base, is_vector = _type(_hint(sets, TYPE_SET, name))
     why = _wrong_type(base, is_vector, text)
-    if why:
-        return why
+    if why or base in _TRUTHS:
+        return why  # a truth value has more spellings than a constraint would list
     rule = _hint(sets, CONSTRAINT_SET, name)
     is_list = is_vector or _hint(sets, WIDGET_SET, name).startswith(_LIST_WIDGETS)
     return f"it is to be {rule}" if rule and _violates(rule, text, is_list) else ""

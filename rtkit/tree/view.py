@@ -113,6 +113,14 @@ def build(listing: Listing) -> Node:
     return root
 
 
+def manager_node(listing: Listing, slave: str = "") -> Node | None:
+    """Return the manager that answered, whatever its names, or a slave of it; None without one."""
+    path = f"{LOCAL}/{listing.manager}{MANAGER_SUFFIX}"
+    host = build(listing._replace(names=(path,))).children[LOCAL]
+    node = host.children[listing.manager + MANAGER_SUFFIX]
+    return node.children.get(slave + MANAGER_SUFFIX) if slave else node
+
+
 def shown_path(name: str, hostname: str) -> str:
     """Return where a registered name shows in the tree of a manager on the host `hostname`."""
     host, slash, rest = name.partition("/")

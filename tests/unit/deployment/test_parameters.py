@@ -40,6 +40,7 @@ def test_types(declared: str, good: list[str], bad: list[str]) -> None:
         ({"__constraints__": "(a,b)", "__widget__": "ordered_list"}, "b,c", "it is to be (a,b)"),
         ({"__constraints__": "x>0", "__type__": "vector<double>"}, "1,0", "it is to be x>0"),
         ({"__constraints__": "x>0", "__type__": "int"}, "1.5", "it is no integer"),
+        ({"__constraints__": "(true,false)", "__type__": "bool"}, "1", ""),
         ({"__type__": "vector<int>"}, "1,x", "'x' is no integer"),
         ({"__type__": "double"}, "x", "it is no number"),
         ({"__type__": "bool"}, "x", "it is no truth value"),

@@ -1,0 +1,90 @@
+"""``rtls --watch``: again and again until interrupted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from rtkit.cli import _out
+from rtkit.cli.rtls import main as rtls
+from rtkit.deployment import actions as act
+from rtkit.deployment.world import World
+from rtkit.tree.fake import fake_tree
+
+Watch = Callable[..., tuple[int, list[float]]]
+
+
+@pytest.fixture
+def watch(world: World, monkeypatch: pytest.MonkeyPatch) -> Watch:
+    """Return what watches a world to which, between two looks, things happen."""
+
+    def watched(arguments: list[str], *happenings: Callable[[], object]) -> tuple[int, list[float]]:
+        slept: list[float] = []
+        coming = iter(happenings)
+
+        def sleep(seconds: float) -> None:
+            slept.append(seconds)
+            happening = next(coming, None)
+            if happening is None:
+                raise KeyboardInterrupt
+            happening()
+
+        monkeypatch.setattr("time.sleep", sleep)
+        monkeypatch.setattr("signal.signal", lambda *_: None)
+        return rtls(arguments, tree=fake_tree(world)), slept
+
+    return watched
+
+
+def nothing() -> None:
+    """Let nothing happen."""
+
+
+def test_a_pipe_gets_what_has_changed(
+    world: World, watch: Watch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = "/localhost/local.host_cxt"
+    status, slept = watch(
+        ["--watch", place],
+        nothing,
+        lambda: world.perform(act.Create("Std", ("localhost/local.host_cxt/Two.rtc",))),
+        nothing,
+    )
+    assert (status, slept) == (130, [1.0] * 4)
+    out = "Output0.rtc\n\nOutput0.rtc\nTwo.rtc\n"
+    assert capsys.readouterr() == (out, "rtls: interrupted\n")
+
+
+def test_a_terminal_is_cleared_each_time(
+    watch: Watch, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_out, "is_terminal", lambda: True)
+    monkeypatch.setenv("NO_COLOR", "1")
+    status, slept = watch(["-l", "--watch=0.25", "/localhost/Std0.rtc"], nothing)
+    assert (status, slept) == (130, [0.25] * 2)
+    line = "Inactive  2/0  1/0  1/0  0/0  Std0.rtc\n"
+    assert capsys.readouterr().out == f"\x1b[H\x1b[2J{line}" * 2
+
+
+def test_json_stays_one_object_a_line(
+    world: World, watch: Watch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    watch(["--json", "--watch", "/localhost/Std0.rtc"], lambda: world.update("Std0", trouble="x"))
+    assert [line[0] for line in capsys.readouterr().out.splitlines()] == ["{", "{"]
+
+
+def test_the_end_of_what_is_watched_is_told(
+    world: World, watch: Watch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, _ = watch(["--watch", "/localhost/Std0.rtc"], lambda: world.perform(act.Delete("Std0")))
+    assert status == 1
+    told = "rtls: No such object: /localhost/Std0.rtc\n"
+    assert capsys.readouterr() == ("Std0.rtc\n", told)
+
+
+def test_what_follows_two_dashes_is_a_path(
+    watch: Watch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert watch(["--", "--watch"])[0] == 1
+    assert capsys.readouterr().err == "rtls: No such object: --watch\n"
