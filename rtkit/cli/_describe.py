@@ -48,7 +48,34 @@ def component_lines(snapshot: Snapshot, facts: ComponentFacts, name: str, level:
         lines += _context_lines(context, number, level)
     for port in facts.ports:
         lines += port_lines(snapshot, facts, port, level)
+    return lines + _composition_lines(snapshot, facts, level)
+
+
+def _kind(facts: ComponentFacts) -> str:
+    kind = "Composite" if facts.composite_type else "Monolithic"
+    return f"{kind} composite member" if facts.composite else kind
+
+
+def _composition_lines(snapshot: Snapshot, facts: ComponentFacts, level: int) -> list[str]:
+    """Describe a composite's members, and the composite that a component is a member of."""
+    lines = []
+    if facts.composite_type:
+        members = [("Member", _path_of(snapshot, name)) for name in facts.members]
+        lines += _composition("Composition", [("ID", facts.instance), *members], level)
+    if facts.composite:
+        known = [("ID", facts.composite), ("Path", _path_of(snapshot, facts.composite))]
+        lines += _composition("Parent composition", known, level)
     return lines
+
+
+def _composition(title: str, known: list[tuple[str, str]], level: int) -> list[str]:
+    head = f"{'-' if level else '+'}{title} {_bold(known[0][1])}"
+    return [head, *_out.pairs(known)] if level else [head]
+
+
+def _path_of(snapshot: Snapshot, instance: str) -> str:
+    facts = snapshot.component(instance)
+    return f"/{facts.names[0]}" if facts is not None and facts.names else instance
 
 
 def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
@@ -59,7 +86,8 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
         ("Type name", facts.type.type_name),
         ("Vendor", facts.type.vendor),
         ("Version", facts.type.version),
-        ("Type", "Monolithic"),
+        *((("Parent", facts.composite),) if facts.composite else ()),
+        ("Type", _kind(facts)),
     ]
     where = [("Stand-in", "yes")] if facts.is_stand_in else []
     where += [("Cause", facts.cause)] if facts.cause else []

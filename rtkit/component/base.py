@@ -55,6 +55,8 @@ class Component(Callbacks):
         configuration: Its configuration sets.
         contexts: The execution contexts it owns, by id.
         participations: All contexts it takes part in, own ones first.
+        composite: The composite that it is a member of, None for most.
+        member_components: Its members, if it is a composite itself.
         is_alive: Whether it is initialised and not yet finalised.
         cause: The failure that put it into Error, one line; empty otherwise.
         report: Called with one line about a failure that is survived; logs it by default.
@@ -86,6 +88,8 @@ class Component(Callbacks):
         self.ports: dict[str, Port] = {}
         self.contexts: dict[str, ExecutionContext] = {}
         self.participations: tuple[ExecutionContext, ...] = ()
+        self.composite: Component | None = None
+        self.member_components: tuple[Component, ...] = ()
         self.is_alive = False
         self.cause = ""
         self.report: Callable[[str], None] = self._log
@@ -145,12 +149,12 @@ class Component(Callbacks):
     @property
     def has_news(self) -> bool:
         """Whether a value waits at some in port."""
-        return any(port.is_new() for port in self.ports.values() if isinstance(port, InPort))
+        return any(port.is_new() for port in self._in_ports())
 
     @property
     def read_count(self) -> int:
         """Values that were read from all in ports."""
-        return sum(port.read_count for port in self.ports.values() if isinstance(port, InPort))
+        return sum(port.read_count for port in self._in_ports())
 
     def stir(self) -> None:
         """Ask the event-driven contexts that drive this component for a cycle, from any thread."""
@@ -161,9 +165,16 @@ class Component(Callbacks):
     def _listen(self) -> None:
         kinds = [context.kind for context in self.participations]
         listener = self.stir if ExecutionKind.EVENT_DRIVEN in kinds else None
-        for port in self.ports.values():
-            if isinstance(port, InPort):
-                port.listen(listener)
+        for port in self._in_ports():
+            port.listen(listener)
+
+    def _in_ports(self) -> list[InPort[Any]]:
+        """Return its own in ports, not those of members that it shows under other names."""
+        return [
+            port
+            for name, port in self.ports.items()
+            if isinstance(port, InPort) and name == port.name
+        ]
 
     def add_in_port(
         self, name: str, data_type: type[T], properties: Mapping[str, str] | None = None
@@ -251,7 +262,7 @@ class Component(Callbacks):
         self._merge_defaults(port)
         if isinstance(port, ServicePort):
             port.belong_to(self)
-        self.ports[port.name] = port
+        self.ports = {**self.ports, port.name: port}
         self._listen()
         return port
 
@@ -280,6 +291,7 @@ class Component(Callbacks):
                 "__widget__": parameter.widget,
                 "__constraints__": parameter.constraint,
                 "__description__": parameter.description,
+                "__type__": kind_of(parameter.default).name,
             }
             for set_id, text in texts.items():
                 if text:
@@ -291,7 +303,6 @@ class Component(Callbacks):
         configuration.update()
 
     def _declare_options(self) -> None:
-                "__type__": kind_of(parameter.default).name,
         for key, value in self.options.items():
             if key.startswith("conf."):
                 set_id, _, name = key.removeprefix("conf.").partition(".")

@@ -9,6 +9,7 @@ drives the context they are handed in with `submit`.
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -194,21 +195,33 @@ class ExecutionContext:
         self._tell_all()
         return ReturnCode.OK
 
+    def order(self, first: tuple[Component, ...]) -> None:
+        """Execute these participants one after the other, in the place of the first of them."""
+        places = {component: place for place, component in enumerate(first)}
+        meant = sorted(
+            (each for each in self._participants if each.component in places),
+            key=lambda each: places[each.component],
+        )
+        others = [each for each in self._participants if each.component not in places]
+        before = itertools.takewhile(lambda p: p.component not in places, self._participants)
+        at = len(list(before))
+        self._participants = (*others[:at], *meant, *others[at:])
+
     def activate_component(self, component: Component) -> ReturnCode:
         """Activate now; only for the ticking thread, others use `request`."""
-        return self._perform(component, Transition.ACTIVATE)[0]
+        return self.perform(component, Transition.ACTIVATE)[0]
 
     def deactivate_component(self, component: Component) -> ReturnCode:
         """Deactivate now; only for the ticking thread, others use `request`."""
-        return self._perform(component, Transition.DEACTIVATE)[0]
+        return self.perform(component, Transition.DEACTIVATE)[0]
 
     def reset_component(self, component: Component) -> ReturnCode:
         """Reset now; only for the ticking thread, others use `request`."""
-        return self._perform(component, Transition.RESET)[0]
+        return self.perform(component, Transition.RESET)[0]
 
     def request(self, component: Component, transition: Transition, done: Done) -> None:
         """Ask for a transition, from any thread; `done` is called once, by the ticking thread."""
-        self.submit(lambda: done(*self._perform(component, transition)))
+        self.submit(lambda: done(*self.perform(component, transition)))
 
     def request_tick(self, done: Done) -> None:
         """Ask for one cycle, from any thread; `done` is called after it, by the ticking thread."""
@@ -294,14 +307,33 @@ class ExecutionContext:
             f"precondition not met (execution context {self.id} is not running)",
         )
 
-    def _perform(self, component: Component, transition: Transition) -> tuple[ReturnCode, str]:
+    def perform(self, component: Component, transition: Transition) -> tuple[ReturnCode, str]:
+        """Perform a transition now and return its outcome; only for the ticking thread."""
         try:
             each = self._find(component)
         except NotFound as error:
             return ReturnCode.BAD_PARAMETER, str(error)
         if not self.is_running:
             return self._not_running()
+        if transition is Transition.RESET and component.member_components:
+            return self._reset_all(each)
         return self._apply(each, transition)
+
+    def _reset_all(self, composite: Participant) -> tuple[ReturnCode, str]:
+        """Reset the members of a composite that failed, then itself; all work together again."""
+        failures = []
+        for member in composite.component.member_components:
+            each = next((p for p in self._participants if p.component is member), None)
+            if each is None or not (each.state is ERROR or member.member_components):
+                continue
+            code, why = self.perform(member, Transition.RESET)
+            if code is ReturnCode.OK and composite.state is ACTIVE:
+                code, why = self.perform(member, Transition.ACTIVATE)
+            if code is not ReturnCode.OK:
+                failures.append(f"member {member.instance}: {why}")
+        if failures:
+            return ReturnCode.ERROR, "; ".join(failures)
+        return self._apply(composite, Transition.RESET) if composite.state is ERROR else _OK
 
     def _apply(self, each: Participant, transition: Transition) -> tuple[ReturnCode, str]:
         if each.state is TARGET[transition]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from rtkit.deployment import extension
@@ -49,6 +49,8 @@ def capture(
 ) -> rts.RtsProfile:
     """Return the profile of what lives: components that are connected, or all of them.
 
+    What a connected composite is made of counts as connected too, and the composite of a member.
+
     With `hosts` only components registered below one of these. Zombies are left out.
     """
     chosen = _chosen(snapshot, takes_all, tuple(hosts))
@@ -73,6 +75,7 @@ def _chosen(
     snapshot: Snapshot, takes_all: bool, hosts: tuple[str, ...]
 ) -> tuple[ComponentFacts, ...]:
     wired = {end.instance for wire in snapshot.connectors for end in wire.ports}
+    wired = _with_composites(snapshot, wired)
     chosen = [
         c
         for c in snapshot.components
@@ -81,6 +84,18 @@ def _chosen(
         and (not hosts or any(name.partition("/")[0] in hosts for name in _names(c, snapshot)))
     ]
     return tuple(sorted(chosen, key=lambda component: component.instance))
+
+
+def _with_composites(snapshot: Snapshot, wired: set[str]) -> set[str]:
+    """Return these components with all that they make up, or are part of."""
+    found = set(wired)
+    kin = {c.instance: {*c.members, c.composite} - {""} for c in snapshot.components}
+    ready = list(found)
+    while ready:
+        new = kin.get(ready.pop(), set()) - found
+        found |= new
+        ready += new
+    return found
 
 
 def _names(component: ComponentFacts, snapshot: Snapshot) -> tuple[str, ...]:
@@ -109,7 +124,7 @@ def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.Component:
         path_uri=_names(facts, snapshot)[0],
         instance_name=facts.instance,
         active_configuration_set=None if is_open else facts.active_set or None,
-        composite_type="None",
+        composite_type=facts.composite_type or "None",
         visible=True,
         data_ports=tuple(_port(port, facts) for port in data_ports),
         service_ports=tuple(_port(port, facts) for port in service_ports),
@@ -120,8 +135,17 @@ def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.Component:
             for name, values in sets.items()
         ),
         execution_contexts=_contexts(facts, options),
+        participants=tuple(_members(facts, snapshot)),
         properties=_origin(facts, snapshot),
     )
+
+
+def _members(facts: ComponentFacts, snapshot: Snapshot) -> Iterator[rts.ComponentRef]:
+    """Yield the members of a composite, as its participants."""
+    for name in facts.members:
+        member = snapshot.component(name)
+        if member is not None:
+            yield rts.ComponentRef(extension.stated_id(member), name)
 
 
 def _port(port: PortProfile, facts: ComponentFacts) -> rts.Port:
@@ -172,6 +196,9 @@ def _create(facts: ComponentFacts, snapshot: Snapshot) -> CreateString | None:
     own = {key: "" for key in made.options if key.startswith("rtkit.")}
     slaves = {process.name for process in snapshot.processes if process.is_slave}
     place = facts.process if facts.process in slaves else ""
+    if facts.composite_type:  # what it was made of may be another thing by now
+        present = facts.sets.get(facts.active_set, {})
+        own.update({key: present.get(key, "") for key in ("members", "exported_ports")})
     return made.with_options(**own, instance_name=facts.instance, manager_name=place)
 
 

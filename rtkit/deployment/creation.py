@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from rtkit.deployment.actions import Create, Load
 from rtkit.deployment.live import Live, mismatch
-from rtkit.deployment.plan import Check, Plan, Step, layer
+from rtkit.deployment.plan import Check, Layer, Plan, Step, layer
 from rtkit.deployment.system import System, WantedComponent
 from rtkit.errors import NotFound
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
@@ -30,9 +30,27 @@ def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Pla
         tuple(checks(system, live, pending, unmakable)),
         (
             *layer("load", _loads(missing, live)),
-            *layer("create", (_creation(c, live) for c in missing)),
+            *_creations(missing, live),
         ),
     )
+
+
+def _creations(missing: Iterable[WantedComponent], live: Live) -> Iterator[Layer]:
+    """Yield the creation of all at once, then that of composites, inner ones first."""
+    members = {c.instance: _members(_how(c, live)) for c in missing}
+    left = {c.instance: c for c in missing}
+    name = "create"
+    while left:
+        ready = [c for i, c in left.items() if not any(m in left for m in members[i] if m != i)]
+        ready = ready or list(left.values())  # in a circle: the manager says what is wrong
+        left = {instance: c for instance, c in left.items() if c not in ready}
+        yield from layer(name, [_creation(c, live) for c in ready])
+        name = "compose"
+
+
+def _members(create: str) -> list[str]:
+    text = parse_create(create).options.get("members", "") if create else ""
+    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 def checks(

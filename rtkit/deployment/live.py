@@ -76,7 +76,18 @@ def context_of(
     """Return the live context that the wanted one of that number means: by id, else by place.
 
     Those that are found by no id take the places that are left, so that no two mean the same one.
+    While a composite drives the component, its context stands for those that rest meanwhile.
     """
+    found = _meant(facts, wanted, number)
+    if not facts.composite or found is None or found.is_running:
+        return found
+    driving = (c for c in facts.contexts if c.is_running and c.owner != facts.instance)
+    return next(driving, found)
+
+
+def _meant(
+    facts: ComponentFacts, wanted: WantedComponent, number: int
+) -> ExecutionContextProfile | None:
     live = {context.id: context for context in facts.contexts}
     ids = [context.id for context in wanted.contexts]
     if ids[number] in live:

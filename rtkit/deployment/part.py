@@ -11,11 +11,15 @@ from rtkit.deployment.facts import ComponentFacts, Snapshot
 def part_of(snapshot: Snapshot, instances: Iterable[str]) -> Snapshot:
     """Return a snapshot with these components, their connectors, and who is at the other ends.
 
-    Of those at the other ends only identity, place and names are told.
+    Of those at the other ends, and of members and composites, only identity, place and names are
+    told.
     """
     wanted = set(instances)
     wires = tuple(w for w in snapshot.connectors if any(e.instance in wanted for e in w.ports))
     near = {end.instance for wire in wires for end in wire.ports} - wanted
+    for facts in snapshot.components:
+        if facts.instance in wanted:
+            near.update({*facts.members, facts.composite} - wanted)
     components = tuple(
         facts if facts.instance in wanted else _outline(facts)
         for facts in snapshot.components

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from rtkit.component.base import Component
+from rtkit.component.composite import Composite
 from rtkit.component.context import ExecutionContext
 from rtkit.component.period import check_rate
 from rtkit.errors import NotFound, Refused
@@ -72,6 +73,12 @@ class Contexts:
             raise NotFound(
                 f"{participant.instance} takes no part in execution context {context.id}"
                 f" of {context.owner}"
+            )
+        owner = self._host.component(message["instance"])
+        if participant.composite is not None and isinstance(owner, Composite):
+            raise Refused(
+                f"{participant.instance} is a member of {participant.composite.instance};"
+                " take it out of there"
             )
         self._between_cycles(message, context, lambda: context.remove_component(participant))
         return LATER

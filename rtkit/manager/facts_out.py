@@ -21,4 +21,7 @@ def facts_of(component: Component) -> ComponentFacts:
         contexts=described.contexts,
         is_stand_in=isinstance(component, StandIn),
         cause=described.cause,
+        composite_type=described.composite_type,
+        members=described.members,
+        composite=described.composite,
     )

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from rtkit.component.base import Component
+from rtkit.component.composite import Composite
 from rtkit.component.context import ExecutionContext
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
@@ -21,6 +22,7 @@ from rtkit.component.standin import stand_in
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.streams import Fetcher, Outlet
 from rtkit.manager.beats import Beats, Slot
+from rtkit.manager.composites import Composites
 from rtkit.manager.connect import Wires
 from rtkit.manager.contexts import Contexts, release
 from rtkit.manager.events import Message
@@ -67,6 +69,7 @@ class Holder:
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
         self._services = Services(self, wires)
+        self._composites = Composites(self)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
             "load": self._load,
             "unload": self._unload,
@@ -161,7 +164,7 @@ class Holder:
 
     # components
 
-    def _create(self, message: Message) -> str:
+    def _create(self, message: Message) -> object:
         create = parse_create(message["create"])
         instance = create.instance_name
         if instance in self._components:
@@ -181,8 +184,23 @@ class Holder:
         self._memory[instance] = message.get("kept", {})
         for context in component.contexts.values():
             self._drive(component, context)
+        if isinstance(component, Composite):
+            self._compose(message, component)
+            return LATER
         self.tell(component)
         return instance
+
+    def _compose(self, message: Message, composite: Composite) -> None:
+        composite.resolve = self.component
+
+        def done(error: RtkitError | None) -> None:
+            if error is None:
+                self.answer(message, composite.instance)
+            else:
+                self._end(composite.instance)
+                self.refuse(message, error)
+
+        self._composites.arrange(composite, done)
 
     def _drive(self, component: Component, context: ExecutionContext) -> None:
         key = (component.instance, context.id)
@@ -212,8 +230,22 @@ class Holder:
         if self._components.get(component.instance) is component:
             self._send({"facts": encode(facts_of(component))})
         if not component.configuration.is_pending:
-            for message in self._takeovers.pop(component.instance, ()):
-                self.answer(message, "")
+            self._taken_over(component, self._takeovers.pop(component.instance, []))
+
+    def _taken_over(self, component: Component, messages: list[Message]) -> None:
+        """Answer those who waited for settings; a composite has to become what they say."""
+
+        def done(error: RtkitError | None) -> None:
+            for message in messages:
+                if error is None:
+                    self.answer(message, "")
+                else:
+                    self.refuse(message, error)
+
+        if messages and isinstance(component, Composite) and not component.is_arranged:
+            self._composites.arrange(component, done)
+        else:
+            done(None)
 
     def component(self, instance: str) -> Component:
         """Return a component of this process.
@@ -232,6 +264,10 @@ class Holder:
         asked.append(message)
         if len(asked) > 1:
             return LATER
+        self._composites.part(component, lambda: self._release(component))
+        return LATER
+
+    def _release(self, component: Component) -> None:
         waiting = 0
 
         def rested() -> None:
@@ -243,7 +279,6 @@ class Holder:
         waiting = release(component, lambda: self.post(rested))
         if not waiting:
             self._deleted(component.instance)
-        return LATER
 
     def _deleted(self, instance: str) -> None:
         try:
@@ -415,6 +450,8 @@ class Holder:
     def _set(self, message: Message) -> object:
         component = self.component(message["instance"])
         configuration = component.configuration
+        if message["set_id"] == configuration.active_set:
+            _check_composite(component, message["set_id"], message["values"])
         configuration.set(message["set_id"], message["values"])
         if message["set_id"] != configuration.active_set:
             self.tell(component)
@@ -424,16 +461,24 @@ class Holder:
 
     def _activate_set(self, message: Message) -> object:
         component = self.component(message["instance"])
+        _check_composite(component, message["set_id"], {})
         component.configuration.activate(message["set_id"])
         return self._take_over(component, message)
 
     def _take_over(self, component: Component, message: Message) -> object:
         """Answer when the component sees its new configuration."""
         context = next((c for c in component.participations if c.is_running), None)
+        self._takeovers.setdefault(component.instance, []).append(message)
         if context is None:
             component.configuration.update()
             self.tell(component)
-            return ""
-        self._takeovers.setdefault(component.instance, []).append(message)
-        context.wake()
+        else:
+            context.wake()
         return LATER
+
+
+def _check_composite(component: Component, set_id: str, values: Mapping[str, str]) -> None:
+    """Refuse settings that name members or ports that are not there, before they are stored."""
+    if isinstance(component, Composite):
+        present = {**component.configuration.sets.get(set_id, {}), **values}
+        component.check(present.get("members", ""), present.get("exported_ports", ""))

@@ -10,6 +10,7 @@ from typing import Any
 
 from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
+from rtkit.component.composite import TYPES as COMPOSITES
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.search import SUFFIX, Search
@@ -92,6 +93,8 @@ class Loader:
             NotFound: Nobody knows the type.
             Refused: Its module does not load, or its constructor raises.
         """
+        if create.implementation_id in COMPOSITES and not self._offers(create.implementation_id):
+            self.factories.register(COMPOSITES[create.implementation_id])
         return self.factories.make(complete(create, self._type_of(create)))
 
     def _type_of(self, create: CreateString) -> TypeProfile:
@@ -112,6 +115,9 @@ class Loader:
                 raise
         self.load(path)
         return self.factories.find(create.implementation_id, *fields)
+
+    def _offers(self, type_name: str) -> bool:
+        return any(profile.type_name == type_name for profile in self.factories.types)
 
 
 def _offer_neighbours(file: str) -> None:

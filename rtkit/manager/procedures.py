@@ -14,6 +14,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.manager.composition import process_of_members
 from rtkit.manager.configuring import config_files, inherited
 from rtkit.manager.events import OWN_PROCESS, Message
 from rtkit.manager.naming import remember, unregister
@@ -166,6 +167,9 @@ def _free_name(state: State, action: act.Create, create: CreateString) -> str:
 
 
 def _place(state: State, create: CreateString) -> Generator[Need, Any, Process]:
+    home = process_of_members(state, create)
+    if home is not None:
+        return home
     name = create.place or _slave_at(state, create.address)
     if name in ("", state.name):
         return state.processes[OWN_PROCESS]
