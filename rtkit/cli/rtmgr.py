@@ -29,7 +29,7 @@ class _InOrder(click.Command):
         taken: dict[str, int] = {}
         for parameter in order:
             name = parameter.name or ""
-            if parameter not in _STEPS:
+            if parameter.name not in _STEP_NAMES:
                 continue
             index = taken.get(name, 0)
             taken[name] = index + 1
@@ -56,6 +56,7 @@ _STEPS = [
     _question("-r", "--rtcs", "components", "List the components."),
     _question("-g", "--config", "properties", "List the properties of the manager."),
 ]
+_STEP_NAMES = tuple(each.name for each in _STEPS)
 
 
 @command("rtmgr", cls=_InOrder, params=_STEPS)
