@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import rtkit
 from rtkit.manager import launch
+from rtkit.manager.configuration import Wanted
 from rtkit.tree import managers
 from rtkit.tree.client import Tree
 
@@ -140,7 +141,7 @@ def manager(*module_paths: str) -> Iterator[Tree]:
         os.environ["RTKIT_RUNTIME_DIR"] = os.path.join(base, "r")
         os.environ["RTKIT_STATE_DIR"] = os.path.join(base, "s")
         os.environ["RTKIT_MODULE_PATH"] = os.pathsep.join(module_paths)
-        pid = launch.start("manager", _START_S)
+        pid = launch.start("manager", Wanted(overrides=("net.endpoints:none",)), _START_S).pid
         try:
             with rtkit.connect() as tree:
                 yield tree

@@ -1,4 +1,4 @@
-"""The words of ``rtmgr``: start, stop, status, run."""
+"""The words of ``rtmgr``: start, stop, restart, status, run."""
 
 from __future__ import annotations
 
@@ -7,21 +7,31 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import _out
 from rtkit.cli._app import App
+from rtkit.errors import Partial, Refused
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name
 
 if TYPE_CHECKING:
+    from rtkit.manager.launch import Started
     from rtkit.tree.managers import Status
 
 
-def run_word(app: App, word: str, name: str, is_json: bool) -> int:
-    """Start, stop, be, or tell about the manager of that name; return the exit status."""
-    chosen = name.removesuffix(MANAGER_SUFFIX) or os.environ.get("RTKIT_MANAGER") or "manager"
-    check_instance_name(chosen)
+def run_word(
+    app: App, word: str, name: str, is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
+) -> int:
+    """Start, stop, be, or tell about the manager of that name; return the exit status.
+
+    `wanted` is its configuration file, properties over it, and whether the file may be missing.
+    """
+    typed = name.removesuffix(MANAGER_SUFFIX)
     if word in ("start", "run"):
-        return _launch(app, word, chosen)
+        return _launch(app, word, typed, wanted)
+    chosen = typed or os.environ.get("RTKIT_MANAGER") or "manager"
+    check_instance_name(chosen)
     from rtkit.tree import managers
 
-    if word == "stop":
+    if word == "restart":
+        _restart(app, chosen)
+    elif word == "stop":
         managers.stop(chosen, app.timeout_s)
         app.tell(f"manager {chosen} ended")
     else:
@@ -29,15 +39,35 @@ def run_word(app: App, word: str, name: str, is_json: bool) -> int:
     return 0
 
 
-def _launch(app: App, word: str, name: str) -> int:
-    from rtkit.link.places import manager_socket
-    from rtkit.manager import launch
+def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...], bool]) -> int:
+    from rtkit.manager import configuration, launch
 
+    wanted = configuration.Wanted(*options)
+    name = configuration.name(typed, configuration.read(wanted).settings)
+    check_instance_name(name)
     if word == "run":
-        return launch.run(name)
-    pid = launch.start(name, app.timeout_s)
-    app.tell(f"manager {name} runs: pid {pid}, socket {manager_socket(name)}")
+        return launch.run(name, wanted)
+    _tell_start(app, name, launch.start(name, wanted, app.timeout_s))
     return 0
+
+
+def _restart(app: App, name: str) -> None:
+    from rtkit.manager.launch import hear, read_report
+    from rtkit.tree import managers
+
+    pid, told = managers.restart(name, app.timeout_s, hear)
+    _tell_start(app, name, read_report(name, pid, told))
+
+
+def _tell_start(app: App, name: str, started: Started) -> None:
+    from rtkit.link.places import manager_socket
+
+    for text in started.warnings:
+        app.fail(f"warning: {text}")
+    if started.failures:
+        why = f"manager {name} runs (pid {started.pid}), but not all of its start was done"
+        raise Partial(why, [(text, Refused(text)) for text in started.failures])
+    app.tell(f"manager {name} runs: pid {started.pid}, socket {manager_socket(name)}")
 
 
 def _tell_status(name: str, status: Status, is_json: bool) -> None:

@@ -13,16 +13,27 @@ import sys
 import threading
 import time
 from contextlib import ExitStack
+from functools import partial
+from typing import TYPE_CHECKING
 
 from rtkit.errors import Refused, RtkitError
 from rtkit.link import keys, places
+from rtkit.manager import configuring
+from rtkit.manager.configuration import Wanted, read, wanted_from_text
 from rtkit.manager.core import Core
 from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, StopAsked
 from rtkit.manager.nursery import Nursery, become_subreaper
+from rtkit.manager.properties import Settings
+from rtkit.manager.report import Report
+from rtkit.manager.restarting import execute_again
+from rtkit.manager.startup import StartUp
 from rtkit.manager.state import Process, State
 from rtkit.resources import resource as shipped
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
 from rtkit.version import __version__
+
+if TYPE_CHECKING:
+    from rtkit.manager.loop import Loop
 
 _DATA_SUFFIX = ".data"
 _ZYGOTE_SUFFIX = ".zygote"
@@ -32,24 +43,52 @@ _KINDS = ("data", "beats", "stack", "zygote")
 _DESCRIPTORS = 65_536
 
 
-def run(name: str, ready: int | None = None) -> int:
+def run(name: str, wanted: Wanted) -> int:
     """Be the manager of that name until told to stop; return the exit status.
 
-    A line on the descriptor `ready` tells when it answers, or why it does not start.
+    Whoever started it hears when it answers, or why it does not start. A restart never returns.
     """
-    if ready is not None:
-        os.set_inheritable(ready, False)
+    report, folder = Report(), os.getcwd()
+    _forget_folder(folder)
     try:
+        configuration = read(wanted)
+        for text in configuration.warnings:
+            report.warn(text)
         with ExitStack() as stack:
-            loop = _assemble(name, stack)
-            loop.settle(lambda: _tell(ready, "ready"))
+            state = _state(name, folder, configuration.settings)
+            loop = _assemble(state, stack)
+            start_up = StartUp(state, loop.post, partial(_started, loop, report, state.settings))
+            loop.settle(start_up.begin)
             loop.run()
     except RtkitError as error:
-        if ready is None:
+        if not report.is_heard:
             raise
-        _tell(ready, str(error))
+        report.give_up(str(error))
         return error.exit_code
-    return 0
+    if loop.desk.restart is not None:
+        logging.shutdown()
+        execute_again(folder, loop.desk.restart.report)
+    return 1 if loop.has_failed else 0
+
+
+def _started(
+    loop: Loop, report: Report, settings: Settings, failures: list[tuple[str, str]]
+) -> None:
+    for what, why in failures:
+        report.fail(what, why)
+    if failures and settings.flag("rtkit.start.strict"):
+        report.give_up("the manager ends, because rtkit.start.strict is YES")
+        loop.has_failed = True
+        loop.post(StopAsked())
+    else:
+        report.ready()
+
+
+def _forget_folder(folder: str) -> None:
+    """Let no file of the present folder stand in for a standard module."""
+    package = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    if package != folder:
+        sys.path[:] = [path for path in sys.path if path not in ("", folder)]
 
 
 def _raise_limits() -> None:
@@ -60,13 +99,8 @@ def _raise_limits() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
-def _tell(ready: int | None, text: str) -> None:
-    if ready is not None:
-        os.write(ready, text.encode() + b"\n")
-        os.close(ready)
-
-
-def _assemble(name: str, stack: ExitStack):  # type: ignore[no-untyped-def]
+def _assemble(state: State, stack: ExitStack) -> Loop:
+    name, host = state.name, state.host
     places.make_private(places.runtime_dir())
     places.make_private(places.state_dir())
     for path in (places.manager_socket(name), places.control_socket(name)):
@@ -75,31 +109,30 @@ def _assemble(name: str, stack: ExitStack):  # type: ignore[no-untyped-def]
     remove_stale(name)
     become_subreaper()
     _raise_limits()
-    host, load_path = os.uname().nodename, load_paths()
     data = os.path.join(places.runtime_dir(), f"{name}.%p{_DATA_SUFFIX}")
     nursery = Nursery(
         {
             "control": places.control_socket(name),
             "data": data,
             "host": host,
-            "load_path": load_path,
+            "load_path": configuring.load_paths(state),
             "zygote": os.path.join(places.runtime_dir(), f"{name}.%p{_ZYGOTE_SUFFIX}"),
         }
     )
     stack.callback(nursery.close)
-    return _open_doors(name, host, load_path, data, nursery, stack)
+    return _open_doors(state, data, nursery, stack)
 
 
-def _open_doors(  # type: ignore[no-untyped-def]
-    name: str, host: str, load_path: list[str], data: str, nursery: Nursery, stack: ExitStack
-):
+def _open_doors(state: State, data: str, nursery: Nursery, stack: ExitStack) -> Loop:
     from rtkit.link.streams import Streams, remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
     from rtkit.manager.connect import Wires
     from rtkit.manager.holder import Holder
     from rtkit.manager.loader import Loader
     from rtkit.manager.loop import Loop
+    from rtkit.manager.process_settings import add_log_files, configure
 
+    name, host = state.name, state.host
     listener = socket.socket(socket.AF_UNIX)
     listener.bind(places.control_socket(name))
     listener.listen(128)
@@ -107,15 +140,17 @@ def _open_doors(  # type: ignore[no-untyped-def]
     stack.callback(remove_socket, places.control_socket(name))
     stack.callback(listener.close)
 
-    core = Core(_state(name, host, load_path))
     loop: Loop
 
     def report(message: Message) -> None:
         loop.post(HolderSaid(OWN_PROCESS, message))
 
     own_data = data.replace("%p", str(os.getpid()))
-    holder = Holder(report, Wires(host, Streams(own_data)), Loader(load_path))
-    loop = Loop(core, holder, nursery, listener)
+    loader = Loader(configuring.load_paths(state))
+    configure(configuring.message(state), loader)
+    add_log_files(state.settings, name)
+    holder = Holder(report, Wires(host, Streams(own_data)), loader)
+    loop = Loop(Core(state), holder, nursery, listener)
     stack.callback(loop.close)
     stack.callback(remove_socket, own_data)
     thread = threading.Thread(target=holder.run, name="holder", daemon=True)
@@ -137,30 +172,29 @@ def _open_doors(  # type: ignore[no-untyped-def]
     return loop
 
 
-def _state(name: str, host: str, load_path: list[str]) -> State:
-    state = State(host, name, os.getpid(), __version__)
+def _state(name: str, folder: str, settings: Settings) -> State:
+    state = State(os.uname().nodename, name, os.getpid(), __version__)
     state.names = (f"{LOCAL}/{name}{MANAGER_SUFFIX}",)
     state.processes[OWN_PROCESS] = Process(OWN_PROCESS, name, os.getpid(), "up")
+    state.settings, state.folder = settings, folder
+    state.base_paths = base_paths()
     state.properties.update(
         {
-            "manager.name": name,
             "manager.instance_name": name,
             "manager.pid": str(os.getpid()),
-            "manager.is_master": "YES",
-            "manager.modules.load_path": ",".join(load_path),
             "manager.started": f"{time.time():.3f}",
-            "naming.formats": "%n.rtc",
+            "openrtm.version": __version__,
             "rtkit.version": __version__,
         }
     )
     return state
 
 
-def load_paths() -> list[str]:
-    """Return where modules are looked for: here, ``RTKIT_MODULE_PATH``, the samples."""
+def base_paths() -> tuple[str, ...]:
+    """Return where modules are always looked for: ``RTKIT_MODULE_PATH``, the samples."""
     chosen = os.environ.get("RTKIT_MODULE_PATH", "")
     named = [os.path.abspath(path) for path in chosen.split(os.pathsep) if path]
-    return [os.getcwd(), *named, shipped("examples", "basic")]
+    return (*named, shipped("examples", "basic"))
 
 
 def take_lock(name: str, stack: ExitStack) -> None:
@@ -227,14 +261,14 @@ def _is_of_the_dead(entry: str, name: str) -> bool:
 
 
 def main() -> int:
-    """Run as a process of its own: name, and the descriptor to report readiness on."""
-    name, ready = sys.argv[1], int(sys.argv[2])
+    """Run as a process of its own: name, and what the command line says of properties."""
+    name, wanted = sys.argv[1], wanted_from_text(sys.argv[2])
     logging.basicConfig(
         stream=sys.stderr,
         level=logging.INFO,
         format=f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s",
     )
-    return run(name, ready)
+    return run(name, wanted)
 
 
 if __name__ == "__main__":

@@ -7,52 +7,100 @@ import select
 import signal
 import sys
 import time
+from typing import NamedTuple
 
-from rtkit.errors import Refused, Unreachable
+from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
+from rtkit.manager.configuration import Wanted
+from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
 
 _LONGEST_S = 86_400.0
 _LOG_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND
 
 
-def start(name: str, timeout_s: float) -> int:
-    """Start a manager as a daemon and return its pid when it answers.
+class Started(NamedTuple):
+    """A manager that answers, and what it told of its start."""
+
+    pid: int
+    warnings: tuple[str, ...]
+    failures: tuple[str, ...]
+
+
+def start(name: str, wanted: Wanted, timeout_s: float) -> Started:
+    """Start a manager as a daemon and return when it answers.
 
     Raises:
         Refused: It runs already, or cannot start; says why.
+        Partial: So, and these things that it was to do at start failed.
         Unreachable: It did not get ready in time, and was ended.
     """
     places.make_private(places.state_dir())
     ready_read, ready_write = os.pipe()
     os.set_inheritable(ready_write, True)
-    arguments = [sys.executable, "-m", "rtkit.manager.daemon", name, str(ready_write)]
-    pid = _spawn(arguments, places.log_file(name))
+    # -P: no file of this folder stands in for a standard module.
+    arguments = [sys.executable, "-P", "-m", "rtkit.manager.daemon", name, wanted.to_text()]
+    environment = {**os.environ, READY_VARIABLE: str(ready_write)}
+    pid = _spawn(arguments, environment, places.log_file(name))
     os.close(ready_write)
     try:
-        text = _first_line(ready_read, timeout_s)
+        told = hear(ready_read, timeout_s)
     finally:
         os.close(ready_read)
-    if text == "ready":
-        return pid
-    if text is None:
+    if told is None:
         os.kill(pid, signal.SIGKILL)
         os.waitpid(pid, 0)
         raise Unreachable(f"manager {name!r} was not ready within {timeout_s:g} s and was ended")
-    os.waitpid(pid, 0)
-    raise Refused(text or f"manager {name!r} ended at once, see {places.log_file(name)}")
+    if told[-1:] != [READY]:
+        os.waitpid(pid, 0)
+    return read_report(name, pid, told)
 
 
-def run(name: str) -> int:
+def read_report(name: str, pid: int, told: list[str]) -> Started:
+    """Return what a manager told of its start.
+
+    Raises:
+        Refused: There is none; says why.
+        Partial: There is none, because of these failures.
+    """
+    kinds: dict[str, list[str]] = {WARNING: [], FAILURE: [], ERROR: []}
+    for line in told:
+        for kind, texts in kinds.items():
+            if line.startswith(kind):
+                texts.append(line.removeprefix(kind))
+    if told[-1:] == [READY]:
+        return Started(pid, tuple(kinds[WARNING]), tuple(kinds[FAILURE]))
+    why = " ".join(kinds[ERROR])
+    why = why or f"manager {name!r} ended at once, see {places.log_file(name)}"
+    if kinds[FAILURE]:
+        raise Partial(why, [(text, Refused(text)) for text in kinds[FAILURE]])
+    raise Refused(why)
+
+
+def run(name: str, wanted: Wanted) -> int:
     """Be the manager in the foreground; return the exit status."""
     import logging
 
     from rtkit.manager.daemon import run as run_daemon
 
     logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(message)s")
-    return run_daemon(name)
+    return run_daemon(name, wanted)
 
 
-def _spawn(arguments: list[str], log: str) -> int:
+def hear(descriptor: int, timeout_s: float) -> list[str] | None:
+    """Return the lines that are told until the manager is ready or ends, None when time is up."""
+    deadline = time.monotonic() + min(timeout_s, _LONGEST_S)
+    text = b""
+    while not text.endswith(b"\n" + READY.encode() + b"\n") and text != READY.encode() + b"\n":
+        if not select.select([descriptor], [], [], max(0.0, deadline - time.monotonic()))[0]:
+            return None
+        chunk = os.read(descriptor, 4096)
+        if not chunk:
+            break
+        text += chunk
+    return text.decode("utf-8", "replace").splitlines()
+
+
+def _spawn(arguments: list[str], environment: dict[str, str], log: str) -> int:
     actions = [
         (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
         (os.POSIX_SPAWN_OPEN, 1, log, _LOG_FLAGS, 0o600),
@@ -60,21 +108,7 @@ def _spawn(arguments: list[str], log: str) -> int:
     ]
     try:
         return os.posix_spawn(
-            arguments[0], arguments, os.environ, file_actions=actions, setsid=True
+            arguments[0], arguments, environment, file_actions=actions, setsid=True
         )
     except OSError as error:
         raise Refused(f"cannot start a manager: {error}") from error
-
-
-def _first_line(descriptor: int, timeout_s: float) -> str | None:
-    """Return what is told within `timeout_s`, "" for nothing at all, None when time is up."""
-    deadline = time.monotonic() + min(timeout_s, _LONGEST_S)
-    text = b""
-    while not text.endswith(b"\n"):
-        if not select.select([descriptor], [], [], max(0.0, deadline - time.monotonic()))[0]:
-            return None
-        chunk = os.read(descriptor, 4096)
-        if not chunk:
-            break
-        text += chunk
-    return text.decode("utf-8", "replace").strip()

@@ -29,13 +29,19 @@ _LONG_S = 3600.0
 
 
 class Loop:
-    """Owns the core; everybody else only enqueues (`post`)."""
+    """Owns the core; everybody else only enqueues (`post`).
+
+    Attributes:
+        desk: Where requests are taken.
+        has_failed: The manager ends because its start failed.
+    """
 
     def __init__(
         self, core: Core, holder: Holder, nursery: Nursery, listener: socket.socket
     ) -> None:
         self._core = core
-        self._desk = Desk(core.state)
+        self.desk = Desk(core.state)
+        self.has_failed = False
         self._holder = holder
         self._nursery = nursery
         self._inbox: queue.SimpleQueue[ev.Event | Request] = queue.SimpleQueue()
@@ -123,7 +129,7 @@ class Loop:
 
     def _serve(self, request: Request) -> None:
         try:
-            event = self._desk.take(request)
+            event = self.desk.take(request)
         except RtkitError as error:
             request.answer(failure(error))
         except Exception as bug:
@@ -139,7 +145,7 @@ class Loop:
         except RtkitError as error:
             _log.warning("%s", error)
             return
-        self._desk.forget_views()
+        self.desk.forget_views()
         for instruction in instructions:
             _guarded(self._carry_out, instruction)
         match event:

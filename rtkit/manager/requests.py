@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from rtkit.deployment.batch import batch_from_text
 from rtkit.deployment.facts import Snapshot
@@ -15,18 +15,29 @@ from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
 from rtkit.manager import configuring, operations
 from rtkit.manager.events import BatchAsked, Event, OperationAsked, StopAsked, WatchAsked
+from rtkit.manager.restarting import open_report
 from rtkit.manager.state import State
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.plain import encode
+
+
+class Restart(NamedTuple):
+    """Somebody wants the manager to start again, and perhaps to hear of it on a descriptor."""
+
+    report: int | None
 
 
 class Desk:
     """Answers what needs no work and turns the rest into events.
 
     Views are made once and kept until the facts change.
+
+    Attributes:
+        restart: Set when the manager is to start again after its end.
     """
 
     def __init__(self, state: State) -> None:
+        self.restart: Restart | None = None
         self._state = state
         self._views: dict[str, str] = {}
 
@@ -50,7 +61,11 @@ class Desk:
             return BatchAsked(batch_from_text(request.payload), request.answer)
         if request.name == "watch":
             return WatchAsked(watch_from_text(request.payload), request.answer)
-        if request.name == "stop":
+        if request.name in ("stop", "shutdown"):
+            request.answer(Reply(str(self._state.pid)))
+            return StopAsked()
+        if request.name == "restart":
+            self.restart = Restart(open_report(request.payload))
             request.answer(Reply(str(self._state.pid)))
             return StopAsked()
         return self._operation(keys.unescape(request.name), request)

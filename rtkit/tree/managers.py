@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import select
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 from rtkit.errors import Unreachable
@@ -39,6 +40,30 @@ def stop(name: str, timeout_s: float) -> None:
                 raise Unreachable(f"manager {name!r} did not end within {timeout_s:g} s")
         finally:
             os.close(pidfd)
+
+
+def restart(
+    name: str, timeout_s: float, hear: Callable[[int, float], list[str] | None]
+) -> tuple[int, list[str]]:
+    """Have a manager end everything and start again; return its pid and what `hear` heard of it.
+
+    Raises:
+        Unreachable: It does not run, or was not ready in time.
+    """
+    read, write = os.pipe()
+    try:
+        with connect(name, timeout_s) as tree:
+            pid = int(tree.set("restart", f"/proc/{os.getpid()}/fd/{write}"))
+        os.close(write)
+        write = -1
+        told = hear(read, timeout_s)
+        if told is None:
+            raise Unreachable(f"manager {name!r} was not ready again within {timeout_s:g} s")
+        return pid, told
+    finally:
+        os.close(read)
+        if write >= 0:
+            os.close(write)
 
 
 def status(name: str, timeout_s: float) -> Status:
