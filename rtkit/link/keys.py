@@ -4,6 +4,7 @@
 ``rt/<realm>/<host>/<manager>[/<instance>]/@/P``    property P of a manager or component
 ``rt/<realm>/<host>/<manager>[/<instance>]/@x/…``   reserved extensions (snapshot, meta, gui)
 ``rtd/<realm>/<host>/<connector id>``               data of one connector
+``rtw/<realm>``                                     who the manager at an address is
 ==================================================  =============================================
 
 Chunks that begin with ``@`` are matched by no wildcard, so the two spaces never mix.
@@ -45,6 +46,11 @@ def service(host: str, manager: str, instance: str = "") -> str:
     """Return the key of a manager, or of a component below it."""
     base = f"rt/{realm()}/{escape(host)}/{escape(manager)}"
     return f"{base}/{escape(instance)}" if instance else base
+
+
+def introduction() -> str:
+    """Return the key on which a manager says who it is, for those who know only its address."""
+    return f"rtw/{realm()}"
 
 
 def property_key(service_key: str, name: str) -> str:

@@ -8,7 +8,7 @@ fork; no shared memory but for port data, because a session leaves a segment of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping, Iterable
 from threading import Thread
 
 import zenoh
@@ -17,6 +17,7 @@ from rtkit.errors import Malformed, Unreachable
 from rtkit.property.exchange import Reply, Request
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
+NOTHING: Mapping[str, str] = {}
 _ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
 
 
@@ -45,7 +46,11 @@ def unix_endpoint(path: str) -> str:
 
 
 def open_client(
-    endpoint: str, timeout_s: float, *, has_shared_memory: bool = False
+    endpoint: str,
+    timeout_s: float,
+    *,
+    has_shared_memory: bool = False,
+    more: Mapping[str, str] = NOTHING,
 ) -> zenoh.Session:
     """Open a client session to one endpoint, or fail within `timeout_s` [s].
 
@@ -60,6 +65,7 @@ def open_client(
         "connect/timeout_ms": "0",
         "connect/exit_on_failure": "true",
         "transport/unicast/open_timeout": timeout_ms,
+        **more,
     }
     config = _config("client", settings, has_shared_memory)
     opened = _in_background(lambda: zenoh.open(config))
@@ -85,14 +91,18 @@ def _in_background(work: Callable[[], zenoh.Session]) -> zenoh.Session | zenoh.Z
 
 
 def open_listener(
-    endpoint: str, mode: str = "router", *, has_shared_memory: bool = False
+    endpoint: str,
+    mode: str = "router",
+    *,
+    has_shared_memory: bool = False,
+    more: Mapping[str, str] = NOTHING,
 ) -> zenoh.Session:
     """Open a session that listens on one endpoint.
 
     Raises:
         Unreachable: The endpoint is taken or cannot be made.
     """
-    settings = {"listen/endpoints": f'["{endpoint}"]'}
+    settings = {"listen/endpoints": f'["{endpoint}"]', **more}
     try:
         return zenoh.open(_config(mode, settings, has_shared_memory))
     except zenoh.ZError as error:
