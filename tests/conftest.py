@@ -30,6 +30,9 @@ _SETTINGS = (
     "RTKIT_MANAGER",
     "RTKIT_MODULE_PATH",
     "RTKIT_REALM",
+    "RTKIT_SERVERS",
+    "RTCTREE_NAMESERVERS",
+    "RTC_MANAGER_CONFIG",
 )
 
 
@@ -63,6 +66,7 @@ class Shell:
             "RTKIT_RUNTIME_DIR": str(folder / "run"),
             "RTKIT_STATE_DIR": str(folder / "state"),
             "RTKIT_MODULE_PATH": str(self.modules),
+            "RTKIT_PORT": "none",
             RUN_ID: run_id,
         }
 
