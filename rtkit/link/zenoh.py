@@ -8,7 +8,7 @@ fork; no shared memory but for port data, because a session leaves a segment of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from threading import Thread
 
 import zenoh

@@ -12,6 +12,7 @@ import stat
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING
 from rtkit.errors import Refused, RtkitError
 from rtkit.link import keys, places
 from rtkit.manager import configuring
-from rtkit.manager.configuration import Wanted, read, wanted_from_text
+from rtkit.manager.configuration import Wanted, door, read, wanted_from_text
 from rtkit.manager.core import Core
 from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, StopAsked
 from rtkit.manager.nursery import Nursery, become_subreaper
@@ -33,6 +34,8 @@ from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
 from rtkit.version import __version__
 
 if TYPE_CHECKING:
+    from zenoh import Session
+
     from rtkit.manager.loop import Loop
 
 _DATA_SUFFIX = ".data"
@@ -56,7 +59,7 @@ def run(name: str, wanted: Wanted) -> int:
             report.warn(text)
         with ExitStack() as stack:
             state = _state(name, folder, configuration.settings)
-            loop = _assemble(state, stack)
+            loop = _assemble(state, report.warn, stack)
             start_up = StartUp(state, loop.post, partial(_started, loop, report, state.settings))
             loop.settle(start_up.begin)
             loop.run()
@@ -99,12 +102,14 @@ def _raise_limits() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
-def _assemble(state: State, stack: ExitStack) -> Loop:
+def _assemble(state: State, warn: Callable[[str], None], stack: ExitStack) -> Loop:
     name, host = state.name, state.host
+    with open("/proc/self/comm", "w", encoding="utf-8", errors="replace") as comm:
+        comm.write(f"rtkit {name}")
     places.make_private(places.runtime_dir())
     places.make_private(places.state_dir())
     for path in (places.manager_socket(name), places.control_socket(name)):
-        places.check_socket_length(path)
+        places.check_socket_path(path)
     take_lock(name, stack)
     remove_stale(name)
     become_subreaper()
@@ -120,10 +125,12 @@ def _assemble(state: State, stack: ExitStack) -> Loop:
         }
     )
     stack.callback(nursery.close)
-    return _open_doors(state, data, nursery, stack)
+    return _open_doors(state, data, nursery, warn, stack)
 
 
-def _open_doors(state: State, data: str, nursery: Nursery, stack: ExitStack) -> Loop:
+def _open_doors(
+    state: State, data: str, nursery: Nursery, warn: Callable[[str], None], stack: ExitStack
+) -> Loop:
     from rtkit.link.streams import Streams, remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
     from rtkit.manager.connect import Wires
@@ -158,10 +165,13 @@ def _open_doors(state: State, data: str, nursery: Nursery, stack: ExitStack) -> 
     stack.callback(thread.join, 2.0)
     stack.callback(holder.close)
 
-    link = ZenohLink(open_listener(unix_endpoint(places.manager_socket(name))))
+    inner = unix_endpoint(places.manager_socket(name))
+    session = open_listener(inner)
+    link = ZenohLink(session)
     stack.callback(remove_socket, places.manager_socket(name))
     stack.callback(link.close)
     link.serve(keys.service(host, name), loop.post)
+    _open_front(state, session, inner, warn, stack)
 
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: loop.post(StopAsked()))
@@ -170,6 +180,22 @@ def _open_doors(state: State, data: str, nursery: Nursery, stack: ExitStack) -> 
     signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
     stack.callback(signal.set_wakeup_fd, -1)
     return loop
+
+
+def _open_front(
+    state: State, session: Session, inner: str, warn: Callable[[str], None], stack: ExitStack
+) -> None:
+    """Open the TCP port for this user, where it is wanted and can be had."""
+    from rtkit.link.door import Identity, introduce
+    from rtkit.manager.frontdoor import open_front
+
+    identity = Identity(state.host, state.name, state.settings.text("manager.name"))
+    stack.callback(lambda kept: None, introduce(session, identity))
+    front = open_front(door(state.settings), inner, warn)
+    if front is not None:
+        stack.callback(front[0].close)
+        state.port = front[1]
+    state.properties["rtkit.address"] = f"{LOCAL}:{state.port}" if state.port else ""
 
 
 def _state(name: str, folder: str, settings: Settings) -> State:
