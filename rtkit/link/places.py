@@ -8,6 +8,7 @@ import stat
 from rtkit.errors import Refused
 
 _MAX_SOCKET_PATH = 107
+_NOT_IN_ENDPOINTS = '#?"\\'
 _LOCK = "hhqqi"
 """``struct flock`` of Linux on 64 bits: type, whence, start, length, pid."""
 
@@ -98,11 +99,14 @@ def owner(manager: str) -> int | None:
 
 
 def check_socket_length(path: str) -> str:
-    """Return `path` if the kernel takes it as a socket's.
+    """Return `path` if kernel and transport take it as a socket's.
 
     Raises:
-        Refused: It is too long.
+        Refused: It is too long, or has characters that end the address of an endpoint.
     """
+    bad = sorted({c for c in path if c in _NOT_IN_ENDPOINTS})
+    if bad:
+        raise Refused(f"socket path has characters that are not allowed {bad}: {path}")
     if len(os.fsencode(path)) > _MAX_SOCKET_PATH:
         raise Refused(
             f"socket path is longer than {_MAX_SOCKET_PATH} bytes,"
