@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from typing import NamedTuple
 
 MARK = "RTKIT_SLAVE"
@@ -62,18 +62,22 @@ def end_children() -> None:
             return
 
 
-def reap_orphans() -> None:
-    """Reap what ended and had been left to this process, but nothing that it started itself.
+def reap_orphans(known: Container[int]) -> list[int]:
+    """Reap what ended and had been left to this process; return its pids.
 
-    Code in this process that starts programs waits for them and wants their exit status.
+    Neither those in `known`, who are waited for by name, nor what code in this process started:
+    that code waits itself and wants the exit status.
     """
     own, session = os.getpid(), os.getsid(0)
-    for process in _processes():
-        if process.parent == own and process.is_over and process.session != session:
+    reaped = []
+    for pid, _, parent, its_session in [each for each in _processes() if each.is_over]:
+        if parent == own and its_session != session and pid not in known:
             try:
-                os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG)
+                os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG)
             except ChildProcessError:
                 continue
+            reaped.append(pid)
+    return reaped
 
 
 def _kill(pid: int) -> None:

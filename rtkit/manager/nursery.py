@@ -13,12 +13,14 @@ import signal
 import socket
 import sys
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from rtkit.link.streams import remove_socket
 from rtkit.manager import events as ev
 from rtkit.manager.fosters import Fosters
 from rtkit.manager.leftovers import end_children, end_session, reap_orphans
+from rtkit.manager.watchman import beats_path, stack_path
 from rtkit.manager.wire import Channel
 from rtkit.manager.zygote import ENDS, STOPS, reason
 
@@ -145,7 +147,8 @@ class Nursery:
             event = self._event_of(report) if report is not None else None
             if event is not None:
                 yield event
-        reap_orphans()
+        for pid in reap_orphans({self._zygote, *self._keys}):
+            self._remove_files(pid)
 
     def close(self) -> None:
         """End the zygotes, and whatever components started and left behind."""
@@ -186,6 +189,7 @@ class Nursery:
     def _ended(self, pid: int, why: str) -> ev.Event | None:
         key = self._keys.pop(pid, None)
         self.fosters.ended(pid)
+        self._remove_files(pid)
         if key is None:
             return None
         self._adopted.discard(key)
@@ -194,8 +198,15 @@ class Nursery:
         if pidfd is not None:
             os.close(pidfd)
         end_session(pid)
-        remove_socket(self._settings["data"].replace("%p", str(pid)))
         return ev.SlaveEnded(key, why)
+
+    def _remove_files(self, pid: int) -> None:
+        """Remove what a process that was killed could not remove itself."""
+        pattern = self.data_pattern
+        remove_socket(pattern.replace("%p", str(pid)))
+        for path in (beats_path(pattern, pid), stack_path(pattern, pid)):
+            with suppress(FileNotFoundError):
+                os.unlink(path)
 
     def _start(self) -> tuple[Channel, int]:
         ours, theirs = socket.socketpair()
