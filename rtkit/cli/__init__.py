@@ -6,6 +6,7 @@ COMMANDS: dict[str, str] = {
     "act": "rtact",
     "cat": "rtcat",
     "check": "rtcheck",
+    "comp": "rtcomp",
     "con": "rtcon",
     "conf": "rtconf",
     "cryo": "rtcryo",

@@ -17,6 +17,18 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtcheck robot.xml", "Is everything there, connected, configured and active?"),
         ("rtcheck -s inactive --json robot.xml", "Each deviation as JSON, for another program."),
     ),
+    "rtcomp": (
+        (
+            "rtcomp -a Sensor0.rtc:range -a Control0.rtc /localhost/manager.mgr:Robot0",
+            "Make a composite of two components that shows a port of the first.",
+        ),
+        ("rtcomp -a Control0.rtc:speed Robot0.rtc", "Show another port."),
+        ("rtcomp -r Sensor0.rtc Robot0.rtc", "Let a member go, with the ports shown of it."),
+        (
+            "rtcomp -t GroupingComposite -a Left.rtc -a Right.rtc /localhost/manager.mgr:Wheels",
+            "Only group components: each keeps its own execution context.",
+        ),
+    ),
     "rtcon": (
         (
             "rtcon /localhost/Sensor0.rtc:range /localhost/Control0.rtc:range",

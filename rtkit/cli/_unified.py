@@ -17,6 +17,7 @@ SUMMARIES: dict[str, str] = {
     "act": "Activate components: Inactive to Active.",
     "cat": "Describe a component, a port or a manager.",
     "check": "Compare the live system with an RTS profile.",
+    "comp": "Make and change composite components.",
     "con": "Connect the first port to each of the others.",
     "conf": "Show and change the configuration sets of a component.",
     "cryo": "Save the live system as an RTS profile.",

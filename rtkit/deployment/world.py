@@ -12,6 +12,7 @@ from dataclasses import replace
 from rtkit.component.check import WRONG_TYPE, refusal
 from rtkit.component.period import check_rate
 from rtkit.deployment import actions as act
+from rtkit.deployment import world_composites as composites
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
@@ -188,11 +189,11 @@ class World:
         if known is not None:
             del self.components[instance]
             self._retire(known.process)
-        process = self._place(create.place)
+        process = self._place(create.place or composites.home(self.components, create))
         made = create.with_options(
             instance_name=instance, manager_name=process if create.place else ""
         )
-        self.components[instance] = component_from(
+        facts = component_from(
             pattern,
             instance,
             process,
@@ -200,10 +201,12 @@ class World:
             create=str(made),
             is_stand_in=action.pattern is not None,
         )
+        self._arrange(composites.made(facts, create))
         return instance
 
     def _type(self, create: CreateString) -> ComponentPattern:
-        pattern = self.types.get(create.implementation_id)
+        name = create.implementation_id
+        pattern = self.types.get(name) or composites.pattern_of(name)
         if pattern is None:
             raise NotFound(f"no component type {create.implementation_id}")
         for field in ("vendor", "category", "version"):
@@ -236,6 +239,7 @@ class World:
         known = self.components.pop(instance, None)
         if known is None:
             raise NotFound(f"no component named {instance}")
+        self.components |= composites.parted(self.components, instance)
         self._unwire(instance)
         self._retire(known.process)
 
@@ -300,7 +304,7 @@ class World:
             if name not in present:
                 raise NotFound(f"No such configuration parameter: {name}")
         changed = {**present, **action.values}
-        self.update(action.instance, sets={**known.sets, action.set_id: changed})
+        self._arrange(replace(known, sets={**known.sets, action.set_id: changed}))
 
     def _activate_set(self, instance: str, set_id: str) -> None:
         known = self._living(instance)
@@ -308,7 +312,12 @@ class World:
             raise Refused(f"configuration set {set_id or repr('')} cannot be activated")
         if set_id not in known.sets:
             raise NotFound(f"No such configuration set: {set_id}")
-        self.update(instance, active_set=set_id)
+        self._arrange(replace(known, active_set=set_id))
+
+    def _arrange(self, facts: ComponentFacts) -> None:
+        """Take the facts of a component in, and what they change if it is a composite."""
+        self.components |= {facts.instance: facts, **composites.arranged(self.components, facts)}
+        self.changed()
 
     def _change_state(self, action: act.ChangeState) -> None:
         known = self._living(action.instance)

@@ -121,15 +121,19 @@ def plain_environment(monkeypatch: pytest.MonkeyPatch) -> None:
 def run(
     world: World, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[str], Outcome]:
-    """Return what types a command line, which may begin with ``NAME=VALUE`` as in a shell."""
+    """Return what types a line as a shell takes it: ``NAME=VALUE command … && command …``."""
 
-    def typed(line: str) -> Outcome:
+    def type_one(line: str) -> int:
         words = shlex.split(line)
         with monkeypatch.context() as patch:
             while "=" in words[0]:
                 patch.setenv(*words.pop(0).split("=", 1))
             main = importlib.import_module(f"rtkit.cli.{words[0]}").main
-            status = main(words[1:], tree=fake_tree(world))
+            status: int = main(words[1:], tree=fake_tree(world))
+        return status
+
+    def typed(line: str) -> Outcome:
+        status = next(filter(None, map(type_one, line.split(" && "))), 0)
         captured = capsys.readouterr()
         return Outcome(status, captured.out, captured.err)
 

@@ -1,7 +1,8 @@
 """The case tables of the command reference as transcripts: stdout, stderr and status exactly.
 
-In ``cases/*.txt``: ``$`` a command line, then what stdout shows (``␠`` is a blank at the end of a
-line), ``!`` a line of stderr, ``?`` the exit status where it is not 0, ``=`` the connections left.
+In ``cases/*.txt``: ``$`` a command line, or several with ``&&`` between, then what stdout shows
+(``␠`` is a blank at the end of a line), ``!`` a line of stderr, ``?`` the exit status where it is
+not 0, ``=`` the connections left.
 """
 
 from __future__ import annotations
