@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli._out import printable
-from rtkit.errors import BUG_EXIT, Malformed, Partial, RtkitError, Unreachable
+from rtkit.errors import BUG_EXIT, Malformed, Partial, Refused, RtkitError, Unreachable
 
 if TYPE_CHECKING:
+    from rtkit.rtc.address import Address
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
 
@@ -44,6 +45,7 @@ class App:
         self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
         self._tree = tree
         self._is_own_tree = tree is None
+        self._place: str | None = None
 
     @property
     def tree(self) -> Tree:
@@ -51,28 +53,51 @@ class App:
         if self._tree is None:
             from rtkit.tree.client import connect
 
-            self._tree = connect(timeout_s=self.timeout_s)
+            self._tree = connect(self._place or "", self.timeout_s)
         return self._tree
 
-    def use_manager(self, name: str) -> Tree:
-        """Return the connection to the manager of that name.
+    def at(self, address: Address) -> tuple[Tree, str]:
+        """Return the connection to what an address stands for, and which slave of it, if any.
 
         Raises:
-            Unreachable: It does not run, or does not answer in time.
+            Unreachable: None answers there, or another one than is meant.
         """
-        if self._tree is None:
-            from rtkit.tree.client import connect
+        from rtkit.tree import direct
 
-            self._tree = connect(name, timeout_s=self.timeout_s)
-        if self._tree.manager != name:
-            raise Unreachable(f"manager {name!r} is not the one asked: {self._tree.manager!r}")
-        return self._tree
+        if self._tree is None:
+            self._tree, slave = direct.connect_near(address, self.timeout_s)
+            return self._tree, slave
+        asked = self._tree.manager
+        if address.id not in ("", asked):
+            raise Unreachable(f"manager {address.id!r} is not the one asked: {asked!r}")
+        return self._tree, direct.slave_at(address, asked)
 
     def path(self, typed: str) -> Path:
-        """Read a path as typed, relative to the working directory in the tree."""
+        """Read a path as typed, relative to the working directory in the tree.
+
+        It also tells which manager is to be asked.
+
+        Raises:
+            Refused: Another path led to another manager.
+        """
         from rtkit.rtc.names import parse_path
 
-        return parse_path(typed, working_directory())
+        path = parse_path(typed, working_directory())
+        if self._is_own_tree:
+            self._note_place(path)
+        return path
+
+    def _note_place(self, path: Path) -> None:
+        from rtkit.tree.place import manager_of
+
+        place = manager_of(path)
+        if self._place is None:
+            self._place = place
+        elif place != self._place:
+            raise Refused(
+                f"{path.typed} is at another manager ({place or 'the usual one'}"
+                f" instead of {self._place or 'the usual one'}): one command asks one manager"
+            )
 
     def say(self, text: str) -> None:
         """Write a line, or several, on stderr."""

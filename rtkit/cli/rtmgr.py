@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 WORDS = ("start", "stop", "restart", "status", "run")
 _ORDER = "rtkit.order"
-_PORT = 2810
 
 
 class _InOrder(click.Command):
@@ -130,35 +129,22 @@ def _command(app: App, typed: str, steps: Sequence[Step], is_printing: bool, is_
 
 def _at_address(app: App, typed: str) -> Node:
     """Return the manager, or the slave, at a direct address; it needs no name in the tree."""
+    from rtkit.rtc.address import parse_address
     from rtkit.rtc.names import is_local_host
     from rtkit.tree.view import manager_node
 
-    host, port, name = _direct_address(typed)
-    why = f"no manager named {name} answers at {host}:{port}: {typed}"
-    if not is_local_host(host, os.uname().nodename):
+    address = parse_address(typed)
+    why = f"no manager named {address.id} answers at {address}: {typed}"
+    if not is_local_host(address.host, os.uname().nodename):
         raise Unreachable(why)
     try:
-        listing = app.use_manager(name).listing()
+        tree, slave = app.at(address)
+        node = manager_node(tree.listing(), slave)
     except Unreachable as error:
         raise Unreachable(f"{why} ({error})") from error
-    # Other ports than its own stand for its slaves, as they do in create strings.
-    slave = "" if port == _PORT else f"{name}_{port}"
-    node = manager_node(listing, slave)
     if node is None:
         raise Unreachable(why)
     return node
-
-
-def _direct_address(typed: str) -> tuple[str, int, str]:
-    """Read ``corbaloc:[iiop]:host[:port][/id]``."""
-    protocol, _, address = typed.removeprefix("corbaloc:").partition(":")
-    place, slash, name = address.partition("/")
-    host, colon, port = place.partition(":")
-    is_bad_port = bool(colon) and not (port.isascii() and port.isdigit() and int(port) < 65536)
-    is_bad_name = bool(slash) and (not name or "/" in name)
-    if protocol not in ("", "iiop") or not host or is_bad_port or is_bad_name:
-        raise Malformed("Invalid corbaloc URL.")
-    return host, int(port or _PORT), name or "manager"
 
 
 def _door(port: int | None, no_door: bool) -> list[str]:

@@ -199,12 +199,19 @@ class Tree(ByPath):
 def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     """Connect to a manager of this host, by default the one named ``manager``.
 
+    `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``.
+
     Raises:
         Unreachable: It does not run, or does not answer within `timeout_s` [s].
     """
     from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 
     name = manager or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    if ":" in name:
+        from rtkit.rtc.address import parse_address
+        from rtkit.tree.direct import connect_at
+
+        return connect_at(parse_address(name), timeout_s)
     path = manager_socket(name)
     not_running = f"manager {name!r} is not running (start it with: rtmgr start)"
     if not os.path.exists(path):
