@@ -247,6 +247,7 @@ class Core:
         process.is_wanted &= not self._is_stopping
         self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
+        self._tasks.begin(retire(self.state, process), adoption.SETTLE_S)
 
     def _end_unwanted(self, process: Process) -> bool:
         """End a slave that came when nobody waited for it any more."""

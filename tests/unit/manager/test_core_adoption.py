@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import pytest
 
 from rtkit.deployment.actions import Create, Delete, Disconnect
@@ -138,4 +140,12 @@ def test_what_cannot_be_read_makes_no_process() -> None:
     for components in (None, [1], [facts("a/b")], [{**facts("A"), "type": 5}]):
         with pytest.raises(Malformed):
             shell.feed(ev.SlaveFound(300, "s", components, []))
+    assert list(shell.state.processes) == [ev.OWN_PROCESS]
+
+
+def test_a_found_slave_that_holds_nothing_is_ended() -> None:
+    shell = FakeShell()
+    key = shell.find(300, "s")
+    assert shell.signals == [(key, signal.SIGTERM)]
+    shell.end(key, "exit status 0")
     assert list(shell.state.processes) == [ev.OWN_PROCESS]
