@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rtkit.rtc.address import Address
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
+    from rtkit.tree.view import Node
 
 DEFAULT_TIMEOUT_S = 10.0
 INTERRUPTED = 130
@@ -55,6 +56,20 @@ class App:
 
             self._tree = connect(self._place or "", self.timeout_s)
         return self._tree
+
+    def root(self, path: Path, *, is_deep: bool) -> tuple[Node, str]:
+        """Return the tree as far as a path shows it, and the host that ``localhost`` means.
+
+        Other managers of this host are asked too, if it is to be deep.
+        """
+        if self._is_own_tree:
+            from rtkit.tree.place import root_for
+
+            return root_for(lambda: self.tree, path, is_deep=is_deep)
+        from rtkit.tree.view import build
+
+        listing = self.tree.listing()
+        return build(listing), listing.host
 
     def at(self, address: Address) -> tuple[Tree, str]:
         """Return the connection to what an address stands for, and which slave of it, if any.

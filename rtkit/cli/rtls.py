@@ -10,7 +10,7 @@ from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.errors import Malformed
 from rtkit.tree.resolve import entry
-from rtkit.tree.view import Kind, Node, build
+from rtkit.tree.view import Kind, Node
 
 _Show = Callable[[list[Node]], Iterable[str]]
 _CLEAR = "\x1b[H\x1b[2J"
@@ -69,8 +69,8 @@ def main(
     show = _json if is_json else _long if is_long else _short(is_single)
 
     def look() -> Iterable[str]:
-        listing = app.tree.listing()
-        node = entry(build(listing), path, listing.host)
+        root, hostname = app.root(path, is_deep=recurse or is_long)
+        node = entry(root, path, hostname)
         if not node.is_directory:
             return show([node])
         if not recurse:

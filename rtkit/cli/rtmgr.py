@@ -61,7 +61,7 @@ _STEP_NAMES = tuple(each.name for each in _STEPS)
 @command("rtmgr", cls=_InOrder, params=_STEPS)
 @click.option("--print", "is_printing", is_flag=True, help="Print paths of created components.")
 @click.option("--json", "is_json", is_flag=True, help="Lists and status as JSON.")
-@click.option("-f", "--file", "file", metavar="FILE", default="", help="start: the rtc.conf to read.")
+@click.option("-f", "--file", metavar="FILE", default="", help="start: the rtc.conf to read.")
 @click.option(
     "-o", "--option", "given", multiple=True, metavar="KEY:VALUE", help="start: a property."
 )
