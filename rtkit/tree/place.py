@@ -1,16 +1,16 @@
-"""Which manager a path leads to, and what else there is to be shown beside the one that is asked."""
+"""Which manager a path leads to, and what is to be shown beside the manager that is asked."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.errors import RtkitError
+from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import manager_socket
 from rtkit.rtc.address import is_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, Path, is_local_host
-from rtkit.tree.client import DEFAULT_MANAGER, connect
+from rtkit.tree.client import DEFAULT_MANAGER, DEFAULT_TIMEOUT_S, connect
 from rtkit.tree.view import Kind, Node, build, manager_node
 
 if TYPE_CHECKING:
@@ -40,6 +40,28 @@ def servers() -> list[str]:
     """Return the addresses that are always to be in the tree (``RTKIT_SERVERS``)."""
     given = os.environ.get("RTKIT_SERVERS") or os.environ.get("RTCTREE_NAMESERVERS") or ""
     return [address for address in map(str.strip, given.split(";")) if is_address(address)]
+
+
+def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[Node, str]:
+    """Return the tree as far as `path` shows it, and the host that ``localhost`` means.
+
+    Raises:
+        Unreachable: The manager does not answer, and there is nobody else to be shown.
+    """
+    try:
+        asked = tree()
+        listing = asked.listing()
+    except Unreachable as error:
+        if path.elements or not servers():
+            raise
+        root = Node("", Kind.ROOT)
+        root.add(Node(LOCAL, Kind.HOST, trouble=str(error)))
+        for address in servers():
+            root.add(_server(address, DEFAULT_TIMEOUT_S, is_deep=is_deep))
+        return root, os.uname().nodename
+    root = build(listing)
+    add_others(root, asked, path, is_deep=is_deep)
+    return root, listing.host
 
 
 def add_others(root: Node, tree: Tree, path: Path, *, is_deep: bool) -> None:
