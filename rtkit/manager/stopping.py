@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
 
 from rtkit.deployment.actions import Result
 from rtkit.errors import RtkitError, Unreachable
@@ -33,19 +34,26 @@ def end_slaves(slaves: Iterable[Process], term_s: float = TERM_S) -> Procedure:
     """End these processes: TERM, a grace, KILL; return when the kernel reported their end."""
     meant = tuple(slaves)
     for process in meant:
-        process.is_wanted = False
-    for number in (signal.SIGTERM, signal.SIGKILL):
+        yield from _terminate(process)
+    try:
+        yield AllEnded(meant, term_s)
+    except Unreachable:
         for process in meant:
             if process.is_alive:
-                yield Signal(process, number)
-                if process.state == "stopped":
-                    yield Signal(process, signal.SIGCONT)
-        try:
+                yield Signal(process, signal.SIGKILL)
+        with contextlib.suppress(Unreachable):
             yield AllEnded(meant, term_s)
-        except Unreachable:
-            continue
-        break
     return Result()
+
+
+def _terminate(process: Process) -> Generator[Signal, None, None]:
+    """Send TERM, once, to a process that is wanted no longer."""
+    if not process.is_wanted or not process.is_alive:
+        return
+    process.is_wanted = False
+    yield Signal(process, signal.SIGTERM)
+    if process.state == "stopped":
+        yield Signal(process, signal.SIGCONT)
 
 
 def stop_everything(state: State) -> Procedure:
@@ -70,6 +78,8 @@ def stop_everything(state: State) -> Procedure:
             silent.add(process.key)
         else:
             state.forget(instance)
+            if process.is_slave and not state.held_by(process.key):
+                yield from _terminate(process)  # it ends while others still finalise
     slaves = [p for p in state.processes.values() if p.is_slave and p.is_alive]
     yield from end_slaves(slaves, _term_s(state))
     return Result()
