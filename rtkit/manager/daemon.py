@@ -109,7 +109,7 @@ def _assemble(state: State, warn: Callable[[str], None], stack: ExitStack) -> Lo
     places.make_private(places.runtime_dir())
     places.make_private(places.state_dir())
     for path in (places.manager_socket(name), places.control_socket(name)):
-        places.check_socket_path(path)
+        places.check_socket_length(path)
     take_lock(name, stack)
     remove_stale(name)
     become_subreaper()
