@@ -62,6 +62,7 @@ def _loaded_modules(state: State) -> str:
 
 def _factory_profiles(state: State) -> str:
     types = {type_ for module in state.modules.values() for type_ in module.types}
+    types.update(facts.type for facts in _living(state) if not facts.is_stand_in)
     return "\n".join(sorted(map(type_record, types)))
 
 

@@ -15,9 +15,10 @@ from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
 from rtkit.manager import configuring, operations
 from rtkit.manager.events import BatchAsked, Event, OperationAsked, StopAsked, WatchAsked
+from rtkit.manager.loadable import loadable
 from rtkit.manager.restarting import open_report
 from rtkit.manager.state import State
-from rtkit.property.exchange import Reply, Request
+from rtkit.property.exchange import Reply, Request, failure
 from rtkit.rtc.plain import encode
 
 
@@ -54,6 +55,9 @@ class Desk:
         if request.is_extension:
             request.answer(Reply(self._view(request.name)))
             return None
+        if request.payload is None and request.name == "get_loadable_modules":
+            self._scan(request)
+            return None
         if request.payload is None:
             request.answer(Reply(self._property(keys.unescape(request.name))))
             return None
@@ -69,6 +73,21 @@ class Desk:
             request.answer(Reply(str(self._state.pid)))
             return StopAsked()
         return self._operation(keys.unescape(request.name), request)
+
+    def _scan(self, request: Request) -> None:
+        """Answer on a thread of its own: many files may have to be read."""
+        from threading import Thread
+
+        folders = configuring.load_paths(self._state)
+
+        def run() -> None:
+            try:
+                reply = Reply(loadable(folders))
+            except Exception as error:
+                reply = failure(error)
+            request.answer(reply)
+
+        Thread(target=run, name="scan", daemon=True).start()
 
     def _view(self, name: str) -> str:
         kind, _, which = name.partition("/")
