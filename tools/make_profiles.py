@@ -15,6 +15,7 @@ from rtkit.component.base import Component
 from rtkit.component.callbacks import Callbacks
 from rtkit.component.contexts import kind_named
 from rtkit.component.describe import describe
+from rtkit.component.fsm import EVENT_NAME, FsmComponent
 from rtkit.component.parameter import kind_of
 from rtkit.component.typenames import scoped_name
 from rtkit.deployment import actions as act
@@ -44,6 +45,9 @@ TYPES = (
     "Motor",
     "MyServiceProvider",
     "MyServiceConsumer",
+    "Microwave",
+    "MicrowaveKeys",
+    "Doubler",
 )
 _ACTIVITIES = {
     ExecutionKind.PERIODIC: "PERIODIC",
@@ -106,6 +110,16 @@ def systems() -> Iterator[System]:
         ),
         (("MyServiceConsumer0.myservice", "MyServiceProvider0.myservice"),),
     )
+    keys = ("open", "close", "minute", "start", "stop", "tick")
+    yield (
+        "microwave",
+        "A state machine and the keys that move it, by events over one port.",
+        (
+            "MicrowaveKeys?manager_name=keys&instance_name=MicrowaveKeys0",
+            "Microwave?manager_name=oven&instance_name=Microwave0",
+        ),
+        tuple((f"MicrowaveKeys0.{key}", "Microwave0.event") for key in keys),
+    )
     basic = ("Boolean", "Char", "Octet", "Short", "Long", "Float", "Double", "String")
     ports = (*basic, *(f"{name}Seq" for name in basic))
     yield (
@@ -141,7 +155,9 @@ def sample(name: str) -> Component:
 def pattern(component: Component) -> ComponentPattern:
     """Return what a component is like, as data."""
     described = describe(component)
-    contexts = (ContextPattern(rate=component.rate),)
+    kind = kind_named(component.execution_type)
+    rate = component.rate if kind is ExecutionKind.PERIODIC else 0.0
+    contexts = (ContextPattern(kind=kind, rate=rate),)
     return ComponentPattern(component.type, described.ports, described.sets, "default", contexts)
 
 
@@ -157,6 +173,8 @@ def rts_document(system: System, patterns: Iterable[ComponentPattern]) -> bytes:
         assert out is not None
         options = {"dataport.data_type": out.data_type, **_OPTIONS} if out.data_type else {}
         id = f"{source}-{target}"
+        if f"{ends[1]}" == "Microwave0.event":
+            options[EVENT_NAME] = ends[0].port
         made = ConnectorProfile(id, f"{ends[0].port}_{ends[1].port}", ends, options)
         world.perform(act.Connect(made)).raise_for_error()
     heading = Heading(DATE, name, "1.0", "rtkit", abstract)
@@ -165,6 +183,10 @@ def rts_document(system: System, patterns: Iterable[ComponentPattern]) -> bytes:
 
 def rtc_profile(component: Component) -> rtc.RtcProfile:
     """Return the RTC profile of a component."""
+    described = describe(component)
+    is_periodic = kind_named(component.execution_type) is ExecutionKind.PERIODIC
+    rate = component.rate if is_periodic else None
+    events = component.event_port if isinstance(component, FsmComponent) else ""
     kind = component.type
     info = rtc.BasicInfo(
         name=kind.type_name,
@@ -175,14 +197,13 @@ def rtc_profile(component: Component) -> rtc.RtcProfile:
         vendor=kind.vendor,
         version=kind.version,
         execution_type=component.execution_type,
-        execution_rate=component.rate,
+        execution_rate=rate,
         max_instances=0,
         creation_date=DATE,
         update_date=DATE,
         description=kind.description,
         properties=(Property(MODULE, f"{kind.type_name}.py:{kind.type_name}Init"),),
     )
-    described = describe(component)
     configurations = tuple(_configurations(type(component)))
     return rtc.RtcProfile(
         id=kind.id,
@@ -191,13 +212,7 @@ def rtc_profile(component: Component) -> rtc.RtcProfile:
         actions=_actions(type(component)),
         configuration_set=rtc.ConfigurationSet(configurations) if configurations else None,
         data_ports=tuple(
-            rtc.DataPort(
-                port_type=port.port_type.value,
-                name=port.name,
-                type=scoped_name(port.data_type),
-                position="LEFT" if port.port_type is PortType.IN else "RIGHT",
-                comment=port.properties.get("description"),
-            )
+            _event_port(component, port) if port.name == events else _data_port(port)
             for port in described.ports
             if port.port_type is not PortType.SERVICE
         ),
@@ -205,6 +220,35 @@ def rtc_profile(component: Component) -> rtc.RtcProfile:
             _service_port(port) for port in described.ports if port.port_type is PortType.SERVICE
         ),
         language=rtc.Language("Python"),
+    )
+
+
+def _data_port(port: PortProfile) -> rtc.DataPort:
+    return rtc.DataPort(
+        port_type=port.port_type.value,
+        name=port.name,
+        type=scoped_name(port.data_type),
+        position="LEFT" if port.port_type is PortType.IN else "RIGHT",
+        comment=port.properties.get("description"),
+    )
+
+
+def _event_port(component: Component, port: PortProfile) -> rtc.DataPort:
+    described = describe(component)
+    moves = [
+        (state, event, target)
+        for state, table in described.fsm_states.items()
+        for event, target in table.items()
+    ]
+    return rtc.DataPort(
+        port_type="EventPort",
+        name=port.name,
+        type="Any",
+        position="LEFT",
+        events=tuple(
+            rtc.Event(event, state, target, type=described.fsm_events.get(event))
+            for state, event, target in moves
+        ),
     )
 
 
@@ -230,6 +274,8 @@ def _actions(cls: type[Component]) -> rtc.Actions:
         name: rtc.ActionStatus(getattr(cls, name) is not getattr(Callbacks, name))
         for name in _CALLBACKS
     }
+    if issubclass(cls, FsmComponent):
+        told["on_action"] = rtc.ActionStatus(cls.on_action is not FsmComponent.on_action)
     return rtc.Actions(**told)
 
 

@@ -47,6 +47,8 @@ if TYPE_CHECKING:
     from rtkit.component.extended import TimedPointCovariance2D as TimedPointCovariance2D
     from rtkit.component.extended import TimedQuaternion as TimedQuaternion
     from rtkit.component.extended import TimedSpeedHeading3D as TimedSpeedHeading3D
+    from rtkit.component.fsm import EventPort as EventPort
+    from rtkit.component.fsm import FsmComponent as FsmComponent
     from rtkit.component.geometry import Acceleration2D as Acceleration2D
     from rtkit.component.geometry import Acceleration3D as Acceleration3D
     from rtkit.component.geometry import AngularAcceleration3D as AngularAcceleration3D
@@ -165,6 +167,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "base": ("Component", "Manager"),
+    "fsm": ("EventPort", "FsmComponent"),
     "parameter": ("Parameter",),
     "port": ("InPort", "OutPort"),
     "service": ("RequiredPort", "ServicePort"),

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
+from rtkit.component.fsm import FsmComponent
+from rtkit.component.typenames import scoped_name, type_name
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile
 
 
@@ -21,6 +23,9 @@ class Description(NamedTuple):
     composite_type: str
     members: tuple[str, ...]
     composite: str
+    fsm_state: str = ""
+    fsm_states: Mapping[str, Mapping[str, str]] = {}
+    fsm_events: Mapping[str, str] = {}
 
 
 def describe(component: Component) -> Description:
@@ -38,4 +43,19 @@ def describe(component: Component) -> Description:
         composite_type=getattr(component, "composite_type", ""),
         members=tuple(member.instance for member in component.member_components),
         composite=component.composite.instance if component.composite is not None else "",
+        **_machine(component),
     )
+
+
+def _machine(component: Component) -> dict[str, Any]:
+    """Return what is told of a state machine; nothing for a component without one."""
+    if not isinstance(component, FsmComponent):
+        return {}
+    events = component.event_in.events
+    return {
+        "fsm_state": component.state,
+        "fsm_states": component.machine.table,
+        "fsm_events": {
+            event: scoped_name(type_name(cls)) or "Any" for event, cls in events.items()
+        },
+    }

@@ -166,6 +166,10 @@ class InPort(DataPort[T]):
             self._last = values[-1]
         return values
 
+    def data_type_for(self, connector: ConnectorProfile) -> type:
+        """Return the data type of the values that a connector brings."""
+        return self.data_type
+
     def open(self, connector: ConnectorProfile, renew: Renew[T] | None = None) -> Sink[T]:
         """Open a push connector; return what takes its values.
 

@@ -146,6 +146,22 @@ class Detach:
     participant: str
 
 
+@dataclass(frozen=True, slots=True)
+class SetStructure:
+    """Give the state machine of a component another table: state to event to next state."""
+
+    instance: str
+    states: Mapping[str, Mapping[str, str]]
+
+
+@dataclass(frozen=True, slots=True)
+class SetEventProfiles:
+    """Give the event port of a state machine other events, each with its data type."""
+
+    instance: str
+    events: Mapping[str, str]
+
+
 Action = (
     Load
     | Unload
@@ -161,6 +177,8 @@ Action = (
     | Tick
     | Attach
     | Detach
+    | SetStructure
+    | SetEventProfiles
 )
 
 

@@ -36,6 +36,9 @@ class ComponentFacts:
             component that is no composite.
         members: Instance names of a composite's members, in order of execution.
         composite: The composite that it is a member of; empty for most.
+        fsm_state: Present state of its state machine; empty without one, and before it began.
+        fsm_states: The machine's table: state to event to next state, the initial one first.
+        fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
     """
 
@@ -57,6 +60,9 @@ class ComponentFacts:
     composite_type: str = ""
     members: tuple[str, ...] = ()
     composite: str = ""
+    fsm_state: str = ""
+    fsm_states: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    fsm_events: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def state(self) -> str:

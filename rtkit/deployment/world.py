@@ -162,6 +162,10 @@ class World:
                 self._drive(action)
             case act.Attach() | act.Detach():
                 self._share(action)
+            case act.SetStructure(instance, states):
+                self._machine(instance, fsm_states=states, fsm_state=next(iter(states), ""))
+            case act.SetEventProfiles(instance, events):
+                self._machine(instance, fsm_events=events)
         return ""
 
     def _load(self, action: act.Load) -> str:
@@ -342,6 +346,11 @@ class World:
             self.update(action.instance, contexts=contexts)
         elif is_periodic is isinstance(action, act.Tick):
             raise Refused(f"execution context {context.id} of {known.instance} is {context.kind}")
+
+    def _machine(self, instance: str, **changes: object) -> None:
+        if not self._living(instance).fsm_states:
+            raise Refused(f"{instance} has no state machine")
+        self.update(instance, **changes)
 
     def _share(self, action: act.Attach | act.Detach) -> None:
         owner, guest = self._living(action.owner), self._living(action.participant)

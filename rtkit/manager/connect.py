@@ -56,7 +56,7 @@ class Wires:
                 into.open_pull(wire, source)
             return
         id = wire.connector_id
-        written, read = out.data_type, into.data_type
+        written, read = out.data_type, into.data_type_for(wire)
         if _is_wrapped(options):
             sink = _present_sink(into, wire)
             with _undone(lambda: into.close(id)):
@@ -70,7 +70,7 @@ class Wires:
     def receive(self, wire: ConnectorProfile, into: InPort[Any]) -> str:
         """Open the receiving end of a stream and return its endpoint."""
         sink = _present_sink(into, wire)
-        decode = codec_for(into.data_type).decode
+        decode = codec_for(into.data_type_for(wire)).decode
 
         def deliver(payload: bytes) -> None:
             try:
@@ -120,7 +120,7 @@ class Wires:
     def fetch(self, wire: ConnectorProfile, into: InPort[Any], fetcher: Fetcher) -> None:
         """Have a port ask the end that was found."""
         options = parse_options(wire.properties)
-        decode = codec_for(into.data_type).decode
+        decode = codec_for(into.data_type_for(wire)).decode
         bound_s = options.inport.read_timeout + options.outport.read_timeout
 
         def source() -> Any:

@@ -24,4 +24,7 @@ def facts_of(component: Component) -> ComponentFacts:
         composite_type=described.composite_type,
         members=described.members,
         composite=described.composite,
+        fsm_state=described.fsm_state,
+        fsm_states=described.fsm_states,
+        fsm_events=described.fsm_events,
     )

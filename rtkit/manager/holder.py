@@ -30,6 +30,7 @@ from rtkit.manager.facts_out import facts_of
 from rtkit.manager.host import LATER
 from rtkit.manager.layers import layered
 from rtkit.manager.loader import Loader
+from rtkit.manager.machines import Machines
 from rtkit.manager.pacer import Pacer
 from rtkit.manager.process_settings import configure
 from rtkit.manager.services import Services
@@ -68,6 +69,7 @@ class Holder:
         self._memory: dict[str, Mapping[str, Any]] = {}
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
+        self._stale: set[Component] = set()
         self._services = Services(self, wires)
         self._composites = Composites(self)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
@@ -87,6 +89,7 @@ class Holder:
             "configure": lambda message: configure(message, loader),
             **Contexts(self).operations,
             **self._services.operations,
+            **Machines(self).operations,
         }
 
     def put(self, message: Message) -> None:
@@ -223,10 +226,14 @@ class Holder:
             self._own_slot.watch("", "")
 
     def _changed(self, component: Component) -> None:
-        self.post(lambda: self.tell(component))
+        """Have a component's facts told soon, once for however many changes until then."""
+        if component not in self._stale:
+            self._stale.add(component)
+            self.post(lambda: self.tell(component))
 
     def tell(self, component: Component) -> None:
         """Report the facts of a component, and answer those who waited for its settings."""
+        self._stale.discard(component)
         if self._components.get(component.instance) is component:
             self._send({"facts": encode(facts_of(component))})
         if not component.configuration.is_pending:

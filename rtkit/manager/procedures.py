@@ -30,6 +30,13 @@ from rtkit.rtc.names import check_instance_name, is_local_host
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ModuleProfile
 
+_OPERATIONS = {
+    act.SetRate: "set_rate",
+    act.Tick: "tick",
+    act.SetStructure: "set_structure",
+    act.SetEventProfiles: "set_events",
+}
+
 
 def procedure_for(action: Action, state: State) -> Procedure:
     """Return the procedure of an action."""
@@ -55,11 +62,9 @@ def procedure_for(action: Action, state: State) -> Procedure:
             return _tell(state, action.instance, {"op": "activate_set", "set_id": action.set_id})
         case act.ChangeState():
             return change_state(state, action)
-        case act.SetRate():
-            rate: Message = {"op": "set_rate", "context": action.context, "rate": action.rate}
-            return _tell(state, action.instance, rate)
-        case act.Tick():
-            return _tell(state, action.instance, {"op": "tick", "context": action.context})
+        case act.SetRate() | act.Tick() | act.SetStructure() | act.SetEventProfiles():
+            plain: Message = {"op": _OPERATIONS[type(action)], **encode(action)}
+            return _tell(state, action.instance, plain)
         case act.Attach() | act.Detach():
             return _share(state, action)
 

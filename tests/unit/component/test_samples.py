@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from rtkit import component as public
+from rtkit.component import OutPort, TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.component.factory import Factories
 from rtkit.component.invocation import Direct
@@ -24,6 +25,9 @@ NAMES = [
     "ConsoleIn",
     "ConsoleOut",
     "Controller",
+    "Doubler",
+    "Microwave",
+    "MicrowaveKeys",
     "Motor",
     "MyServiceConsumer",
     "MyServiceProvider",
@@ -209,3 +213,60 @@ def test_a_service_is_used(factories):
     assert heard == ["hi 1", 1.0, "hi 2", 2.0]
     assert provider.get_echo_history() == ["hi 1", "hi 2"]
     assert provider.get_value_history() == [0.0, 1, 2]
+
+
+def settle(context):
+    while context.is_due:
+        context.tick()
+
+
+def test_what_arrives_is_doubled_at_once(factories):
+    doubler, context = make(factories, "Doubler")
+    heard = []
+    doubler.out.attach("heard", heard.append)
+    source = OutPort(TimedLong, "source")
+    connect(source, doubler.in_)
+    doubler.in_.renew("c")
+    context.activate_component(doubler)
+    settle(context)
+    for number in (1, 2):
+        source.write(TimedLong(data=number))
+    settle(context)
+    assert [value.data for value in heard] == [2, 4]
+
+
+def oven(factories, keys):
+    """Return the states that an oven comes to, and the minutes that it tells."""
+    pressing, keys_context = make(factories, f"MicrowaveKeys?conf.default.keys={keys}")
+    oven, context = make(factories, "Microwave")
+    for name, port in pressing.ports.items():
+        wire = ConnectorProfile(name, name, ())
+        port.attach(name, oven.event_in.open(wire))
+    minutes = []
+    oven.left.attach("heard", lambda value: minutes.append(value.data))
+    context.activate_component(oven)
+    keys_context.activate_component(pressing)
+    states = [oven.state]
+    for _ in keys.split(","):
+        keys_context.tick()
+        context.stir()
+        settle(context)
+        states.append(oven.state)
+    return [state.rpartition(".")[2] for state in states], minutes
+
+
+def test_the_oven_cooks_for_as_long_as_was_asked(factories):
+    states, minutes = oven(factories, "start,minute,minute,start,tick,tick,tick")
+    assert states == [
+        "Idle", "Idle", "Programmed", "Programmed", "Cooking", "Cooking", "Idle", "Idle",
+    ]  # fmt: skip
+    assert minutes == [1, 2, 2, 1, 0]
+
+
+def test_the_oven_does_not_cook_with_an_open_door(factories):
+    states, minutes = oven(factories, "minute,minute,start,open,tick,start,close,start,stop")
+    assert states == [
+        "Idle", "Programmed", "Programmed", "Cooking", "Disabled", "Disabled", "Disabled",
+        "Programmed", "Cooking", "Idle",
+    ]  # fmt: skip
+    assert minutes == [1, 2, 2, 2, 2, 2, 0]

@@ -121,3 +121,17 @@ def test_contexts_of_the_fake_are_shared_and_driven_as_by_a_manager():
     assert world.perform(act.Detach("Sink0", "0", here)).ok
     assert [c.id for c in world.components[here].contexts] == ["0"]
     assert world.perform(act.Detach("Sink0", "0", here)).kind == "refused"
+
+
+def test_state_machines_of_the_fake_are_changed_as_by_a_manager():
+    world = wired()
+    assert world.perform(act.SetStructure("Sink0", {"A": {}})).why == "Sink0 has no state machine"
+    world.update("Sink0", fsm_states={"A": {"go": "A"}}, fsm_state="A")
+    assert world.perform(act.SetStructure("Sink0", {"B": {"go": "B"}})).ok
+    assert world.perform(act.SetEventProfiles("Sink0", {"go": "TimedLong"})).ok
+    sink = world.components["Sink0"]
+    assert (sink.fsm_state, sink.fsm_states, sink.fsm_events) == (
+        "B",
+        {"B": {"go": "B"}},
+        {"go": "TimedLong"},
+    )

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.actions import Attach, Detach, SetRate, Tick
+from rtkit.deployment.actions import (
+    Attach,
+    Detach,
+    SetEventProfiles,
+    SetRate,
+    SetStructure,
+    Tick,
+)
 from rtkit.deployment.batch import Batch, batch_from_text, batch_to_text
 from rtkit.manager.fake import FakeShell
 
@@ -19,6 +26,14 @@ def shell():
     [
         (SetRate("A", "0", 5.0), {"op": "set_rate", "context": "0", "rate": 5.0}),
         (Tick("A", "x"), {"op": "tick", "context": "x"}),
+        (
+            SetStructure("A", {"On": {"go": "On"}}),
+            {"op": "set_structure", "states": {"On": {"go": "On"}}},
+        ),
+        (
+            SetEventProfiles("A", {"go": "TimedLong"}),
+            {"op": "set_events", "events": {"go": "TimedLong"}},
+        ),
         (Attach("A", "0", "B"), {"op": "attach", "context": "0", "participant": "B"}),
         (Detach("A", "0", "B"), {"op": "detach", "context": "0", "participant": "B"}),
     ],

@@ -1,0 +1,273 @@
+"""Components with a state machine: events arrive at a port of their own and move it.
+
+::
+
+    class Door(FsmComponent):
+        states: ClassVar = {
+            "Closed": {"open": "Open"},
+            "Open": {"close": "Closed"},
+        }
+        events: ClassVar = {"open": TimedLong, "close": TimedLong}
+
+        def on_entry(self, state):
+            self.logger.info("now %s", state)
+
+An out port is connected to the event port (``event`` by default) for one event: the one that the
+connector property ``fsm_event_name`` says, else the one of the connector's or the out port's name.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from rtkit.component.base import Component
+from rtkit.component.buffer import Sink, Source
+from rtkit.component.machine import Machine, Move, Table
+from rtkit.component.options import PortStatus
+from rtkit.component.port import InPort, Listener, Renew
+from rtkit.component.typenames import is_same_type, scoped_name, type_by_name, type_name
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.enums import ReturnCode
+from rtkit.rtc.profiles import ConnectorProfile
+
+EVENT_NAME = "fsm_event_name"
+"""Connector property: which event of the port its values are."""
+
+PROFILES = "fsm.events"
+"""Port property that tells the events, ``open:RTC::TimedLong,…``."""
+
+_LONGEST_QUEUE = 1024
+
+
+class EventPort(InPort[Any]):
+    """An in port that takes the events of a state machine, each with a value of its own type.
+
+    Events keep their order over all connectors; when more than 1024 wait, further ones are
+    refused.
+    """
+
+    def __init__(
+        self, name: str = "", properties: Mapping[str, str] | None = None, *, doc: str = ""
+    ) -> None:
+        super().__init__(bytes, name, properties, doc=doc)
+        self.properties.setdefault(PROFILES, "")
+        self._events: dict[str, type] = {}
+        self._queue: deque[tuple[str, Any]] = deque()
+
+    @property
+    def events(self) -> Mapping[str, type]:
+        """The data type of each event."""
+        return self._events
+
+    @events.setter
+    def events(self, events: Mapping[str, type]) -> None:
+        self._events = dict(events)
+        told = (f"{event}:{scoped_name(type_name(cls)) or 'Any'}" for event, cls in events.items())
+        self.properties = {**self.properties, PROFILES: ",".join(told)}
+
+    def copy(self) -> EventPort:
+        """Return a port of the same kind without connectors, for another instance."""
+        made = EventPort(self.name, self.properties)
+        made.events = self._events
+        return made
+
+    def is_new(self) -> bool:
+        """Whether an event is there that was not taken yet."""
+        return bool(self._queue)
+
+    def take(self) -> tuple[str, Any] | None:
+        """Remove and return the oldest event and its value, None when there is none."""
+        try:
+            item = self._queue.popleft()
+        except IndexError:
+            return None
+        self.read_count += 1
+        return item
+
+    def read(self) -> Any:
+        """Return the value of the oldest event not taken yet, None when there is none."""
+        item = self.take()
+        return None if item is None else item[1]
+
+    def read_all(self) -> list[Any]:
+        """Return the values of all events not taken yet."""
+        items = [self.take() for _ in range(len(self._queue))]
+        return [item[1] for item in items if item is not None]
+
+    def clear(self) -> None:
+        """Forget the events that wait."""
+        self._queue.clear()
+
+    def data_type_for(self, connector: ConnectorProfile) -> type:
+        """Return the data type of the event that a connector brings.
+
+        Raises:
+            Refused: It names none of the port's events, or has values of another type.
+        """
+        return self._events[self._event_of(connector)]
+
+    def open(self, connector: ConnectorProfile, renew: Renew[Any] | None = None) -> Sink[Any]:
+        """Open a push connector; see `InPort.open`.
+
+        Raises:
+            Refused: It names none of the port's events, or has values of another type.
+        """
+        event = self._event_of(connector)
+        with self._lock:
+            self._admit(connector.connector_id)
+
+        def write(value: Any) -> PortStatus | None:
+            if len(self._queue) >= _LONGEST_QUEUE:
+                return PortStatus.FULL
+            self._queue.append((event, value))
+            if self._listener is not None:
+                self._listener()
+            return None
+
+        return write
+
+    def open_pull(self, connector: ConnectorProfile, source: Source[Any]) -> None:
+        """Refuse: events are pushed.
+
+        Raises:
+            Refused: Always.
+        """
+        raise Refused(f"port {self.name} takes events, which are pushed, not pulled")
+
+    def listen(self, listener: Listener | None) -> None:
+        """Have `listener` called after each event, by the thread that brings it."""
+        self._listener = listener
+
+    def _event_of(self, connector: ConnectorProfile) -> str:
+        properties = connector.properties
+        named = properties.get(EVENT_NAME, "") or properties.get(f"dataport.{EVENT_NAME}", "")
+        source = connector.ports[0].port if connector.ports else ""
+        candidates = [named] if named else [connector.name, source]
+        event = next((each for each in candidates if each in self._events), "")
+        if not event:
+            known = ", ".join(self._events) or "none"
+            what = f"no event {named}" if named else f"which event it is; say {EVENT_NAME}=NAME"
+            raise Refused(f"port {self.name}: {what} (events: {known})")
+        carried = properties.get("dataport.data_type", "")
+        if not is_same_type(carried, type_name(self._events[event])):
+            own = scoped_name(type_name(self._events[event]))
+            raise Refused(f"event {event} carries {own}, not {scoped_name(carried)}")
+        return event
+
+
+class FsmComponent(Component):
+    """A component that a state machine describes; driven by events unless asked otherwise.
+
+    The machine begins in its initial state at each activation; events that came before are
+    dropped. One that overrides `on_activated` or `on_execute` calls those of this class.
+
+    Attributes:
+        states: The table: state, event, next state (see `rtkit.component.machine`).
+        events: Data type of each event; ``bytes`` takes any.
+        event_port: Name of the port that events arrive at.
+        machine: The machine that is in force.
+        state: Its present state, the innermost one; empty before the first activation.
+        ignored: Events that came while the present state did not know them.
+    """
+
+    execution_type = "EventDrivenExecutionContext"
+    states: ClassVar[Table] = {}
+    events: ClassVar[Mapping[str, type]] = {}
+    event_port: ClassVar[str] = "event"
+
+    def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
+        self.machine = Machine(self.states)
+        self.state = ""
+        self.ignored = 0
+        super().__init__(instance, options)
+        unknown = sorted(set(self.events) - set(self.machine.events))
+        if unknown:
+            raise Malformed(f"{instance}: no state knows event {', '.join(unknown)}")
+        self.event_in = self._add(EventPort(self.event_port))
+        self.event_in.events = self.events
+
+    def on_entry(self, state: str) -> None:
+        """Enter a state: called for each one entered, outer ones first."""
+
+    def on_exit(self, state: str) -> None:
+        """Leave a state: called for each one left, inner ones first."""
+
+    def on_event(self, event: str, value: Any) -> str | None:
+        """Take an event that the present state knows, before it is left.
+
+        Return another state to go there instead of where the table leads; the present one as
+        `state` says it to stay, which leaves and enters nothing.
+        """
+
+    def on_action(self, context: str) -> ReturnCode | None:
+        """React to a transition: called after each, by the thread that drives the component."""
+
+    def on_activated(self, context: str) -> ReturnCode | None:
+        """Begin in the initial state."""
+        self.event_in.clear()
+        self._carry_out(self.machine.beginning())
+        return None
+
+    def on_execute(self, context: str) -> ReturnCode | None:
+        """Work on the events that have come, one after the other."""
+        count = 0
+        while (item := self.event_in.take()) is not None:
+            count += self._dispatch(context, *item)
+        if count:
+            self.participation(context).changed(self)
+        return None
+
+    def set_structure(self, table: Table) -> None:
+        """Put another table in force; only for the thread that drives the component.
+
+        The present state is kept where the new table has it, else it begins anew.
+
+        Raises:
+            Malformed: The table is none.
+        """
+        machine = Machine(table)
+        self.machine = machine
+        if self.state and self.state not in machine.table:
+            self.state = machine.initial
+        elif self.state:
+            self.state = machine.innermost(self.state)
+
+    def set_events(self, profiles: Mapping[str, str]) -> None:
+        """Put other events in force, each with the name of its data type.
+
+        Connectors that are open go on with the event that they were opened for.
+
+        Raises:
+            NotFound: A data type is not known here.
+        """
+        found: dict[str, type] = {}
+        for event, text in profiles.items():
+            cls = type_by_name(text) if scoped_name(text) else bytes
+            if cls is None:
+                raise NotFound(f"event {event}: no data type {text}")
+            found[event] = cls
+        self.event_in.events = found
+
+    def _dispatch(self, context: str, event: str, value: Any) -> bool:
+        """Work on one event; return whether the state may have changed."""
+        target = self.machine.target(self.state, event)
+        if target is None:
+            self.ignored += 1
+            return False
+        chosen = self.on_event(event, value)
+        if chosen is not None and chosen == self.state:
+            return False
+        self._carry_out(self.machine.move(self.state, event, chosen or target))
+        code = self.on_action(context)
+        if code not in (None, ReturnCode.OK):
+            raise Refused(f"on_action returned {code}")
+        return True
+
+    def _carry_out(self, move: Move) -> None:
+        for state in move.exited:
+            self.on_exit(state)
+        self.state = move.target
+        for state in move.entered:
+            self.on_entry(state)

@@ -1,0 +1,281 @@
+"""Components with a state machine: which event a connector brings, what a move calls, changes."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import pytest
+
+from rtkit.component import FsmComponent, OutPort, TimedLong, TimedString
+from rtkit.component.codec import bridge, codec_for
+from rtkit.component.describe import describe
+from rtkit.component.options import PortStatus
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+
+
+class Door(FsmComponent):
+    """A door that can be locked."""
+
+    states: ClassVar = {
+        "Open": {"close": "Shut"},
+        "Shut.Free": {"lock": "Shut.Locked", "open": "Open"},
+        "Shut.Locked": {"unlock": "Shut.Free", "kick": "Shut.Locked"},
+    }
+    events: ClassVar = {
+        "open": TimedLong,
+        "close": TimedLong,
+        "lock": TimedString,
+        "unlock": TimedString,
+        "kick": bytes,
+    }
+
+    def __init__(self, instance, options=None):
+        super().__init__(instance, options)
+        self.notes = []
+        self.fails = False
+
+    def on_entry(self, state):
+        self.notes.append(f"+{state}")
+
+    def on_exit(self, state):
+        self.notes.append(f"-{state}")
+
+    def on_event(self, event, value):
+        if event == "unlock" and value.data != "1234":
+            return self.state
+        if event == "lock" and value.data == "":
+            return "Open"
+        if self.fails:
+            raise ValueError("jammed")
+        return None
+
+    def on_action(self, context):
+        self.notes.append("!")
+
+
+def wire(name="w", out="out", **properties):
+    ends = (PortRef("Hand0", out), PortRef("Door0", "event"))
+    named = {key.replace("__", "."): value for key, value in properties.items()}
+    return ConnectorProfile(name, name, ends, named)
+
+
+@pytest.fixture
+def door():
+    door = Door("Door0")
+    door.initialize()
+    context = door.contexts["0"]
+    context.activate_component(door)
+    settle(context)
+    door.notes.clear()
+    return door
+
+
+def settle(context):
+    while context.is_due:
+        context.tick()
+
+
+def send(door, event, value):
+    port = door.event_in
+    port.open(wire(event, event))(value)
+    port.close(event)
+    settle(door.contexts["0"])
+
+
+def test_events_move_it(door):
+    send(door, "close", TimedLong())
+    assert door.state == "Shut.Free"
+    assert door.notes == ["-Open", "+Shut", "+Shut.Free", "!"]
+    door.notes.clear()
+    send(door, "lock", TimedString(data="x"))
+    assert door.notes == ["-Shut.Free", "+Shut.Locked", "!"]
+
+
+def test_it_is_event_driven_and_begins_at_activation(door):
+    context = door.contexts["0"]
+    assert context.kind is ExecutionKind.EVENT_DRIVEN
+    send(door, "close", TimedLong())
+    door.event_in.open(wire("open", "open"))(TimedLong())
+    context.deactivate_component(door)
+    door.notes.clear()
+    context.activate_component(door)
+    settle(context)
+    assert door.state == "Open"
+    assert door.notes == ["+Open"]
+
+
+def test_an_event_that_the_state_does_not_know_is_counted(door):
+    send(door, "unlock", TimedString())
+    assert (door.state, door.ignored, door.notes) == ("Open", 1, [])
+
+
+def test_on_event_may_stay_or_lead_elsewhere(door):
+    send(door, "close", TimedLong())
+    send(door, "lock", TimedString(data="x"))
+    door.notes.clear()
+    send(door, "unlock", TimedString(data="0"))
+    assert (door.state, door.notes) == ("Shut.Locked", [])
+    send(door, "unlock", TimedString(data="1234"))
+    assert door.state == "Shut.Free"
+    door.notes.clear()
+    send(door, "lock", TimedString(data=""))
+    assert door.notes == ["-Shut.Free", "-Shut", "+Open", "!"]
+
+
+def test_a_state_that_leads_to_itself_is_left_and_entered(door):
+    send(door, "close", TimedLong())
+    send(door, "lock", TimedString(data="x"))
+    door.notes.clear()
+    send(door, "kick", b"")
+    assert door.notes == ["-Shut.Locked", "+Shut.Locked", "!"]
+
+
+def test_a_failure_leads_to_error_and_activation_begins_anew(door):
+    context = door.contexts["0"]
+    door.fails = True
+    send(door, "close", TimedLong())
+    assert context.state_of(door) is LifeCycleState.ERROR
+    assert "jammed" in door.cause
+    door.fails = False
+    context.reset_component(door)
+    context.activate_component(door)
+    assert door.state == "Open"
+
+
+def test_a_code_of_on_action_that_is_no_success_is_a_failure(door):
+    door.on_action = lambda context: ReturnCode.ERROR
+    send(door, "close", TimedLong())
+    assert "on_action returned RTC_ERROR" in door.cause
+
+
+def test_a_change_is_told_once_for_all_events_of_a_cycle(door):
+    context, told = door.contexts["0"], []
+    context.changed = told.append
+    port = door.event_in
+    port.open(wire("close", "close"))(TimedLong())
+    port.open(wire("lock", "lock"))(TimedString(data="x"))
+    settle(context)
+    assert door.state == "Shut.Locked"
+    assert told == [door]
+
+
+@pytest.mark.parametrize(
+    ("connector", "event"),
+    [
+        (wire("open", "anything"), "open"),
+        (wire("anything", "close"), "close"),
+        (wire("open", "close"), "open"),
+        (wire("open", "open", fsm_event_name="lock"), "lock"),
+        (wire("x", "y", dataport__fsm_event_name="kick"), "kick"),
+    ],
+)
+def test_the_event_that_a_connector_brings(door, connector, event):
+    assert door.event_in.data_type_for(connector) is door.events[event]
+    write = door.event_in.open(connector)
+    write("value")
+    assert door.event_in.take() == (event, "value")
+
+
+@pytest.mark.parametrize(
+    ("connector", "why"),
+    [
+        (wire("x", "y"), r"say fsm_event_name=NAME \(events: open, close, lock, unlock, kick\)"),
+        (wire("open", "open", fsm_event_name="sing"), "no event sing"),
+        (
+            wire("open", "open", dataport__data_type="RTC::TimedShort"),
+            "event open carries RTC::TimedLong, not RTC::TimedShort",
+        ),
+    ],
+)
+def test_connectors_that_bring_no_event(door, connector, why):
+    with pytest.raises(Refused, match=why):
+        door.event_in.open(connector)
+    assert door.event_in.connectors == ()
+
+
+def test_events_are_not_pulled(door):
+    with pytest.raises(Refused, match="pushed, not pulled"):
+        door.event_in.open_pull(wire("open", "open"), lambda: None)
+
+
+def test_an_event_of_any_type_is_bytes(door):
+    kick = wire("kick", "kick")
+    out = OutPort(TimedLong, "kick")
+    sink = door.event_in.open(kick)
+    out.attach("kick", bridge(out.data_type, door.event_in.data_type_for(kick), sink))
+    out.write(TimedLong(data=7))
+    _, value = door.event_in.take()
+    assert codec_for(TimedLong).decode(value).data == 7
+
+
+def test_a_flood_of_events_is_bounded():
+    door = Door("Door0")
+    write = door.event_in.open(wire("open", "open"))
+    outcomes = [write(TimedLong()) for _ in range(1030)]
+    assert outcomes.count(PortStatus.FULL) == 6
+    assert len(door.event_in.read_all()) == 1024
+    assert door.event_in.read() is None
+
+
+def test_events_of_several_connectors_keep_their_order(door):
+    port = door.event_in
+    writes = {name: port.open(wire(name, name)) for name in ("open", "close")}
+    order = ["open", "close", "close", "open", "open"]
+    for name in order:
+        writes[name](TimedLong())
+    assert [port.take()[0] for _ in order] == order
+
+
+def test_what_others_see(door):
+    send(door, "close", TimedLong())
+    told = describe(door)
+    assert told.fsm_state == "Shut.Free"
+    assert list(told.fsm_states) == ["Open", "Shut", "Shut.Free", "Shut.Locked"]
+    assert told.fsm_events == {
+        "open": "RTC::TimedLong",
+        "close": "RTC::TimedLong",
+        "lock": "RTC::TimedString",
+        "unlock": "RTC::TimedString",
+        "kick": "Any",
+    }
+    (port,) = told.ports
+    assert port.name == "event"
+    assert port.properties["fsm.events"].startswith("open:RTC::TimedLong,close:RTC::TimedLong")
+
+
+def test_other_events(door):
+    door.set_events({"toggle": "TimedShort", "any": ""})
+    assert describe(door).fsm_events == {"toggle": "RTC::TimedShort", "any": "Any"}
+    with pytest.raises(NotFound, match="event toggle: no data type TimedNothing"):
+        door.set_events({"toggle": "TimedNothing"})
+    assert list(door.event_in.events) == ["toggle", "any"]
+
+
+def test_another_structure_keeps_the_state_where_it_can(door):
+    send(door, "close", TimedLong())
+    door.set_structure({"Open": {}, "Shut.Free.Ajar": {"open": "Open"}})
+    assert door.state == "Shut.Free.Ajar"
+    door.set_structure({"New": {"open": "New"}})
+    assert door.state == "New"
+    with pytest.raises(Malformed):
+        door.set_structure({})
+    assert door.machine.initial == "New"
+
+
+def test_each_instance_has_events_and_queue_of_its_own():
+    one, other = Door("A"), Door("B")
+    one.set_events({"only": "TimedLong"})
+    assert list(other.event_in.events) == list(Door.events)
+    one.event_in.open(wire("only", "only"))(TimedLong())
+    assert not other.event_in.is_new()
+
+
+def test_an_event_that_no_state_knows_is_a_mistake():
+    class Odd(FsmComponent):
+        states: ClassVar = {"A": {"go": "A"}}
+        events: ClassVar = {"go": TimedLong, "come": TimedLong}
+
+    with pytest.raises(Malformed, match="no state knows event come"):
+        Odd("Odd0")
