@@ -174,7 +174,7 @@ def _receiver(
 
         try:
             payload = query.payload.to_string() if query.payload is not None else None
-        except UnicodeDecodeError:
+        except ValueError:  # which is what zenoh raises
             answer(Reply("payload is not UTF-8 text", "malformed"))
             return
         enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension))

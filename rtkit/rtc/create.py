@@ -86,7 +86,7 @@ def parse_create(text: str) -> CreateString:
         keys = ("vendor", "category", "implementation_id", "language", "version")
         identity = dict(zip(keys, parts[1:], strict=True))
     if not identity["implementation_id"].strip():
-        raise Malformed(f"create string names no component type: {text or repr('')}")
+        raise Malformed(f"create string names no component type: {text!r}")
     return CreateString(options=options, **identity)
 
 
