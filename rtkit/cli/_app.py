@@ -80,6 +80,7 @@ class App:
         from rtkit.tree import direct
 
         if self._tree is None:
+            self._place = str(address)
             self._tree, slave = direct.connect_near(address, self.timeout_s)
             return self._tree, slave
         asked = self._tree.manager
@@ -101,6 +102,14 @@ class App:
         if self._is_own_tree:
             self._note_place(path)
         return path
+
+    def shown(self, name: str) -> str:
+        """Return the path by which a registered name of the manager asked can be typed."""
+        if not self._is_own_tree:
+            return f"/{name}"
+        from rtkit.tree.place import shown
+
+        return shown(name, self.tree.manager, self._place or "")
 
     def _note_place(self, path: Path) -> None:
         from rtkit.tree.place import manager_of

@@ -11,7 +11,7 @@ from rtkit.cli import _out
 from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
 from rtkit.errors import RtkitError, UsageProblem, from_kind
 from rtkit.rtc.create import parse_create
-from rtkit.rtc.names import COMPONENT_SUFFIX
+from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
 
 if TYPE_CHECKING:
     from rtkit.cli._app import App
@@ -25,6 +25,7 @@ _FAILED = {
     "create": "Failed to create component",
     "delete": "Failed to delete component",
     "configure": "Failed to set configuration",
+    "fork": "Failed to fork",
 }
 
 
@@ -146,7 +147,7 @@ class Runner:
         below = self._node.path
         return [
             _out.printable(
-                f"/{names[instance][0]}"
+                self._app.shown(names[instance][0])
                 if names.get(instance)
                 else f"{below}/{instance}{COMPONENT_SUFFIX}"
             )
@@ -154,21 +155,45 @@ class Runner:
         ]
 
     def _ask(self, step: Step) -> None:
-        if step.kind == "configure":
-            key, _, value = step.typed.partition("=")
-            try:
-                self._app.tree.set(key, value)
-            except RtkitError as error:
-                raise step.failure(error.kind, str(error)) from error
+        if step.kind in ("configure", "fork"):
+            self._set(step)
             return
         tree = self._app.tree
         snapshot = tree.snapshot() if step.kind == "components" else tree.part([])
         if step.kind == "properties":
             self._show_properties(snapshot)
         elif step.kind == "modules":
-            self._show({"type": name} for name in _types(snapshot))
+            self._show_modules(snapshot)
         else:
             self._show(self._components(snapshot))
+
+    def _set(self, step: Step) -> None:
+        key, _, value = step.typed.partition("=") if step.kind == "configure" else ("fork", "", "")
+        try:
+            done = self._app.tree.set(key, value)
+        except RtkitError as error:
+            raise step.failure(error.kind, str(error)) from error
+        if step.kind == "fork" and self._is_printing:
+            _out.write([_out.printable(f"{self._node.path}/{done}{MANAGER_SUFFIX}")])
+
+    def _show_modules(self, snapshot: Snapshot) -> None:
+        """List the types of modules that are loaded or could be; the rest with its reason."""
+        files = {name: "" for name in _types(snapshot)}
+        problems = []
+        for line in self._app.tree.get("get_loadable_modules").splitlines():
+            name, _, told = line.partition("?")
+            options = parse_create(f"x?{told}").options if told else {}
+            if "problem" in options:
+                problems.append((name, options["problem"]))
+            else:
+                files[name] = options.get("module", "")
+        if self._is_json:
+            self._print_json([{"type": name, "module": files[name]} for name in sorted(files)])
+            self._print_json([{"module": name, "problem": why} for name, why in problems])
+            return
+        self._show({"type": name} for name in sorted(files))
+        for name, why in problems:
+            self._app.fail(f"module cannot be read: {name} ({why})")
 
     def _components(self, snapshot: Snapshot) -> Iterator[dict[str, str]]:
         for facts in snapshot.components:

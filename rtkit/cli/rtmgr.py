@@ -51,7 +51,8 @@ _STEPS = [
     _step("-c", "--create", "create", "CREATE", "Create a component, or a stand-in (FILE.xml)."),
     _step("-d", "--delete", "delete", "NAME", "Finalise and delete a component."),
     _step("-s", "--setconfig", "configure", "KEY=VALUE", "Set a property of the manager."),
-    _question("-m", "--modules", "modules", "List the component types that loaded modules offer."),
+    click.Option(["--fork"], multiple=True, is_flag=True, help="Start a slave without components."),
+    _question("-m", "--modules", "modules", "List component types that modules offer."),
     _question("-r", "--rtcs", "components", "List the components."),
     _question("-g", "--config", "properties", "List the properties of the manager."),
 ]
@@ -85,8 +86,9 @@ def main(
 
     start, stop, restart, status and run (in the foreground) take the name of a manager, by
     default "manager". start and run read its properties from FILE, else from the file that
-    RTC_MANAGER_CONFIG names, ./rtc.conf, or one in /etc; what -o says counts more. Everything else is asked of the manager at a path, in the order of the command
-    line and in one batch, and ends at the first failure.
+    RTC_MANAGER_CONFIG names, ./rtc.conf, or one in /etc; what -o says counts more. Everything
+    else is asked of the manager at a path, or at a direct address as corbaloc::localhost:2810,
+    in the order of the command line and in one batch, and ends at the first failure.
 
     CREATE is TYPE?key=value&key=value, for instance ConsoleIn?instance_name=In0&manager_name=s1,
     where manager_name is the slave that is to hold the component and is started when needed; in
