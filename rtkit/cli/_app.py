@@ -103,13 +103,13 @@ class App:
             self._note_place(path)
         return path
 
-    def shown(self, name: str) -> str:
-        """Return the path by which a registered name of the manager asked can be typed."""
-        if not self._is_own_tree:
-            return f"/{name}"
+    def shown(self, names: Sequence[str]) -> str:
+        """Return the path by which a component of the manager asked can be typed, if it has one."""
+        if not names or not self._is_own_tree:
+            return f"/{names[0]}" if names else ""
         from rtkit.tree.place import shown
 
-        return shown(name, self.tree.manager, self._place or "")
+        return shown(names[0], self.tree.manager, self._place or "")
 
     def _note_place(self, path: Path) -> None:
         from rtkit.tree.place import manager_of
