@@ -111,3 +111,15 @@ def _server(address: str, timeout_s: float, *, is_deep: bool) -> Node:
         except RtkitError as error:
             trouble = str(error)
     return Node(address, Kind.HOST, trouble=trouble)
+
+
+def shown(name: str, manager: str, place: str) -> str:
+    """Return the path that leads to a registered name of a manager that was asked at a place.
+
+    Empty if there is none: then the component is only found below its manager.
+    """
+    host, _, rest = name.partition("/")
+    usual = os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    if manager == usual or not is_local_host(host, os.uname().nodename):
+        return f"/{name}"
+    return f"/{place}/{rest}" if is_address(place) else ""
