@@ -15,6 +15,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "rtcheck": (
         ("rtcheck robot.xml", "Is everything there, connected, configured and active?"),
+        ("rtcheck --diff robot.xml", "What the profile says, and what lives instead."),
         ("rtcheck -s inactive --json robot.xml", "Each deviation as JSON, for another program."),
     ),
     "rtcomp": (

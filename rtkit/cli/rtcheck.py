@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
-from rtkit.cli import _system
+from rtkit.cli import _out, _system
 from rtkit.cli._app import App, command
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
+
+if TYPE_CHECKING:
+    from rtkit.deployment.check import Deviation
 
 STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
 
@@ -20,12 +25,14 @@ STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
     help="State that every component is to be in (default Active).",
 )
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a deviation, on stdout.")
+@click.option("--diff", "is_diff", is_flag=True, help="Both sides of each deviation, on stdout.")
 @_system.system_options
 def main(
     app: App,
     files: tuple[str, ...],
     state: str,
     is_json: bool,
+    is_diff: bool,
     dry_run: bool,
     strict: bool,
     mapped: tuple[str, ...],
@@ -33,9 +40,11 @@ def main(
     """Compare the live system with an RTS profile (FILE, or stdin).
 
     Components, connections, active sets, parameters and states are compared, all of them; each
-    deviation is a line on stderr. Exit status 1 when something required deviates.
+    deviation is a line on stderr. Exit status 1 when something required deviates. With --diff a
+    line beginning with - tells what the profile says, one with + what lives; what lives besides
+    is shown too, and is no deviation.
     """
-    from rtkit.deployment.check import check_lines, deviations
+    from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import Live
     from rtkit.errors import Refused
 
@@ -47,14 +56,28 @@ def main(
             click.echo(line)
         return 0
     expected = None if state == UNKNOWN_STATE else LifeCycleState(state)
-    found = list(deviations(system, Live(snapshot, system), expected))
-    for each in found:
-        if is_json:
-            import json
-
-            record = {"kind": each.kind, "path": each.path, "text": each.text}
-            record_line = {"schema": "rtkit.check/1", **record, "required": each.is_required}
-            click.echo(json.dumps(record_line))
-        else:
+    live = Live(snapshot, system)
+    found = list(deviations(system, live, expected))
+    if is_diff:
+        _out.write(map(_out.printable, diff_lines([*found, *surplus(system, live)])))
+    elif is_json:
+        _out.write(map(_json, found))
+    else:
+        for each in found:
             app.say(each.text)
     return app.status(Refused()) if any(each.is_required for each in found) else 0
+
+
+def _json(each: Deviation) -> str:
+    from json import dumps
+
+    record = {
+        "kind": each.kind,
+        "path": each.path,
+        "text": each.text,
+        "required": each.is_required,
+        "item": each.item,
+        "wanted": each.wanted,
+        "found": each.found,
+    }
+    return dumps({"schema": "rtkit.check/1", **record})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from rtkit.deployment.creation import absence
@@ -10,7 +10,8 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, context_of
 from rtkit.deployment.system import System, WantedComponent, WantedConnector
 from rtkit.deployment.wiring import address
-from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
+from rtkit.rtc.profiles import PortRef
 
 _BASE = (
     "dataport.data_type",
@@ -27,12 +28,18 @@ class Deviation:
     Attributes:
         kind: ``component``, ``connection``, ``property``, ``active-set``, ``parameter``, ``state``.
         path: The component, or the ports of a connection.
+        item: What differs there; empty for the component or the connection itself.
+        wanted: What the profile says; empty where it says nothing.
+        found: What lives; empty where nothing does.
     """
 
     kind: str
     path: str
     text: str
     is_required: bool
+    item: str = ""
+    wanted: str = ""
+    found: str = ""
 
 
 def deviations(system: System, live: Live, state: LifeCycleState | None) -> Iterator[Deviation]:
@@ -43,14 +50,20 @@ def deviations(system: System, live: Live, state: LifeCycleState | None) -> Iter
     for component in system.components:
         why = absence(component, live)
         if why:
-            yield Deviation("component", component.path, why, component.is_required)
+            namesake = live.at(component.instance)
+            found = "" if namesake is None else namesake.type.id
+            yield Deviation(
+                "component", component.path, why, component.is_required, "", component.id, found
+            )
     for wire in system.connectors:
         yield from _wire(wire, system, live)
     for component in system.components:
         facts = live.at(component.instance)
         if facts is not None and facts.trouble:
             text = f"Component {component.path} does not answer ({facts.trouble})"
-            yield Deviation("component", component.path, text, component.is_required)
+            yield Deviation(
+                "component", component.path, text, component.is_required, found=facts.trouble
+            )
     there = [(c, facts) for c in system.components if (facts := _living(c, live)) is not None]
     for component, facts in there:
         if component.active_set and facts.active_set != component.active_set:
@@ -58,11 +71,53 @@ def deviations(system: System, live: Live, state: LifeCycleState | None) -> Iter
                 f"Wrong configuration set is active on {component.path}"
                 f" (Active set: {facts.active_set})"
             )
-            yield Deviation("active-set", component.path, text, component.is_required)
+            sides = ("active set", component.active_set, facts.active_set)
+            yield Deviation("active-set", component.path, text, component.is_required, *sides)
     for component, facts in there:
         yield from _parameters(component, facts)
     for component, facts in there:
         yield from _states(component, facts, state)
+
+
+def diff_lines(deviations: Iterable[Deviation]) -> Iterator[str]:
+    """Yield what the profile says behind ``-``, what lives behind ``+``."""
+    for each in deviations:
+        where = f"{each.path} {each.item}".rstrip()
+        if each.wanted or each.item:
+            yield f"-{where}  {each.wanted}"
+        if each.found:
+            yield f"+{where}  {each.found}"
+
+
+def surplus(system: System, live: Live) -> Iterator[Deviation]:
+    """Yield what lives and is not in the profile: components, and connections of its components.
+
+    Nothing of it is required not to be there.
+    """
+    names = {component.instance for component in system.components}
+    wires = [wire.profile for wire in system.connectors]
+    wanted = {wire.connector_id for wire in wires}
+    told = {frozenset(wire.ports) for wire in wires if live.wire(wire.connector_id) is None}
+    for facts in live.snapshot.components:
+        if facts.instance not in names:
+            path = _path(facts)
+            text = f"Component {path} is not in the profile"
+            yield Deviation("component", path, text, False, found=facts.type.id)
+    for wire in live.snapshot.connectors:
+        is_told = wire.connector_id in wanted or frozenset(wire.ports) in told
+        if not is_told and any(end.instance in names for end in wire.ports):
+            path = " ".join(_port_path(live, end) for end in wire.ports)
+            text = f"Connection {wire.connector_id} is not in the profile"
+            yield Deviation("connection", path, text, False, found=wire.connector_id)
+
+
+def _path(facts: ComponentFacts) -> str:
+    return f"/{facts.names[0]}" if facts.names else facts.instance
+
+
+def _port_path(live: Live, end: PortRef) -> str:
+    facts = live.namesake(end.instance)
+    return str(end) if facts is None else f"{_path(facts)}:{end.port}"
 
 
 def check_lines(system: System, state: str) -> Iterator[str]:
@@ -108,11 +163,10 @@ def _wire(wanted: WantedConnector, system: System, live: Live) -> Iterator[Devia
     known = live.wire(wire.connector_id)
     if known is None or set(known.ports) != set(wire.ports):
         text = f"No connection between {source} and {target}"
-        others = live.wires_between(wire.ports)
-        if others:
-            ids = ", ".join(other.connector_id for other in others)
+        ids = ", ".join(other.connector_id for other in live.wires_between(wire.ports))
+        if ids:
             text += f" with ID {wire.connector_id} (there is {ids})"
-        yield Deviation("connection", path, text, wanted.is_required)
+        yield Deviation("connection", path, text, wanted.is_required, "", wire.connector_id, ids)
         return
     for key in _BASE:
         expected, found = wire.properties.get(key, ""), known.properties.get(key, "")
@@ -121,7 +175,7 @@ def _wire(wanted: WantedConnector, system: System, live: Live) -> Iterator[Devia
                 f"Property {key} of connection from {source} to {target} is incorrect."
                 f" (value: {found})"
             )
-            yield Deviation("property", path, text, wanted.is_required)
+            yield Deviation("property", path, text, wanted.is_required, key, expected, found)
 
 
 def _parameters(component: WantedComponent, facts: ComponentFacts) -> Iterator[Deviation]:
@@ -135,7 +189,8 @@ def _parameters(component: WantedComponent, facts: ComponentFacts) -> Iterator[D
             text = f"{where} is incorrect (value: {found})"
             if found is None:
                 text = f"{where} is missing"
-            yield Deviation("parameter", component.path, text, component.is_required)
+            sides = (f"{set_id}.{name}", value, found or "")
+            yield Deviation("parameter", component.path, text, component.is_required, *sides)
 
 
 def _states(
@@ -144,17 +199,22 @@ def _states(
     if state is None:
         if facts.contexts:
             text = f"Component {component.path} is in incorrect state {facts.state}"
-            yield Deviation("state", component.path, text, component.is_required)
+            sides = ("state", UNKNOWN_STATE, facts.state)
+            yield Deviation("state", component.path, text, component.is_required, *sides)
         return
     for number, wanted in enumerate(component.contexts):
         context = context_of(facts, component, number)
         if context is None:
             text = f"Component {component.path} has no execution context {wanted.id}"
-            yield Deviation("state", component.path, text, component.is_required)
+            sides = (f"execution context {wanted.id}", state.value, "")
+            yield Deviation("state", component.path, text, component.is_required, *sides)
         elif context.state is not state:
             text = f"Component {component.path} is in incorrect state {context.state}"
+            item = "state"
             if len(component.contexts) > 1:
+                item = f"state in execution context {wanted.id}"
                 text += f" in execution context {wanted.id}"
             if facts.cause:
                 text += f" ({facts.cause})"
-            yield Deviation("state", component.path, text, component.is_required)
+            sides = (item, state.value, context.state.value)
+            yield Deviation("state", component.path, text, component.is_required, *sides)

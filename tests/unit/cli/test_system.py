@@ -17,7 +17,7 @@ from rtkit.profile.read import read_rts
 from rtkit.profile.words import property_value
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
 from rtkit.tree.fake import fake_tree
 
 COMMANDS = {
@@ -29,6 +29,7 @@ COMMANDS = {
     "rtteardown": rtteardown,
 }
 SOURCE, SINK = "/localhost/Source0.rtc", "/localhost/Sink0.rtc"
+SOURCE_OUT, SINK_IN = PortRef("Source0", "out"), PortRef("Sink0", "in")
 
 PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
@@ -112,7 +113,7 @@ def run(world, capsys):
 def absent(monkeypatch):
     """No manager runs."""
 
-    def connect(**_):
+    def connect(*_, **__):
         raise Unreachable("manager 'manager' is not running")
 
     monkeypatch.setattr("rtkit.tree.client.connect", connect)
@@ -372,6 +373,9 @@ def test_check_tells_every_deviation(run, file, world):
             "path": f"{SOURCE}:out {SINK}:in",
             "text": wire,
             "required": True,
+            "item": "",
+            "wanted": "wire",
+            "found": "",
         },
         {
             "schema": "rtkit.check/1",
@@ -379,10 +383,49 @@ def test_check_tells_every_deviation(run, file, world):
             "path": SINK,
             "text": f"{gain} (value: 7)",
             "required": True,
+            "item": "default.gain",
+            "wanted": "2",
+            "found": "7",
         },
     ]
     assert run("rtcheck", "-s", "Sleepy", path)[0] == 2
     assert run("rtcheck", "--exit-detail", path)[0] == 1
+
+
+def test_check_shows_both_sides(run, file, world):
+    path = file()
+    run("rtresurrect", path)
+    assert run("rtcheck", "--diff", "-s", "inactive", path) == (0, "", "")
+    world.perform(act.Disconnect("wire"))
+    world.perform(act.Connect(ConnectorProfile("w2", "w", (SOURCE_OUT, SINK_IN), {})))
+    world.perform(act.SetParameters("Sink0", "default", {"gain": "7"}))
+    world.perform(act.Create("Sink?instance_name=More"))
+    world.perform(act.Connect(ConnectorProfile("w3", "w", (SOURCE_OUT, PortRef("More", "in")), {})))
+    world.set_state("Source0", LifeCycleState.ACTIVE)
+    assert run("rtcheck", "--diff", path) == (
+        1,
+        f"-{SOURCE}:out {SINK}:in  wire\n+{SOURCE}:out {SINK}:in  w2\n"
+        f"-{SINK} default.gain  2\n+{SINK} default.gain  7\n"
+        f"-{SINK} state  Active\n+{SINK} state  Inactive\n"
+        "+/localhost/More.rtc  RTC:Me:test:Sink:1.0\n"
+        f"+{SOURCE}:out /localhost/More.rtc:in  w3\n",
+        "",
+    )
+    world.perform(act.Delete("Sink0"))
+    out = run("rtcheck", "--diff", path)[1]
+    assert out.startswith(f"-{SINK}  RTC:Me:test:Sink:1.0\n-{SOURCE}:out {SINK}:in  wire\n")
+    world.update("Source0", type=TypeProfile("Other"), active_set="x", trouble="stopped")
+    out = run("rtcheck", "--diff", path)[1]
+    assert f"-{SOURCE}  RTC:Me:test:Source:1.0\n+{SOURCE}  RTC:::Other:\n" in out
+    assert f"+{SOURCE}  stopped\n" in out
+
+
+def test_surplus_is_no_deviation(run, file, world):
+    path = file()
+    run("rtresurrect", path)
+    world.perform(act.Create("Sink?instance_name=More"))
+    more = "+/localhost/More.rtc  RTC:Me:test:Sink:1.0\n"
+    assert run("rtcheck", "--diff", "-s", "inactive", path) == (0, more, "")
 
 
 def test_check_forgives_what_is_optional(run, file):
