@@ -177,7 +177,7 @@ class Runner:
 
     def _show_modules(self, snapshot: Snapshot) -> None:
         """List the types of modules that are loaded or could be; the rest with its reason."""
-        files = {name: "" for name in _types(snapshot)}
+        files = dict.fromkeys(_types(snapshot), "")
         problems = []
         for line in self._app.tree.get("get_loadable_modules").splitlines():
             name, _, told = line.partition("?")

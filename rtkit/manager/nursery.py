@@ -211,7 +211,7 @@ class Nursery:
     def _start(self) -> tuple[Channel, int]:
         ours, theirs = socket.socketpair()
         theirs.set_inheritable(True)
-        module = ["-m", "rtkit.manager.zygote"]
+        module = ["-P", "-m", "rtkit.manager.zygote"]
         arguments = [sys.executable, *module, str(theirs.fileno()), self._settings["zygote"]]
         pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
         theirs.close()
