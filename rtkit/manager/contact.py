@@ -49,6 +49,11 @@ class Contact:
         self._wake = _catch_term()
         self._has_term = False
 
+    @property
+    def is_alone(self) -> bool:
+        """Whether there is no manager at present."""
+        return self._channel is None
+
     def greet(self, key: int) -> None:
         """Report for the first time, to the manager that had this slave forked.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Container, Iterator
+from collections.abc import Collection, Container, Iterator
 from typing import NamedTuple
 
 MARK = "RTKIT_SLAVE"
@@ -23,13 +23,14 @@ class _Process(NamedTuple):
         return self.state in "ZX"
 
 
-def end_session(leader: int) -> None:
-    """Kill what is left of a slave: its session, and orphans that bear its mark.
+def end_sessions(leaders: Collection[int]) -> None:
+    """Kill what is left of slaves: their sessions, and orphans that bear their marks.
 
-    The slave itself may call it last of all.
+    One look through all processes serves any number of slaves. A slave may call it for itself,
+    last of all.
     """
     own = os.getpid()
-    mark = f"{MARK}={leader}".encode()
+    marks = {f"{MARK}={leader}".encode() for leader in leaders}
     killed = {own}
     while True:
         left = [
@@ -38,8 +39,8 @@ def end_session(leader: int) -> None:
             if process.pid not in killed
             and not process.is_over
             and (
-                process.session == leader
-                or (process.parent == own and mark in _environment(process.pid))
+                process.session in leaders
+                or (process.parent == own and not marks.isdisjoint(_environment(process.pid)))
             )
         ]
         if not left:

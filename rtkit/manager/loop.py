@@ -84,6 +84,8 @@ class Loop:
                 self._handle(ev.Tick())
             self._lines.check_settled()
             self._look()
+            if self._nursery.sweep_at is not None and time.monotonic() >= self._nursery.sweep_at:
+                self._nursery.sweep()
 
     def close(self) -> None:
         """Let go of all descriptors; what is posted from now on is not heard."""
@@ -95,7 +97,7 @@ class Loop:
 
     def _patience(self) -> float | None:
         look_at = self._look_at if self._watchman.has_work else None
-        wishes = (self._wake_at, self._lines.deadline, look_at)
+        wishes = (self._wake_at, self._lines.deadline, self._nursery.sweep_at, look_at)
         moments = [moment for moment in wishes if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
 

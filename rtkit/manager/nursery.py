@@ -12,6 +12,7 @@ import os
 import signal
 import socket
 import sys
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
@@ -19,10 +20,13 @@ from typing import Any
 from rtkit.link.streams import remove_socket
 from rtkit.manager import events as ev
 from rtkit.manager.fosters import Fosters
-from rtkit.manager.leftovers import end_children, end_session, reap_orphans
+from rtkit.manager.leftovers import end_children, end_sessions, reap_orphans
 from rtkit.manager.watchman import beats_path, stack_path
 from rtkit.manager.wire import Channel
 from rtkit.manager.zygote import ENDS, STOPS, reason
+
+_SWEEP_S = 0.1
+"""How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
 
 _log = logging.getLogger(__name__)
 _PR_SET_CHILD_SUBREAPER = 36
@@ -38,7 +42,11 @@ def become_subreaper() -> None:
 
 
 class Nursery:
-    """Where slaves are born; for `selectors` it is the socket to the zygote."""
+    """Where slaves are born; for `selectors` it is the socket to the zygote.
+
+    Attributes:
+        sweep_at: When `sweep` is due, monotonic [s]; None while nothing is to be swept.
+    """
 
     def __init__(self, settings: Mapping[str, Any]) -> None:
         self._settings = dict(settings)
@@ -47,6 +55,8 @@ class Nursery:
         self._pidfds: dict[int, int] = {}
         self._asked: dict[int, str] = {}
         self._adopted: set[int] = set()
+        self._over: set[int] = set()
+        self.sweep_at: float | None = None
         self.fosters = Fosters(self._settings["zygote"])
         self._channel, self._zygote = self._start()
 
@@ -150,8 +160,15 @@ class Nursery:
         for pid in reap_orphans({self._zygote, *self._keys}):
             self._remove_files(pid)
 
+    def sweep(self) -> None:
+        """End what the slaves that ended lately have left behind."""
+        if self._over:
+            over, self._over, self.sweep_at = self._over, set(), None
+            end_sessions(over)
+
     def close(self) -> None:
         """End the zygotes, and whatever components started and left behind."""
+        self.sweep()
         self._channel.close()
         self.fosters.close()
         end_children()
@@ -197,7 +214,9 @@ class Nursery:
         pidfd = self._pidfds.pop(key, None)
         if pidfd is not None:
             os.close(pidfd)
-        end_session(pid)
+        self._over.add(pid)
+        if self.sweep_at is None:
+            self.sweep_at = time.monotonic() + _SWEEP_S
         return ev.SlaveEnded(key, why)
 
     def _remove_files(self, pid: int) -> None:

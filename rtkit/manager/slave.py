@@ -18,7 +18,7 @@ from rtkit.manager.beats import Beats
 from rtkit.manager.connect import Wires
 from rtkit.manager.contact import Contact
 from rtkit.manager.holder import Holder
-from rtkit.manager.leftovers import MARK, end_session
+from rtkit.manager.leftovers import MARK, end_sessions
 from rtkit.manager.loader import Loader
 from rtkit.manager.watchman import STACK_SIGNAL, beats_path, stack_path
 
@@ -56,7 +56,8 @@ def run(key: int, name: str, settings: Any) -> None:
     contact.greet(key)
     threading.Thread(target=_listen, args=(contact, holder), name="control", daemon=True).start()
     holder.run()
-    end_session(os.getpid())
+    if contact.is_alone:
+        end_sessions({os.getpid()})  # a manager would do it
     logging.shutdown()
     sys.stdout.flush()
 
