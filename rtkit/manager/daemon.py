@@ -22,7 +22,7 @@ from rtkit.link import keys, places
 from rtkit.manager import configuring
 from rtkit.manager.configuration import Wanted, door, read, wanted_from_text
 from rtkit.manager.core import Core
-from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, StopAsked
+from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, OperationAsked, StopAsked
 from rtkit.manager.nursery import Nursery, become_subreaper
 from rtkit.manager.properties import Settings
 from rtkit.manager.report import Report
@@ -30,6 +30,7 @@ from rtkit.manager.restarting import execute_again
 from rtkit.manager.startup import StartUp
 from rtkit.manager.state import Process, State
 from rtkit.resources import resource as shipped
+from rtkit.rtc.address import parse_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
 from rtkit.version import __version__
 
@@ -61,6 +62,7 @@ def run(name: str, wanted: Wanted) -> int:
             state = _state(name, folder, configuration.settings)
             loop = _assemble(state, report.warn, stack)
             start_up = StartUp(state, loop.post, partial(_started, loop, report, state.settings))
+            _register(loop, state, stack)
             loop.settle(start_up.begin)
             loop.run()
     except RtkitError as error:
@@ -196,6 +198,22 @@ def _open_front(
         stack.callback(front[0].close)
         state.port = front[1]
     state.properties["rtkit.address"] = f"{LOCAL}:{state.port}" if state.port else ""
+
+
+def _register(loop: Loop, state: State, stack: ExitStack) -> None:
+    """Register with the master, if there is to be one."""
+    settings = state.settings
+    if settings.flag("manager.is_master"):
+        return
+    from rtkit.manager.registrar import Registrar
+
+    master = parse_address(settings.text("net.master_manager"))
+    every_s = settings.number("manager.update_master_manager.interval")
+    if not settings.flag("manager.update_master_manager.enable"):
+        every_s = 0.0
+    found = OperationAsked("add_master_manager", str(master), lambda _reply: None)
+    registrar = Registrar(master, state.name, every_s, lambda: loop.post(found))
+    stack.callback(registrar.close)
 
 
 def _state(name: str, folder: str, settings: Settings) -> State:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.manager import formats, values
+from rtkit.rtc.address import parse_address
 
 LIVE = "live"
 START = "start"
@@ -60,8 +61,8 @@ manager.instance_name | | text | start | name in the tree; the name given to rtm
 manager.naming_formats | %h.host_cxt/%n.mgr | text | - | the manager shows at /localhost/NAME.mgr
 manager.is_master | YES | boolean | start | NO: registers with net.master_manager as its slave
 manager.net_servant | YES | boolean | start | NO: no front door (as -a)
-manager.update_master_manager.enable | YES | boolean | - | the link to the master never ends
-manager.update_master_manager.interval | 10.0 | number | - | [s]
+manager.update_master_manager.enable | YES | boolean | start | register again and again
+manager.update_master_manager.interval | 10.0 | number | start | how often [s]
 manager.components.naming_policy | process_unique | text | - | names are unique in the manager
 manager.components.precreate | | list | start | create strings of components to make at start
 manager.components.preconnect | | list | start | connections: A.out?port=B.in&dataflow_type=push
@@ -143,6 +144,7 @@ _READERS: Mapping[str, Callable[[str], object]] = {
     "manager.cpu_affinity": values.processors,
     "manager.modules.preload": values.modules,
     "manager.preload.modules": values.modules,
+    "net.master_manager": parse_address,
     "naming.formats": formats.check,
     "net.endpoints": values.endpoint,
 }

@@ -13,6 +13,7 @@ from rtkit.deployment.part import part_of
 from rtkit.deployment.watch import watch_from_text
 from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
+from rtkit.link.running import managers
 from rtkit.manager import configuring, operations
 from rtkit.manager.events import BatchAsked, Event, OperationAsked, StopAsked, WatchAsked
 from rtkit.manager.loadable import loadable
@@ -114,6 +115,9 @@ class Desk:
             raise Refused(f"{name} is an operation: set it to its argument")
         if value is None:
             raise NotFound(f"no such property: {name}")
+        if name == "get_slave_managers" and self._state.slaves:
+            gone = {each for each in self._state.slaves if ":" not in each} - set(managers())
+            value = "\n".join(each for each in value.splitlines() if each not in gone)
         return value
 
     def _operation(self, name: str, request: Request) -> Event:
