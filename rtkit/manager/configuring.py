@@ -5,11 +5,11 @@ from __future__ import annotations
 import os.path
 
 from rtkit.deployment.actions import Result
-from rtkit.errors import Refused
-from rtkit.manager.events import Message
+from rtkit.errors import Refused, RtkitError
+from rtkit.manager.events import OWN_PROCESS, Message
 from rtkit.manager.properties import INHERITED, canonical
 from rtkit.manager.state import State
-from rtkit.manager.wishes import Procedure, Tell
+from rtkit.manager.wishes import Ask, Procedure, Tell
 
 _CONFIG_FILE = ".config_file"
 _OF_PROCESSES = ("manager.modules.", "manager.cpu_affinity", "logger.")
@@ -68,11 +68,17 @@ def change(state: State, argument: str) -> Procedure:
     key = key.strip()
     if canonical(key) in state.properties:
         raise Refused(f"read-only property: {key}")
+    before = state.settings.copy()
     state.settings.change(key, value)
     if canonical(key).startswith(_OF_PROCESSES):
         told = message(state)
+        try:
+            yield Ask(state.processes[OWN_PROCESS], told)
+        except RtkitError:
+            state.settings = before
+            raise
         for process in list(state.processes.values()):
-            if process.is_ready:
+            if process.is_slave and process.is_ready:
                 yield Tell(process, told)
     return Result(value=lookup(state, key) or "")
 

@@ -221,6 +221,12 @@ class Settings:
         for key, value in (given or {}).items():
             self.take(key, value)
 
+    def copy(self) -> Settings:
+        """Return the same, to go back to."""
+        other = Settings()
+        other._values, other._spellings = dict(self._values), dict(self._spellings)
+        return other
+
     def take(self, key: str, value: str) -> None:
         """Note a value, also of an unknown key.
 
