@@ -1,4 +1,4 @@
-"""Run all measurements, or the groups named: ``python -m bench [commands launch ports faults]``.
+"""Run all measurements, or the groups named: ``python -m bench [commands ports rates …]``.
 
 One line of JSON per row as it is measured, then a table, on stdout. The exit status is 0 also
 when a target is missed: machines differ, and the table says it.
@@ -11,7 +11,7 @@ import sys
 
 from bench.harness import table
 
-GROUPS = ("commands", "launch", "ports", "faults")
+GROUPS = ("commands", "launch", "ports", "rates", "faults")
 
 
 def main(names: list[str]) -> int:
