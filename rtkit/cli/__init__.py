@@ -16,6 +16,7 @@ COMMANDS: dict[str, str] = {
     "dis": "rtdis",
     "exit": "rtexit",
     "find": "rtfind",
+    "fsm": "rtfsm",
     "ls": "rtls",
     "mgr": "rtmgr",
     "pwd": "rtpwd",

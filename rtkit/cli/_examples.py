@@ -78,6 +78,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtfind /localhost -t z", "All zombies of this host."),
         ("rtfind . -m 1 -i 'motor?.rtc'", "In this directory, capitals or not."),
     ),
+    "rtfsm": (
+        ("rtfsm /localhost/Microwave0.rtc getstate", "Print the present state."),
+        ("rtfsm Microwave0.rtc seteventprofiles open:TimedLong,close:TimedLong", "Other events."),
+        ("rtfsm Microwave0.rtc setstructure microwave.scxml", "Other states and transitions."),
+    ),
     "rtkit": (
         ("rtkit ls /localhost", "The same as rtls /localhost."),
         ("rtkit conf -h", "Tell about one verb."),

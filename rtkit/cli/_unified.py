@@ -27,6 +27,7 @@ SUMMARIES: dict[str, str] = {
     "dis": "Remove connections.",
     "exit": "Finalise a component and end it.",
     "find": "Search the tree.",
+    "fsm": "Look at and change the state machine of a component.",
     "ls": "List directories, managers and components of the tree.",
     "mgr": "Start, stop and command managers.",
     "pwd": "Print the working directory in the tree.",

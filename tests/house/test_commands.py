@@ -54,6 +54,14 @@ def test_files_and_scripts_are_those_of_the_table() -> None:
     assert scripts == {name: f"rtkit.cli.{name}:main" for name in COMMANDS.values()} | SHARED
 
 
+def test_the_readme_lists_each_command_once() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    rows = text.partition("## Commands")[2].partition("\n## ")[0].splitlines()
+    cells = [row.split(" | ")[0].removeprefix("| ") for row in rows if row.startswith("| `rt")]
+    listed = [name.strip("`") for cell in cells for name in cell.split()]
+    assert sorted(listed) == sorted(COMMANDS.values())
+
+
 @pytest.mark.parametrize("verb", COMMANDS)
 def test_a_command_s_help_begins_as_the_table_says(verb: str) -> None:
     main = importlib.import_module(f"rtkit.cli.{COMMANDS[verb]}").main

@@ -2,7 +2,7 @@
 
 In ``cases/*.txt``: ``$`` a command line, or several with ``&&`` between, then what stdout shows
 (``␠`` is a blank at the end of a line), ``!`` a line of stderr, ``?`` the exit status where it is
-not 0, ``=`` the connections left.
+not 0, ``=`` the connections left. ``@`` in the first lines names what a file's world needs more.
 """
 
 from __future__ import annotations
@@ -21,7 +21,18 @@ FOLDER = Path(__file__).parent / "cases"
 WIRES = {"a": ("Std0", "Std0"), "b": ("Std0", "Input0"), "c": ("Output0", "Input0")}
 
 
+def give_machine(world: World) -> None:
+    """Make Std0 a component with a state machine."""
+    states = {"Off": {"toggle": "On"}, "On": {"toggle": "Off"}, "On.Dim": {}}
+    events = {"toggle": "RTC::TimedShort", "more": "Mine::Event"}
+    world.update("Std0", fsm_state="On.Dim", fsm_states=states, fsm_events=events)
+
+
+NEEDS = {"machine": give_machine}
+
+
 class Case(NamedTuple):
+    needs: str
     line: str
     out: str
     err: str
@@ -31,12 +42,16 @@ class Case(NamedTuple):
 
 def read_cases(file: Path) -> list[Case]:
     cases: list[Case] = []
+    needs = ""
     for text in file.read_text(encoding="utf-8").splitlines():
         mark, rest = text[:2], text[2:]
         if mark == "# ":
             continue
         if mark == "$ ":
-            cases.append(Case(rest, "", "", 0, None))
+            cases.append(Case(needs, rest, "", "", 0, None))
+            continue
+        if mark == "@ ":
+            needs = rest
             continue
         case = cases.pop()
         if mark == "! ":
@@ -56,6 +71,8 @@ CASES = [case for file in sorted(FOLDER.glob("*.txt")) for case in read_cases(fi
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.line)
 def test_case(run: Callable[[str], Any], world: World, case: Case) -> None:
+    if case.needs:
+        NEEDS[case.needs](world)
     if case.wires is not None:
         for name, (source, sink) in WIRES.items():
             ends = (PortRef(source, "out"), PortRef(sink, "in"))
