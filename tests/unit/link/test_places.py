@@ -1,0 +1,106 @@
+"""Folders that are this user's alone, paths that sockets can have, and who is the manager."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rtkit.errors import Refused
+from rtkit.link import places
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    folder = tmp_path / "folder"
+    folder.mkdir(mode=0o700)
+    return folder
+
+
+def test_a_folder_that_is_missing_is_made_for_us_alone(tmp_path: Path) -> None:
+    path = str(tmp_path / "a" / "b")
+    old = os.umask(0)
+    try:
+        assert places.make_private(path) == path
+    finally:
+        os.umask(old)
+    assert os.stat(path).st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize("mode", [0o701, 0o710, 0o704, 0o777, 0o750])
+def test_a_folder_that_is_open_to_others(folder: Path, mode: int) -> None:
+    folder.chmod(mode)
+    with pytest.raises(Refused, match=f"open to other users \\(mode {mode:o}\\): {folder}"):
+        places.make_private(str(folder))
+
+
+def test_a_folder_of_another_user(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: own + 1)
+    with pytest.raises(Refused, match=f"belongs to another user: {folder}"):
+        places.make_private(str(folder))
+
+
+def test_a_folder_without_permission(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # root may write everywhere
+    with pytest.raises(Refused, match=f"no permission to write in folder: {folder}"):
+        places.make_private(str(folder))
+
+
+def test_what_is_no_folder(folder: Path) -> None:
+    (folder / "file").write_text("")
+    (folder / "link").symlink_to(folder)
+    with pytest.raises(Refused, match=r"cannot use folder .*file: File exists"):
+        places.make_private(str(folder / "file"))
+    with pytest.raises(Refused, match=r"not a folder: .*link"):
+        places.make_private(str(folder / "link"))
+    with pytest.raises(Refused, match="cannot use folder"):
+        places.make_private(str(folder / "file" / "below"))
+
+
+def test_the_length_of_a_socket_s_path() -> None:
+    for letter, count in (("x", 107), ("é", 53)):
+        path = "/" + letter * (count - 1)
+        assert places.check_socket_length(path) == path
+    for path in ("/" + "x" * 107, "/" + "é" * 54):
+        with pytest.raises(Refused, match="longer than 107 bytes, set RTKIT_RUNTIME_DIR"):
+            places.check_socket_length(path)
+
+
+@pytest.mark.parametrize("character", '#?"\\')
+def test_characters_that_end_an_endpoint(character: str) -> None:
+    with pytest.raises(Refused, match="not allowed"):
+        places.check_socket_length(f"/run/a{character}b")
+
+
+def test_who_holds_the_lock(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(folder))
+    assert places.owner("manager") is None
+    lock = Path(places.manager_lock("manager"))
+    lock.write_text("4711\n")
+    assert places.owner("manager") is None  # nobody holds it, whatever it says
+    script = (
+        "import fcntl, sys\n"
+        f"file = open({str(lock)!r}, 'r+')\n"
+        "fcntl.lockf(file, fcntl.LOCK_EX)\n"
+        "print('locked', flush=True)\n"
+        "sys.stdin.read()\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == b"locked\n"
+        assert places.owner("manager") == holder.pid
+        with lock.open("r+") as file, pytest.raises(BlockingIOError):
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        holder.kill()
+        holder.wait()
+    assert places.owner("manager") is None
+    lock.unlink()
+    lock.symlink_to(folder / "elsewhere")
+    assert places.owner("manager") is None
