@@ -75,7 +75,7 @@ def change(state: State, argument: str) -> Procedure:
         try:
             yield Ask(state.processes[OWN_PROCESS], told)
         except RtkitError:
-            state.settings = before
+            state.settings.put_back(key, before)
             raise
         for process in list(state.processes.values()):
             if process.is_slave and process.is_ready:

@@ -227,6 +227,14 @@ class Settings:
         other._values, other._spellings = dict(self._values), dict(self._spellings)
         return other
 
+    def put_back(self, key: str, before: Settings) -> None:
+        """Give one property the value that it had."""
+        name = canonical(key)
+        for own, others in ((self._values, before._values), (self._spellings, before._spellings)):
+            own.pop(name, None)
+            if name in others:
+                own[name] = others[name]
+
     def take(self, key: str, value: str) -> None:
         """Note a value, also of an unknown key.
 

@@ -21,6 +21,8 @@ def read_private(path: str, *, must_be_ours: bool = False) -> bytes:
         NotFound: There is no such file.
         Refused: It is no file, is too large, or strangers can have written it.
     """
+    if "\0" in path:
+        raise Refused(f"not a file: {path!r}")
     real = os.path.realpath(path)
     descriptor = _open(path, real)
     try:
@@ -44,9 +46,8 @@ def _open(path: str, real: str) -> int:
         return os.open(real, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
     except FileNotFoundError:
         raise NotFound(f"no such file: {path}") from None
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise Refused(f"cannot open {path}: {why}") from error
+    except OSError as error:
+        raise Refused(f"cannot open {path}: {error.strerror}") from error
 
 
 def _check_file(status: os.stat_result, path: str) -> None:
