@@ -71,6 +71,14 @@ class App:
         listing = self.tree.listing()
         return build(listing), listing.host
 
+    def others(self) -> list[str]:
+        """Return the other managers that are known, each as `connect` takes it."""
+        if not self._is_own_tree:
+            return []
+        from rtkit.tree.place import others
+
+        return others(self.tree)
+
     def at(self, address: Address) -> tuple[Tree, str]:
         """Return the connection to what an address stands for, and which slave of it, if any.
 

@@ -8,13 +8,24 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.errors import Malformed, NotFound, Partial, Refused, from_kind
+from rtkit.errors import (
+    Malformed,
+    NotFound,
+    Partial,
+    Refused,
+    RtkitError,
+    Unreachable,
+    from_kind,
+)
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
     from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
+    from rtkit.tree.client import Tree
     from rtkit.tree.view import Node
+
+_Failure = tuple[str, RtkitError]
 
 
 @command("rtdel")
@@ -30,12 +41,26 @@ def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:
     if len(paths) > 1:
         raise WrongArguments
     if paths:
-        actions = _below(app, app.path(paths[0]), zombies)
+        path = app.path(paths[0])
+        _raise(_remove(app.tree, _below(app, path, zombies)))
     elif zombies:
-        actions = _all_zombies(app.tree.listing())
+        _remove_zombies(app)
     else:
         raise Malformed("No path given.")
-    _remove(app, actions)
+
+
+def _remove_zombies(app: App) -> None:
+    """Remove the zombies of every manager that is known; one that is silent holds up no other."""
+    from rtkit.tree.client import connect
+
+    failures = _remove(app.tree, _all_zombies(app.tree.listing()))
+    for name in app.others():
+        try:
+            with connect(name, app.timeout_s) as tree:
+                failures += _remove(tree, _all_zombies(tree.listing()))
+        except Unreachable as error:
+            failures.append((name, error))
+    _raise(failures)
 
 
 def _below(app: App, path: Path, zombies: bool) -> list[Action]:
@@ -90,18 +115,25 @@ def _all_zombies(listing: Listing) -> list[Action]:
     return actions
 
 
-def _remove(app: App, actions: Sequence[Action]) -> None:
+def _remove(tree: Tree, actions: Sequence[Action]) -> list[_Failure]:
+    """Have all of it removed and return what remains."""
     from rtkit.deployment.actions import Delete, Unregister
 
     if not actions:
-        return
-    results = app.tree.apply(actions, is_ordered=False)
-    failures = []
+        return []
+    results = tree.apply(actions, is_ordered=False)
+    failures: list[_Failure] = []
     for action, result in zip(actions, results, strict=True):
         # Who removed it in the meantime did what was asked for.
         if not result.ok and result.kind != NotFound.kind:
             assert isinstance(action, Unregister | Delete)
             what = f"/{action.name}" if isinstance(action, Unregister) else action.instance
             failures.append((what, from_kind(result.kind, result.why)))
+    return failures
+
+
+def _raise(failures: Sequence[_Failure]) -> None:
+    if len(failures) == 1:
+        raise failures[0][1]
     if failures:
-        raise Partial(f"{len(failures)} of {len(actions)} names remain", failures)
+        raise Partial("the others are removed", failures)

@@ -9,9 +9,9 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.errors import Malformed, UsageProblem
+from rtkit.errors import Malformed, NotFound, Unreachable, UsageProblem
 from rtkit.tree.resolve import find
-from rtkit.tree.view import Kind, Node, build
+from rtkit.tree.view import Kind, Node
 
 _LETTERS: dict[str, tuple[Kind, ...]] = {
     "c": (Kind.COMPONENT,),
@@ -53,23 +53,28 @@ def main(
     names: tuple[str, ...],
     inames: tuple[str, ...],
     depth: int,
-) -> None:
+) -> int:
     """Search the tree.
 
     Prints the path of each entry, START among them, that is of one of the types and whose name
-    matches one of the patterns. Nothing found is no failure.
+    matches one of the patterns. Nothing found is no failure; a manager that does not answer,
+    and so could not be searched, is.
     """
     if len(starts) != 1:
         raise WrongArguments
     kinds = _kinds(letters)
     patterns = [_pattern(each, 0) for each in names]
     patterns += [_pattern(each, re.IGNORECASE) for each in inames]
-    start = _start(app, starts[0])
+    nodes = list(_walk(_start(app, starts[0]), depth or -1))
     _out.write(
         _out.printable(node.path)
-        for node in _walk(start, depth or -1)
+        for node in nodes
         if node.kind in kinds and _matches(node.name, patterns)
     )
+    silent = [node for node in nodes if node.trouble and not node.is_slave]
+    for node in silent:
+        app.fail(f"{node.path} was not searched: {node.trouble}")
+    return app.status(Unreachable()) if silent else 0
 
 
 def _kinds(letters: str) -> set[Kind]:
@@ -89,13 +94,11 @@ def _matches(name: str, patterns: Sequence[re.Pattern[str]]) -> bool:
 
 
 def _start(app: App, typed: str) -> Node:
-    from rtkit.errors import NotFound
-
     path = app.path(typed)
     if path.port is not None:
         raise Malformed(f"Not a directory: {path.typed}")
-    listing = app.tree.listing()
-    node = find(build(listing), path, listing.host)
+    root, hostname = app.root(path, is_deep=True)
+    node = find(root, path, hostname)
     if node is None:
         raise NotFound(f"No such object: {path.typed}")
     if path.is_directory and not node.is_directory:

@@ -42,6 +42,11 @@ def servers() -> list[str]:
     return [address for address in map(str.strip, given.split(";")) if is_address(address)]
 
 
+def others(tree: Tree) -> list[str]:
+    """Return the managers that are known beside the one asked, each as `connect` takes it."""
+    return [*_others(tree.manager), *servers()]
+
+
 def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[Node, str]:
     """Return the tree as far as `path` shows it, and the host that ``localhost`` means.
 

@@ -102,3 +102,39 @@ rtcwd; rtpwd
         "/",
     ]
     assert done.stderr == "rtcwd: Not a directory: ../no\n"
+
+
+def test_other_managers_are_searched_and_freed_of_zombies_too(manager: Any) -> None:
+    manager.ok("rtmgr start two")
+    two = "/localhost/two.mgr"
+    for place in (MANAGER, two):
+        manager.ok(f"rtmgr -c ConsoleOut?manager_name=s1 {place}")
+        pid = manager.ok(f"rtcat {place}/s1.mgr").splitlines()[2].split(": ")[1]
+        os.kill(int(pid), signal.SIGKILL)
+        while not manager.ok(f"rtfind {place} -m 1 -t z"):
+            pass
+    assert manager.ok("rtfind / -t z").split() == [
+        "/localhost/ConsoleOut0.rtc",
+        f"{MANAGER}/ConsoleOut0.rtc",
+        f"{MANAGER}/s1.mgr/ConsoleOut0.rtc",
+        f"{two}/ConsoleOut0.rtc",
+        f"{two}/s1.mgr/ConsoleOut0.rtc",
+    ]
+    manager.ok("rtdel -z")
+    assert manager.ok("rtfind / -t z") == ""
+    assert manager.ok("rtfind /localhost").split() == ["/localhost", MANAGER, two]
+
+
+def test_what_could_not_be_searched_is_told(manager: Any) -> None:
+    manager.ok("rtmgr start two")
+    pid = manager.ok("rtcat /localhost/two.mgr").splitlines()[2].split(": ")[1]
+    os.kill(int(pid), signal.SIGSTOP)
+    try:
+        status, out, err = manager.run("rtfind --timeout 0.5 --exit-detail /localhost")
+        assert (status, out.split()) == (5, ["/localhost", MANAGER, "/localhost/two.mgr"])
+        assert err.startswith("rtfind: /localhost/two.mgr was not searched: ")
+        status, out, err = manager.run("rtdel --timeout 0.5 --exit-detail -z")
+        assert (status, out) == (5, "")
+        assert err.startswith("rtdel: manager 'two' does not answer")
+    finally:
+        os.kill(int(pid), signal.SIGCONT)
