@@ -9,18 +9,14 @@ from __future__ import annotations
 
 import logging
 import queue
-import threading
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 from rtkit.component.base import Component
 from rtkit.component.composite import Composite
 from rtkit.component.context import ExecutionContext
-from rtkit.component.port import InPort, OutPort
-from rtkit.component.service import ServicePort
 from rtkit.component.standin import stand_in
-from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
-from rtkit.link.streams import Fetcher, Outlet
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.manager.beats import Beats, Slot
 from rtkit.manager.composites import Composites
 from rtkit.manager.connect import Wires
@@ -29,21 +25,19 @@ from rtkit.manager.events import Message
 from rtkit.manager.facts_out import facts_of
 from rtkit.manager.host import LATER
 from rtkit.manager.layers import layered
+from rtkit.manager.links import Links
 from rtkit.manager.loader import Loader
 from rtkit.manager.machines import Machines
 from rtkit.manager.pacer import Pacer
 from rtkit.manager.process_settings import configure
-from rtkit.manager.services import Services
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.plain import decode, encode
-from rtkit.rtc.profiles import ConnectorProfile
 
 _log = logging.getLogger(__name__)
 _CLOSE = object()
 _DEACTIVATE_S = 2.0
-E = TypeVar("E", Outlet, Fetcher)
 
 
 class Holder:
@@ -65,30 +59,23 @@ class Holder:
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._components: dict[str, Component] = {}
         self._pacers: dict[tuple[str, str], Pacer] = {}
-        self._profiles: dict[str, ConnectorProfile] = {}
         self._memory: dict[str, Mapping[str, Any]] = {}
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
         self._stale: set[Component] = set()
-        self._services = Services(self, wires)
+        self._links = Links(self, wires)
         self._composites = Composites(self)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
             "load": self._load,
             "unload": self._unload,
             "create": self._create,
             "delete": self._delete,
-            "link": self._link,
-            "sink": self._sink,
-            "source": self._source,
-            "serve": self._serve_values,
-            "fetch": self._fetch,
-            "unlink": self._unlink,
             "set": self._set,
             "activate_set": self._activate_set,
             "remember": self._remember,
             "configure": lambda message: configure(message, loader),
             **Contexts(self).operations,
-            **self._services.operations,
+            **self._links.operations,
             **Machines(self).operations,
         }
 
@@ -300,7 +287,7 @@ class Holder:
         self._memory.pop(instance, None)
         for port in component.ports.values():
             for connector_id in list(port.connectors):
-                self._cut(connector_id)
+                self._links.cut(connector_id)
         for key in [key for key in self._pacers if key[0] == instance]:
             self._pacers.pop(key).close(_DEACTIVATE_S)
             slot = self._slots.pop(key, None)
@@ -322,135 +309,8 @@ class Holder:
         ]
         return {
             "components": components,
-            "wires": [encode(wire) for wire in self._profiles.values()],
+            "wires": [encode(wire) for wire in self._links.wires],
         }
-
-    # connectors
-
-    def _link(self, message: Message) -> None:
-        wire = decode(ConnectorProfile, message["connector"])
-        if isinstance(self._port(wire, 0), ServicePort):
-            self._services.join(wire)
-            return
-        self._wires.join(wire, self._out_port(wire), self._in_port(wire))
-        self._profiles[wire.connector_id] = wire
-
-    def _sink(self, message: Message) -> str:
-        wire = decode(ConnectorProfile, message["connector"])
-        endpoint = self._wires.receive(wire, self._in_port(wire))
-        self._profiles[wire.connector_id] = wire
-        return endpoint
-
-    def _serve_values(self, message: Message) -> str:
-        wire = decode(ConnectorProfile, message["connector"])
-        endpoint = self._wires.serve(wire, self._out_port(wire))
-        self._profiles[wire.connector_id] = wire
-        return endpoint
-
-    def _source(self, message: Message) -> object:
-        wire = decode(ConnectorProfile, message["connector"])
-        self._out_port(wire)
-
-        def use(outlet: Outlet) -> None:
-            self._wires.send(wire, self._out_port(wire), outlet)
-
-        self._reach(message, wire, self._wires.find_receiver, use)
-        return LATER
-
-    def _fetch(self, message: Message) -> object:
-        wire = decode(ConnectorProfile, message["connector"])
-        self._in_port(wire)
-
-        def use(fetcher: Fetcher) -> None:
-            self._wires.fetch(wire, self._in_port(wire), fetcher)
-
-        self._reach(message, wire, self._wires.find_source, use)
-        return LATER
-
-    def _reach(
-        self,
-        message: Message,
-        wire: ConnectorProfile,
-        find: Callable[[ConnectorProfile, str], E],
-        use: Callable[[E], None],
-    ) -> None:
-        """Find the other end on a thread of its own, then use it here if it is still wanted."""
-        endpoint = message["endpoint"]
-        if wire.connector_id in self._profiles:
-            raise Refused(f"connection {wire.connector_id} is open, or being opened, here")
-        self._profiles[wire.connector_id] = wire
-
-        def run() -> None:
-            try:
-                end = find(wire, endpoint)
-            except Exception as failure:
-                error = failure  # the name of an except clause is gone when this is called
-                self.post(lambda: self._not_found(message, wire, endpoint, error))
-            else:
-                self.post(lambda: self._found(message, wire, end, use))
-
-        threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
-
-    def _found(
-        self, message: Message, wire: ConnectorProfile, end: E, use: Callable[[E], None]
-    ) -> None:
-        try:
-            if self._profiles.get(wire.connector_id) is not wire:
-                raise Refused(f"connection {wire.connector_id} was removed while it was made")
-            use(end)
-        except RtkitError as error:
-            end.close()
-            self._forget(wire)
-            self.refuse(message, error)
-        else:
-            self.answer(message, "")
-
-    def _not_found(
-        self, message: Message, wire: ConnectorProfile, endpoint: str, error: Exception
-    ) -> None:
-        self._forget(wire)
-        if not isinstance(error, RtkitError):
-            _log.error("cannot reach %s", endpoint, exc_info=error)
-            error = Unreachable(f"cannot reach {endpoint}: {error}")
-        self.refuse(message, error)
-
-    def _forget(self, wire: ConnectorProfile) -> None:
-        if self._profiles.get(wire.connector_id) is wire:
-            del self._profiles[wire.connector_id]
-
-    def _unlink(self, message: Message) -> None:
-        self._cut(message["connector_id"])
-
-    def _cut(self, connector_id: str) -> None:
-        wire = self._profiles.pop(connector_id, None)
-        for end in wire.ports if wire is not None else ():
-            component = self._components.get(end.instance)
-            port = component.ports.get(end.port) if component is not None else None
-            if isinstance(port, OutPort):
-                port.detach(connector_id)
-            elif isinstance(port, InPort):
-                port.close(connector_id)
-        self._services.cut(connector_id)
-        self._wires.cut(connector_id)
-
-    def _out_port(self, wire: ConnectorProfile) -> OutPort[Any]:
-        port = self._port(wire, 0)
-        if not isinstance(port, OutPort):
-            raise Refused("Wrong port type.")
-        return port
-
-    def _in_port(self, wire: ConnectorProfile) -> InPort[Any]:
-        port = self._port(wire, 1)
-        if not isinstance(port, InPort):
-            raise Refused("Wrong port type.")
-        return port
-
-    def _port(self, wire: ConnectorProfile, index: int) -> object:
-        end = wire.ports[index]
-        port = self.component(end.instance).ports.get(end.port)
-        if port is None:
-            raise NotFound(f"Port not found: {end}")
-        return port
 
     # configuration and state
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rtkit.component.invocation import Direct, Remote, Served, Target, answer
 from rtkit.component.service import ServicePort
@@ -27,8 +27,17 @@ class Services:
     def __init__(self, host: Host, wires: Wires) -> None:
         self._host = host
         self._wires = wires
-        self._open: dict[str, list[ServicePort]] = {}
-        self.operations: Operations = {"offer": self._offer, "consult": self._consult}
+        self._open: dict[str, tuple[ConnectorProfile, list[ServicePort]]] = {}
+        self.operations: Operations = {
+            "offer": self._offer,
+            "consult": self._consult,
+            "keep": self._keep,
+        }
+
+    @property
+    def wires(self) -> Iterator[ConnectorProfile]:
+        """The connectors that are open, or being opened, here."""
+        return (wire for wire, _ in self._open.values())
 
     def join(self, wire: ConnectorProfile) -> None:
         """Connect two service ports of this process: each calls what the other provides."""
@@ -42,7 +51,8 @@ class Services:
 
     def cut(self, connector_id: str) -> None:
         """Close a connector's ports; its ends are those of `Wires`."""
-        for port in self._open.pop(connector_id, ()):
+        _, ports = self._open.pop(connector_id, (None, []))
+        for port in ports:
             port.detach(connector_id)
 
     def _offer(self, message: Message) -> str:
@@ -70,6 +80,11 @@ class Services:
 
         threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
         return LATER
+
+    def _keep(self, message: Message) -> None:
+        """Note a connector over which nothing is called: no interface of it is known."""
+        wire = decode(ConnectorProfile, message["connector"])
+        self._attach(wire, self._port(wire, int(message["end"])), {})
 
     def _found(self, message: Message, wire: ConnectorProfile, end: int, caller: Caller) -> None:
         try:
@@ -100,7 +115,7 @@ class Services:
         self, wire: ConnectorProfile, port: ServicePort, targets: Mapping[str, Target]
     ) -> None:
         port.attach(wire, targets)
-        self._open.setdefault(wire.connector_id, []).append(port)
+        self._open.setdefault(wire.connector_id, (wire, []))[1].append(port)
 
     def _port(self, wire: ConnectorProfile, end: int) -> ServicePort:
         ref = wire.ports[end]

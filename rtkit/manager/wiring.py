@@ -113,13 +113,13 @@ def _open_services(
     if ends[0] is ends[1]:
         yield Ask(ends[0], {"op": "link", "connector": plain})
         return Result()
-    for provider, consumer in ((0, 1), (1, 0)):
-        if _provides(ports[provider], ports[consumer]):
-            endpoint = yield Ask(
-                ends[provider], {"op": "offer", "connector": plain, "end": provider}
-            )
-            wish = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
-            yield Ask(ends[consumer], wish)
+    ways = [way for way in ((0, 1), (1, 0)) if _provides(ports[way[0]], ports[way[1]])]
+    for provider, consumer in ways:
+        endpoint = yield Ask(ends[provider], {"op": "offer", "connector": plain, "end": provider})
+        wish = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
+        yield Ask(ends[consumer], wish)
+    for end in (0, 1) if not ways else ():
+        yield Ask(ends[end], {"op": "keep", "connector": plain, "end": end})
     return Result()
 
 

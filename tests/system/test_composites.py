@@ -131,6 +131,11 @@ def test_values_go_through_the_ports_that_it_shows(tree: Tree, notes: Any) -> No
     assert seen == ["A got 1", "B got 2", "C got 3"]
     edit(tree, "W", exported_ports="A.into")
     assert [wire.connector_id for wire in tree.snapshot().connectors] == ["in", "mid"]
+    tree.perform(act.ChangeState("S", "0", Transition.DEACTIVATE))
+    change(tree, "S", Transition.ACTIVATE)
+    assert notes.next(2) == ["A got 1", "B got 2"]
+    change(tree, "W", Transition.DEACTIVATE)
+    assert notes.next(2) == ["A W/0 deactivated", "B W/0 deactivated"]
     tree.perform(act.Delete("W"))
     assert [wire.connector_id for wire in tree.snapshot().connectors] == ["mid"]
     assert [c.id for c in facts(tree, "A").contexts if c.is_running] == ["0"]

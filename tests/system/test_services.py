@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import select
 import signal
 from typing import Any
 
@@ -14,7 +15,7 @@ from rtkit.errors import Refused, RtkitError
 from rtkit.resources import resource
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
-from rtkit.tree.client import Tree
+from rtkit.tree.client import Tree, connect
 
 FILE = resource("profiles", "systems", "my-service.xml")
 PEERS = """
@@ -192,3 +193,24 @@ def test_the_samples_as_a_system(manager: Any) -> None:
     told = json.loads(manager.ok("rtcat --json /localhost/MyServiceConsumer0.rtc"))
     assert told["state"] == "Active"
     manager.ok(f"rtteardown {FILE}")
+
+
+def test_calls_go_on_while_the_manager_is_away_and_the_next_one_knows_of_them(
+    manager: Any, tree: Tree
+) -> None:
+    peer(tree, "A", "near")
+    peer(tree, "B", "far")
+    wire(tree, "A", "B")
+    status = json.loads(manager.ok("rtmgr status --json"))
+    pidfd = os.pidfd_open(status["pid"])
+    os.kill(status["pid"], signal.SIGKILL)
+    assert select.select([pidfd], [], [], 10.0)[0]
+    os.close(pidfd)
+    manager.ok("rtmgr start")
+    with connect() as later:
+        assert [w.connector_id for w in later.snapshot().connectors] == ["AB"]
+        activate(later, "A")
+        later.perform(act.Disconnect("AB"))
+        later.perform(act.ChangeState("A", "0", Transition.DEACTIVATE))
+        with pytest.raises(Refused, match="no provider of Work is connected"):
+            activate(later, "A")

@@ -62,7 +62,12 @@ def test_pulling_the_side_that_is_asked_opens_first(shell, ends):
 
 
 def test_service_ports_need_no_stream(shell, ends):
-    assert shell.ask(Connect(wire("w", "A.svc", "B.svc"))).result.ok
+    asked = shell.ask(Connect(wire("w", "A.svc", "B.svc")))
+    for key in ends:
+        call = shell.next("keep")
+        assert call.key == key
+        shell.reply(call)
+    assert asked.result.ok
     assert not shell.calls
 
 
