@@ -35,6 +35,9 @@ class Method:
         self._hints = _hints(function, self.label)
         given = [f"{n}:{self._layout(n).name}" for n in self._shape.parameters]
         self.returns_nothing = self._hints.get("return", ...) is type(None)
+        kinds = [each.kind for each in self._shape.parameters.values()]
+        self._is_positional = inspect.Parameter.KEYWORD_ONLY not in kinds
+        self._count = len(kinds)
         result = "void" if self.returns_nothing else self._layout("return").name
         self.signature = f"{name}({','.join(given)})->{result}"
 
@@ -60,6 +63,8 @@ class Method:
 
     def call(self, function: Callable[..., Any], arguments: Sequence[Any]) -> Any:
         """Call an implementation with arguments in the order of the parameters."""
+        if self._is_positional:
+            return function(*arguments)
         shape = self._shape.parameters.values()
         pairs = list(zip(shape, arguments, strict=True))
         plain = [value for each, value in pairs if each.kind is not each.KEYWORD_ONLY]
@@ -93,6 +98,8 @@ class Method:
         Raises:
             Malformed: One is missing, or there is one too many.
         """
+        if not named and self._is_positional and len(arguments) == self._count:
+            return tuple(arguments)
         try:
             bound = self._shape.bind(*arguments, **named)
         except TypeError as error:
