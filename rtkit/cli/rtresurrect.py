@@ -18,6 +18,11 @@ from rtkit.errors import UsageProblem
     help="Generate what is missing from the profile, without its modules.",
 )
 @click.option("--transmit", is_flag=True, help="Stand-ins write default values while active.")
+@click.option(
+    "--strict-path",
+    is_flag=True,
+    help="Ends of connectors must tell the path of their component, where they tell one.",
+)
 @_system.system_options
 def main(
     app: App,
@@ -25,6 +30,7 @@ def main(
     no_create: bool,
     stand_in: bool,
     transmit: bool,
+    strict_path: bool,
     dry_run: bool,
     strict: bool,
     mapped: tuple[str, ...],
@@ -45,6 +51,10 @@ def main(
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
     profile = _system.read_profile(app, files, strict=strict)
+    if strict_path:
+        from rtkit.deployment.strict_paths import check_paths
+
+        check_paths(profile)
     before = _system.look(app, dry_run=dry_run)
     system = _system.wanted_system(
         app,
