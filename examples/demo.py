@@ -6,6 +6,7 @@ the exit status is 0 only when everything was as it must be and nothing is left.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -208,7 +209,12 @@ def processes(shell: Shell) -> dict[str, str]:
 
 def places(log: Path) -> list[str]:
     """Return what the log says of the robot's place."""
-    return [line for line in log.read_text().splitlines() if " x = " in line]
+    records = [json.loads(line) for line in log.read_text().split("\n")[:-1]]
+    return [
+        f"{record['time']} {record['component']}: {record['message']}"
+        for record in records
+        if record["message"].startswith("x = ")
+    ]
 
 
 def show(lines: list[str]) -> None:

@@ -110,8 +110,8 @@ class Shell:
         )
 
     def log(self) -> str:
-        """Return what managers logged."""
-        files = sorted((self.folder / "state").glob("*.log"))
+        """Return what managers and slaves logged and printed."""
+        files = sorted((self.folder / "state").glob("*.[lo][ou][gt]"))
         return "".join(f"\n{file.name}:\n{file.read_text()}" for file in files)
 
 

@@ -8,6 +8,7 @@ import stat
 from rtkit.errors import Refused
 
 _MAX_SOCKET_PATH = 107
+_MAX_FILE_NAME = 240
 _NOT_IN_ENDPOINTS = '#?"\\'
 _LOCK = "hhqqi"
 """``struct flock`` of Linux on 64 bits: type, whence, start, length, pid."""
@@ -51,9 +52,23 @@ def data_socket(manager: str, pid: int) -> str:
     return os.path.join(runtime_dir(), f"{manager}.{pid}.data")
 
 
-def log_file(manager: str) -> str:
-    """Return the path of a manager's log."""
-    return os.path.join(state_dir(), f"{manager}.log")
+def log_file(manager: str, slave: str = "") -> str:
+    """Return the path of a manager's log, or of the log of a slave of it."""
+    return os.path.join(state_dir(), _of_process(manager, slave, ".log"))
+
+
+def output_file(manager: str, slave: str = "") -> str:
+    """Return the path of what a process writes past its log, as plain text."""
+    return os.path.join(state_dir(), _of_process(manager, slave, ".out"))
+
+
+def _of_process(manager: str, slave: str, suffix: str) -> str:
+    name = os.fsencode(f"{manager}.{slave}" if slave else manager)
+    if len(name) > _MAX_FILE_NAME:
+        import zlib
+
+        name = name[: _MAX_FILE_NAME - 9] + b"~%08x" % zlib.crc32(name)
+    return os.fsdecode(name) + suffix
 
 
 def make_private(path: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fcntl
-import logging
 import os
 import resource
 import signal
@@ -23,6 +22,7 @@ from rtkit.manager import configuring
 from rtkit.manager.configuration import Wanted, door, read, wanted_from_text
 from rtkit.manager.core import Core
 from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, OperationAsked, StopAsked
+from rtkit.manager.logs import open_log
 from rtkit.manager.nursery import Nursery, become_subreaper
 from rtkit.manager.properties import Settings
 from rtkit.manager.report import Report
@@ -47,20 +47,26 @@ _KINDS = ("data", "beats", "stack", "zygote")
 _DESCRIPTORS = 65_536
 
 
-def run(name: str, wanted: Wanted) -> int:
+def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
     """Be the manager of that name until told to stop; return the exit status.
 
     Whoever started it hears when it answers, or why it does not start. A restart never returns.
+
+    Args:
+        name: Of the manager.
+        wanted: What the command line says of properties.
+        is_shown: It runs in the foreground: what is logged goes to stderr too.
     """
     report, folder = Report(), os.getcwd()
     _forget_folder(folder)
     try:
         configuration = read(wanted)
-        for text in configuration.warnings:
-            report.warn(text)
         with ExitStack() as stack:
+            _claim(name, is_shown, stack)
+            for text in configuration.warnings:
+                report.warn(text)
             state = _state(name, folder, configuration.settings)
-            loop = _assemble(state, report.warn, stack)
+            loop = _assemble(state, is_shown, report.warn, stack)
             start_up = StartUp(state, loop.post, partial(_started, loop, report, state.settings))
             _register(loop, state, stack)
             loop.settle(start_up.begin)
@@ -71,7 +77,6 @@ def run(name: str, wanted: Wanted) -> int:
         report.give_up(str(error))
         return error.exit_code
     if loop.desk.restart is not None:
-        logging.shutdown()
         execute_again(folder, loop.desk.restart.report)
     return 1 if loop.has_failed else 0
 
@@ -104,8 +109,8 @@ def _raise_limits() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
-def _assemble(state: State, warn: Callable[[str], None], stack: ExitStack) -> Loop:
-    name, host = state.name, state.host
+def _claim(name: str, is_shown: bool, stack: ExitStack) -> None:
+    """Become the manager of that name, with its log."""
     with open("/proc/self/comm", "w", encoding="utf-8", errors="replace") as comm:
         comm.write(f"rtkit {name}")
     places.make_private(places.runtime_dir())
@@ -114,11 +119,18 @@ def _assemble(state: State, warn: Callable[[str], None], stack: ExitStack) -> Lo
         places.check_socket_length(path)
     take_lock(name, stack)
     remove_stale(name)
+    stack.enter_context(open_log(name, is_shown=is_shown))
+
+
+def _assemble(state: State, is_shown: bool, warn: Callable[[str], None], stack: ExitStack) -> Loop:
+    name, host = state.name, state.host
     become_subreaper()
     _raise_limits()
     data = os.path.join(places.runtime_dir(), f"{name}.%p{_DATA_SUFFIX}")
     nursery = Nursery(
         {
+            "manager": name,
+            "is_shown": is_shown,
             "control": places.control_socket(name),
             "data": data,
             "host": host,
@@ -307,16 +319,9 @@ def _is_of_the_dead(entry: str, name: str) -> bool:
 def main() -> int:
     """Run as a process of its own: name, and what the command line says of properties."""
     name, wanted = sys.argv[1], wanted_from_text(sys.argv[2])
-    logging.basicConfig(
-        stream=sys.stderr,
-        level=logging.INFO,
-        format=f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s",
-    )
     return run(name, wanted)
 
 
 if __name__ == "__main__":
     status = main()
-    logging.shutdown()
-    sys.stdout.flush()
     os._exit(status)  # component threads that hang must not keep the process

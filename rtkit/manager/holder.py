@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import queue
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from rtkit.component.base import Component
@@ -24,12 +25,11 @@ from rtkit.manager.contexts import Contexts, release
 from rtkit.manager.events import Message
 from rtkit.manager.facts_out import facts_of
 from rtkit.manager.host import LATER
-from rtkit.manager.layers import layered
 from rtkit.manager.links import Links
 from rtkit.manager.loader import Loader
 from rtkit.manager.machines import Machines
 from rtkit.manager.pacer import Pacer
-from rtkit.manager.process_settings import configure
+from rtkit.manager.process_settings import complete, configure
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
@@ -161,14 +161,12 @@ class Holder:
             raise Refused(f"{instance} exists already")
         if message.get("pattern") is not None:
             pattern = decode(ComponentPattern, message["pattern"])
-            create = layered(create, pattern.type, message, inherits=False)
+            create = complete(message, create, pattern.type, inherits=False)
             component: Component = stand_in(pattern, instance, create.options)
         else:
             for path, init in message.get("modules", ()):
                 self._loader.load(path, init)
-            component = self._loader.make(
-                create, lambda create, type: layered(create, type, message)
-            )
+            component = self._loader.make(create, partial(complete, message))
         self._watched(instance, "on_initialize", component.initialize)
         self._components[instance] = component
         self._memory[instance] = message.get("kept", {})

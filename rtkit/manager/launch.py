@@ -78,12 +78,9 @@ def read_report(name: str, pid: int, told: list[str]) -> Started:
 
 def run(name: str, wanted: Wanted) -> int:
     """Be the manager in the foreground; return the exit status."""
-    import logging
-
     from rtkit.manager.daemon import run as run_daemon
 
-    logging.basicConfig(stream=sys.stderr, level=logging.INFO, format="%(message)s")
-    return run_daemon(name, wanted)
+    return run_daemon(name, wanted, is_shown=True)
 
 
 def hear(descriptor: int, timeout_s: float) -> list[str] | None:

@@ -1,4 +1,4 @@
-"""What properties mean for one process: its log, its processors, where it looks for modules."""
+"""What properties mean for a process and its components: logs, processors, where modules are."""
 
 from __future__ import annotations
 
@@ -7,17 +7,16 @@ import os
 
 from rtkit.errors import Refused
 from rtkit.manager.events import Message
+from rtkit.manager.layers import layered
 from rtkit.manager.loader import Loader
+from rtkit.manager.logfile import LogFile, Lossy, Target, Terminal
+from rtkit.manager.logs import begin_component, level_of
 from rtkit.manager.properties import Settings
+from rtkit.manager.records import Readable
 from rtkit.manager.values import processors
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.profiles import TypeProfile
 
-_LEVELS = {
-    "FATAL": logging.CRITICAL,
-    "ERROR": logging.ERROR,
-    "WARN": logging.WARNING,
-    "INFO": logging.INFO,
-}
-_SILENT = logging.CRITICAL + 1
 _STREAMS = {"stdout": 1, "stderr": 2}
 
 
@@ -37,10 +36,22 @@ def configure(message: Message, loader: Loader) -> None:
     )
 
 
+def complete(
+    message: Message, create: CreateString, type: TypeProfile, *, inherits: bool = True
+) -> CreateString:
+    """Return a create string with all properties; its component's log is as they say from now on.
+
+    Raises:
+        RtkitError: A property, or a file of them, cannot be read.
+    """
+    whole = layered(create, type, message, inherits=inherits)
+    begin_component(create.instance_name, whole.options, message.get("inherited") or {})
+    return whole
+
+
 def set_log_level(level: str) -> None:
-    """Log what is at least of this level; everything finer than DEBUG is DEBUG, "" is nothing."""
-    silent = level in ("", "SILENT")
-    logging.getLogger().setLevel(_SILENT if silent else _LEVELS.get(level, logging.DEBUG))
+    """Log what is at least of this level, by its word; "" is nothing."""
+    logging.getLogger().setLevel(level_of(level or "SILENT"))
 
 
 def use_processors(wanted: frozenset[int]) -> None:
@@ -68,15 +79,17 @@ def add_log_files(settings: Settings, name: str) -> None:
     Raises:
         Refused: A file cannot be written.
     """
-    layout = f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s"
-    formatter = logging.Formatter(layout, settings.text("logger.date_format"))
+    formatter = Readable(name, settings.text("logger.date_format"))
     for item in settings.items("logger.file_name"):
         path = item.replace("%p", str(os.getpid()))
-        try:
-            target: int | str = _STREAMS.get(path.lower(), path)
-            stream = open(target, "a", encoding="utf-8", closefd=path is target)  # noqa: SIM115
-        except OSError as error:
-            raise Refused(f"cannot write log file {path}: {error.strerror}") from error
-        handler = logging.StreamHandler(stream)
-        handler.setFormatter(formatter)
-        logging.getLogger().addHandler(handler)
+        descriptor = _STREAMS.get(path.lower())
+        target: Target
+        if descriptor is not None:
+            target = Terminal(os.dup(descriptor))
+        else:
+            target = LogFile(path)
+            try:
+                target.write(b"")
+            except OSError as error:
+                raise Refused(f"cannot write log file {path}: {error.strerror}") from error
+        logging.getLogger().addHandler(Lossy(target, formatter))

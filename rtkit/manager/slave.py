@@ -6,10 +6,8 @@ It outlives its manager (see `rtkit.manager.contact`) and ends when one tells it
 from __future__ import annotations
 
 import faulthandler
-import logging
 import os
 import signal
-import sys
 import threading
 from typing import Any
 
@@ -20,6 +18,7 @@ from rtkit.manager.contact import Contact
 from rtkit.manager.holder import Holder
 from rtkit.manager.leftovers import MARK, end_sessions
 from rtkit.manager.loader import Loader
+from rtkit.manager.logs import open_log
 from rtkit.manager.watchman import STACK_SIGNAL, beats_path, stack_path
 
 LAST_S = 5
@@ -32,13 +31,10 @@ def run(key: int, name: str, settings: Any) -> None:
     Args:
         key: Under which the manager knows this process.
         name: Name of the slave.
-        settings: ``control`` and ``data`` (socket paths), ``host``, ``load_path``.
+        settings: ``manager``, ``control`` and ``data`` (socket paths), ``host``, ``load_path``,
+            ``is_shown`` (the log goes to the terminal too).
     """
-    logging.basicConfig(
-        stream=sys.stderr,
-        level=logging.INFO,
-        format=f"%(asctime)s {name} %(levelname)s %(name)s: %(message)s",
-    )
+    log = open_log(settings["manager"], name, is_shown=settings["is_shown"])
     os.environ[MARK] = str(os.getpid())
     with open("/proc/self/comm", "w", encoding="utf-8") as comm:
         comm.write(f"rtkit {name}")
@@ -58,8 +54,7 @@ def run(key: int, name: str, settings: Any) -> None:
     holder.run()
     if contact.is_alone:
         end_sessions({os.getpid()})  # a manager would do it
-    logging.shutdown()
-    sys.stdout.flush()
+    log.close()
 
 
 def _listen(contact: Contact, holder: Holder) -> None:
