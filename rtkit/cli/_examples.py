@@ -115,7 +115,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtresurrect --dry-run robot.xml", "Tell what would be done."),
         ("rtresurrect --stand-in robot.xml", "Without the modules: stand-ins for components."),
     ),
-    "rtstart": (("rtstart robot.xml", "Activate the components of a profile in its order."),),
+    "rtstart": (
+        ("rtstart robot.xml", "Activate the components of a profile in its order."),
+        ("rtstart --dry-run robot.xml", "Tell in which order, and what each waits for."),
+        ("rtstart --plan robot.xml > robot.dot", "The same as a graph, for Graphviz."),
+    ),
     "rtstop": (("rtstop robot.xml", "Deactivate them in reverse order."),),
     "rtteardown": (
         ("rtteardown robot.xml", "Remove the connections of a profile."),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,6 +11,7 @@ from click.core import ParameterSource
 
 from rtkit.cli import _running, _system
 from rtkit.cli._app import App
+from rtkit.errors import InvalidDocument
 
 if TYPE_CHECKING:
     from rtkit.deployment.live import Live
@@ -28,6 +30,20 @@ def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any
         return click.option("--no-wait", is_flag=True, help=no_wait)(function)
 
     return decorate
+
+
+@contextmanager
+def naming(files: tuple[str, ...]) -> Iterator[None]:
+    """Put the file in front of what is found wrong in its orders.
+
+    Raises:
+        InvalidDocument: What was raised inside.
+    """
+    try:
+        yield
+    except InvalidDocument as error:
+        source = files[0] if files and files[0] != _system.STDIN else "<stdin>"
+        raise InvalidDocument(f"{source}: {error}") from error
 
 
 def run(

@@ -32,8 +32,9 @@ def main(
     from rtkit.deployment.running import start_plan
 
     profile = _system.read_profile(app, files, strict=strict)
-    orders = start_orders(profile)
-    stop_orders(profile)  # what cannot be stopped as written is not started
+    with _starting.naming(files):
+        orders = start_orders(profile)
+        stop_orders(profile)  # what cannot be stopped as written is not started
     _starting.run(
         app,
         profile,

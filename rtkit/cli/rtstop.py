@@ -32,11 +32,13 @@ def main(
     from rtkit.deployment.running import stop_plan
 
     profile = _system.read_profile(app, files, strict=strict)
-    orders = stop_orders(profile)
+    with _starting.naming(files):
+        orders = stop_orders(profile)
     started = NO_ORDERS
     try:
         if not orders:
-            started = start_orders(profile)
+            with _starting.naming(files):
+                started = start_orders(profile)
     except InvalidDocument as error:
         app.fail(f"{error}; stopped in reverse of the order of the components")
     _starting.run(

@@ -49,7 +49,7 @@ class Execution:
         self._over: set[Target] = set()
         self._states: Mapping[Target, str] = {}
         self._armed_at: float | None = None
-        self._moved_at = now
+        self._asked_at = self._moved_at = now
         self._unmet_since: dict[tuple[int, Condition], float] = {}
         self._reports: list[str] = []
         self._timeout_s = timeout_s
@@ -92,6 +92,7 @@ class Execution:
     def ready(self, now: float) -> list[Turn]:
         """Return what is to be sent now, in this order; from now on it counts as sent."""
         begun: list[Turn] = []
+        self._asked_at = now
         if self._deadline is not None and now >= self._deadline and not self.is_over:
             self._too_late(f"not finished within {self._timeout_s:g} s")
         elif self._queue:
@@ -120,18 +121,21 @@ class Execution:
         told, self._reports = self._reports, []
         return told
 
-    def next_moment(self, now: float) -> float | None:
-        """Return when `ready` is to be asked again though nothing happened; None for never."""
+    def next_moment(self) -> float | None:
+        """Return when `ready` is to be asked again though nothing happened; None for never.
+
+        It may have passed already: what was not yet due when `ready` was asked last counts.
+        """
         if self.failure:
             return None
         moments = [] if self._deadline is None else [self._deadline]
         if self._armed_at is not None:
             waits = (self._moment(c) for turn in self._waiting.values() for c in turn.conditions)
-            moments += [moment for moment in waits if moment > now]
+            moments += [moment for moment in waits if moment > self._asked_at]
             limits = [self._limit(entry) for entry in self._unmet_since if entry[1].timeout_ms]
             moments += [*limits, *self._end_of_patience()]
         elif not self._queue and not self._running and self._waiting:
-            moments.append(now)
+            moments.append(self._asked_at)
         return min(moments, default=None)
 
     def _next_immediate(self, now: float) -> list[Turn]:

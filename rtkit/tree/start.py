@@ -1,14 +1,16 @@
 """Carries out a start or stop on a tree: the shell of `rtkit.deployment.execution`.
 
 Each action is sent before the next one is taken up; its answer, and a change of a state that
-somebody waits for, is awaited by a thread of its own and comes back through a queue.
+somebody waits for, is awaited by a thread of its own. What these find is kept, and a queue wakes
+who waits for it: so an interruption, which may strike anywhere, loses no answer.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from queue import Empty, SimpleQueue
-from threading import Event, Thread
+from threading import Event, Lock, Thread
 from time import monotonic
 
 from rtkit.deployment.actions import Result
@@ -21,8 +23,6 @@ from rtkit.tree.client import Tree, bounded
 
 _WATCH_S = 60.0
 """How long the manager keeps a watch whose client went away [s]."""
-
-_Outcome = Result | BaseException
 
 
 class Starter:
@@ -50,10 +50,13 @@ class Starter:
         self._report = report
         self._told: set[str] = set()
         self._execution = Execution(plan, monotonic(), timeout_s, tree.timeout_s)
-        self._inbox: SimpleQueue[tuple[Turn | None, _Outcome | None]] = SimpleQueue()
-        self._sent: dict[int, Turn] = {}
-        self._lost: dict[int, Turn] = {}
+        self._news: SimpleQueue[None] = SimpleQueue()
+        self._lock = Lock()
+        self._is_broken_off = False
+        self._sent: set[int] = set()
+        self._outcomes: dict[int, Result | BaseException] = {}
         self._is_watching = False
+        self._lost_watch: BaseException | None = None
 
     def run(self) -> None:
         """Carry the plan out.
@@ -105,18 +108,20 @@ class Starter:
         is_sent = Event()
 
         def work() -> None:
-            outcome: _Outcome
+            with self._lock:
+                if self._is_broken_off:
+                    return
+                self._sent.add(turn.id)
             try:
                 answer = self._tree.begin([action])
                 is_sent.set()
-                (outcome,) = answer()
+                (self._outcomes[turn.id],) = answer()
             except BaseException as error:
-                outcome = error
-            self._inbox.put((turn, outcome))
+                self._outcomes[turn.id] = error
+            self._news.put(None)
             is_sent.set()
 
         self._announce(f"Executing {turn.step.line}")
-        self._sent[turn.id] = turn
         Thread(target=work, daemon=True).start()
         is_sent.wait()
 
@@ -124,52 +129,54 @@ class Starter:
         targets = [turn.watched for turn in watched]
 
         def work() -> None:
-            outcome = None
             try:
                 self._tree.watch(targets, known, _WATCH_S)
             except BaseException as error:
-                outcome = error
-            self._inbox.put((None, outcome))
+                self._lost_watch = error
+            self._is_watching = False
+            self._news.put(None)
 
         self._is_watching = True
         Thread(target=work, daemon=True).start()
 
     def _hear(self) -> None:
         """Wait until something happens, or until it is time to act."""
-        now = monotonic()
-        moment = self._execution.next_moment(now)
-        patience_s = None if moment is None else bounded(max(0.0, moment - now))
-        try:
-            turn, outcome = self._inbox.get(timeout=patience_s)
-        except Empty:
-            return
-        self._take(turn, outcome)
-        if isinstance(outcome, BaseException):
-            raise outcome
+        moment = self._execution.next_moment()
+        patience_s = None if moment is None else bounded(max(0.0, moment - monotonic()))
+        with suppress(Empty):
+            self._news.get(timeout=patience_s)
+        error = self._take() or self._lost_watch
+        if error is not None:
+            raise error
 
-    def _take(self, turn: Turn | None, outcome: _Outcome | None) -> None:
-        if turn is None:
-            self._is_watching = False
-            return
-        del self._sent[turn.id]
-        if isinstance(outcome, Result):
-            self._execution.answered(turn, outcome, monotonic())
-            self._tell(self._execution.reports())
-        else:
-            self._lost[turn.id] = turn
+    def _take(self) -> BaseException | None:
+        """Take the answers that have come; return why one did not come, if so."""
+        failure = None
+        for turn in self._execution.running:
+            outcome = self._outcomes.get(turn.id)
+            if isinstance(outcome, Result):
+                self._execution.answered(turn, outcome, monotonic())
+            else:
+                failure = failure or outcome
+        self._tell(self._execution.reports())
+        return failure
 
     def _settle(self) -> str:
         """Wait a little for what is under way; tell what was not done."""
+        with self._lock:
+            self._is_broken_off = True
         end = monotonic() + apply.GRACE_S
-        while self._sent:
+        while self._sent - self._outcomes.keys():
             try:
-                self._take(*self._inbox.get(timeout=max(0.0, end - monotonic())))
+                self._news.get(timeout=max(0.0, end - monotonic()))
             except Empty:
                 break
-        lost = {**self._lost, **self._sent}
-        execution = self._execution
-        rest = [turn for turn in (*execution.running, *execution.waiting) if turn.id not in lost]
-        parts = ("no answer to", lost.values()), ("not run", rest)
+        self._take()
+        left = (*self._execution.running, *self._execution.waiting)
+        parts = (
+            ("no answer to", [turn for turn in left if turn.id in self._sent]),
+            ("not run", [turn for turn in left if turn.id not in self._sent]),
+        )
         return "; ".join(
             f"{what}: {', '.join(f'{{{turn.id}}}' for turn in turns)}"
             for what, turns in parts

@@ -127,7 +127,7 @@ class Simulation:
         self.reports += self.execution.reports()
 
     def pass_time(self) -> None:
-        moment = self.execution.next_moment(self.now)
+        moment = self.execution.next_moment()
         event = self._events[0][0] if self._events else FAR
         alarm = FAR if moment is None else moment
         assert min(event, alarm) < FAR, "nobody would ever wake it"
@@ -193,7 +193,8 @@ class Simulation:
             return True
         if condition.is_sync:
             return (self.states[first] == "Active") == (self.goal == "Active")
-        return first in self.begun
+        is_over = first not in {turn.target for turn in self.execution.waiting}
+        return first in self.begun or (is_over and self.goal != "Active")
 
     def failures(self) -> Iterator[Turn]:
         """Yield the actions that went wrong by themselves."""

@@ -46,7 +46,7 @@ class Clockwork:
     @property
     def alarm(self):
         """In how many seconds it wants to be asked again."""
-        moment = self.execution.next_moment(self.now)
+        moment = self.execution.next_moment()
         return None if moment is None else round(moment - self.now, 6)
 
 
@@ -410,3 +410,11 @@ def test_a_state_that_was_not_seen_is_no_state(begin, make):
     assert clock.execution.ready(clock.now) == []
     clock.execution.saw({Target("Sink0", 0): "Inactive"})
     assert [turn.id for turn in clock.execution.ready(clock.now)] == [2]
+
+
+def test_a_moment_that_passes_while_nobody_looks_is_not_forgotten(begin, make):
+    clock = begin(1, make.entry("Sink0", wait=20), timeout_s=60.0)
+    clock.go()
+    clock.now += 5
+    assert clock.alarm == -4.98
+    assert clock.go() == "0"

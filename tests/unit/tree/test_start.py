@@ -1,0 +1,255 @@
+"""Starts and stops on the fake world, through the real client with its threads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from threading import Event, Thread
+from typing import Any
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action, ChangeState, Result
+from rtkit.deployment.conditions import NO_ORDERS, Condition, Orders, Target
+from rtkit.deployment.live import Live
+from rtkit.deployment.running import start_plan, stop_plan
+from rtkit.deployment.system import System, WantedComponent
+from rtkit.deployment.world import World
+from rtkit.errors import Refused, Unreachable
+from rtkit.rtc.enums import LifeCycleState, ReturnCode
+from rtkit.rtc.pattern import ComponentPattern, ContextPattern
+from rtkit.rtc.profiles import TypeProfile
+from rtkit.tree import apply
+from rtkit.tree.client import Tree
+from rtkit.tree.fake import fake_tree
+from rtkit.tree.start import Starter
+
+NAMES = "ABCD"
+NO = Result(ReturnCode.ERROR, "refused", "no luck")
+
+
+@pytest.fixture
+def world() -> World:
+    world = World([ComponentPattern(TypeProfile("Thing"))])
+    for name in NAMES:
+        world.perform(act.Create(f"Thing?instance_name={name}&manager_name=s{name}"))
+    world.performed.clear()
+    return world
+
+
+@pytest.fixture
+def tree(world: World) -> Iterator[Tree]:
+    with fake_tree(world, 5.0) as tree:
+        yield tree
+
+
+def system(optional: str = "") -> System:
+    return System(
+        tuple(
+            WantedComponent(
+                "RTC:::Thing:",
+                name,
+                f"localhost/{name}.rtc",
+                f"/localhost/{name}.rtc",
+                name not in optional,
+                contexts=(ContextPattern(),),
+            )
+            for name in NAMES
+        )
+    )
+
+
+def after(name: str, sequence: int = 1, **more: Any) -> Condition:
+    return Condition(sequence, 0, Target(name, 0), **more)
+
+
+def orders(**conditions: Condition | tuple[Condition, ...]) -> Orders:
+    return {
+        Target(name, 0): each if isinstance(each, tuple) else (each,)
+        for name, each in conditions.items()
+    }
+
+
+class Start:
+    """A start, or stop, of the four components."""
+
+    def __init__(self, world: World, tree: Tree, ordered: Orders = NO_ORDERS, **how: Any) -> None:
+        wanted = system(how.pop("optional", ""))
+        live = Live(world.snapshot(), wanted)
+        plan_for: Callable[..., Any] = stop_plan if how.pop("stop", False) else start_plan
+        plan = plan_for(wanted, live, ordered, wait=how.pop("wait", True))
+        self.talk: list[str] = []
+        self.starter = Starter(tree, plan, self.talk.append, self.talk.append, **how)
+
+    def run(self) -> None:
+        self.starter.run()
+
+
+def sent(world: World) -> str:
+    return "".join(a.instance for a in world.performed if isinstance(a, ChangeState))
+
+
+def test_without_orders_one_after_the_other(world: World, tree: Tree) -> None:
+    start = Start(world, tree)
+    start.run()
+    assert sent(world) == "ABCD"
+    assert start.talk[0] == (
+        "Executing {1} Activate /localhost/A.rtc in execution context 0 (Required)"
+    )
+    assert {world.state_of(name) for name in NAMES} == {"Active"}
+
+
+def test_all_kinds_of_conditions(world: World, tree: Tree) -> None:
+    ordered = orders(
+        A=Condition(3, 30),
+        B=after("A", 2),
+        C=after("B", 1, is_sync=False),
+        D=Condition(0),
+    )
+    start = Start(world, tree, ordered)
+    start.run()
+    assert sent(world) == "DABC"
+    assert start.talk[1].startswith("Executing {4} [Order 3/Wait 30ms] Activate /localhost/A.rtc")
+
+
+def test_a_stop(world: World, tree: Tree) -> None:
+    Start(world, tree).run()
+    world.performed.clear()
+    Start(world, tree, orders(D=after("B"), C=after("D")), stop=True).run()
+    assert sent(world) == "BADC"
+    assert {world.state_of(name) for name in NAMES} == {"Inactive"}
+
+
+def test_a_state_that_others_bring_about_is_told(
+    world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world.fault = lambda action: NO if getattr(action, "instance", "") == "A" else None
+    watch = tree.watch
+
+    def repaired_when_waited_for(*given: Any, **how: Any) -> tuple[str, ...]:
+        if len(given) > 1:
+            assert sent(world) == "ACD"
+            repair = Thread(target=world.set_state, args=("A", LifeCycleState.ACTIVE))
+            repair.start()
+        return watch(*given, **how)
+
+    monkeypatch.setattr(tree, "watch", repaired_when_waited_for)
+    start = Start(world, tree, orders(B=after("A")), optional="A")
+    start.run()
+    assert sent(world) == "ACDB"
+    assert start.talk[1] == "Action failed: no luck"
+
+
+def test_no_wait_only_sends_but_conditions_are_waited_for(world: World, tree: Tree) -> None:
+    Start(world, tree, orders(B=after("A")), wait=False).run()
+    assert sent(world) == "ACDB"
+    assert not any(a.wait for a in world.performed if isinstance(a, ChangeState))
+
+
+def test_a_dead_component_is_named_when_the_time_is_up(world: World, tree: Tree) -> None:
+    def fault(action: Action) -> Result | None:
+        if isinstance(action, ChangeState) and action.instance == "A":
+            world.kill("sA")
+            return NO
+        return None
+
+    world.fault = fault
+    ordered = orders(B=after("A", timeout_ms=20), C=(after("B", is_sync=False),))
+    start = Start(world, tree, ordered, optional="A")
+    with pytest.raises(Refused) as caught:
+        start.run()
+    assert str(caught.value) == (
+        "Error executing plan: Preceding condition timed out: action {3} waited 20ms"
+        " for: Sync to /localhost/A.rtc (it is zombie (signal 9)); not run: {3}, {4}"
+    )
+    assert "Action failed: no luck" in start.talk
+    assert sent(world) == "AD"
+
+
+def test_a_required_failure(world: World, tree: Tree) -> None:
+    world.fault = lambda action: NO if getattr(action, "instance", "") == "B" else None
+    start = Start(world, tree, orders(C=after("A")))
+    with pytest.raises(Refused, match=r"^Required action failed: no luck; not run: \{3\}, \{4\}$"):
+        start.run()
+    assert sent(world) == "AB"
+
+
+def test_optional_failures_are_told_once(world: World, tree: Tree) -> None:
+    world.fault = lambda action: NO if getattr(action, "instance", "") in "BC" else None
+    start = Start(world, tree, optional="BC")
+    start.run()
+    assert [line for line in start.talk if "failed" in line] == ["Action failed: no luck"]
+    assert sent(world) == NAMES
+
+
+def test_a_bound_on_the_whole(world: World, tree: Tree) -> None:
+    start = Start(world, tree, orders(B=Condition(1, 600_000)), timeout_s=0.02)
+    with pytest.raises(
+        Refused, match=r"^Error executing plan: not finished within 0\.02 s; not run"
+    ):
+        start.run()
+
+
+def test_a_manager_that_goes_away(world: World, tree: Tree) -> None:
+    def fault(action: Action) -> None:
+        if getattr(action, "instance", "") == "B":
+            tree.close()
+
+    world.fault = fault
+    with pytest.raises(
+        Unreachable, match=r"manager on box: .*; no answer to: \{3\}; not run: \{4\}"
+    ):
+        Start(world, tree).run()
+
+
+def test_an_interruption_waits_for_what_is_under_way(
+    world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start = Start(world, tree, orders(B=Condition(1, 600_000)))
+    news = start.starter._news
+
+    class Interrupted:
+        """A queue at which Ctrl-C strikes when the first answer is awaited."""
+
+        is_first = True
+
+        def put(self, item: Any) -> None:
+            news.put(item)
+
+        def get(self, timeout: float | None = None) -> Any:
+            if self.is_first:
+                self.is_first = False
+                raise KeyboardInterrupt
+            return news.get(timeout=timeout)
+
+    monkeypatch.setattr(start.starter, "_news", Interrupted())
+    with pytest.raises(KeyboardInterrupt) as caught:
+        start.run()
+    assert caught.value.args == ("not run: {2}, {3}, {4}",)
+    assert world.state_of("A") == "Active"
+
+
+def test_an_interruption_does_not_wait_for_ever(
+    world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(apply, "GRACE_S", 0.01)
+    start = Start(world, tree)
+    release = Event()
+
+    def begin(*_: object, **__: object) -> Callable[[], tuple[Result, ...]]:
+        def answer() -> tuple[Result, ...]:
+            release.wait(10)
+            return (Result(),)
+
+        return answer
+
+    def go_on() -> None:
+        start.starter._execution.ready(0.0)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(tree, "begin", begin)
+    monkeypatch.setattr(start.starter, "_hear", go_on)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        start.run()
+    release.set()
+    assert caught.value.args == ("no answer to: {1}; not run: {2}, {3}, {4}",)
