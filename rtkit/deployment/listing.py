@@ -19,7 +19,13 @@ if TYPE_CHECKING:
 
 
 class Row(NamedTuple):
-    """One component; ``ins`` … ``services_connected`` count ports, `context` is its first one."""
+    """One component in short.
+
+    Attributes:
+        ins: How many in ports it has; ``ins_connected`` … ``services_connected`` count likewise.
+        context: Id of its first execution context.
+        cause: What put it into Error, one line with file:line.
+    """
 
     instance: str
     state: str
@@ -35,6 +41,7 @@ class Row(NamedTuple):
     is_stand_in: bool
     names: tuple[str, ...]
     context: str = ""
+    cause: str = ""
 
 
 class Listing(NamedTuple):
@@ -88,6 +95,7 @@ def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Ro
         component.is_stand_in,
         component.names,
         component.contexts[0].id if component.contexts else "",
+        component.cause,
     )
 
 
@@ -109,7 +117,10 @@ def listing_from_text(text: str) -> Listing:
             str(manager),
             int(pid),
             tuple((str(name), str(state), str(why)) for name, state, why in slaves),
-            tuple(Row._make([*row, tuple(names), str(context)]) for *row, names, context in rows),
+            tuple(
+                Row._make([*row, tuple(names), str(context), str(cause)])
+                for *row, names, context, cause in rows
+            ),
             tuple(map(str, names)),
         )
     except (ValueError, TypeError) as error:

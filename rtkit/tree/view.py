@@ -79,12 +79,16 @@ class Node:
 
     @property
     def remark(self) -> str:
-        """What a user should know besides the state: ``signal 9``, ``stopped``, ``stand-in``."""
-        if self.row is None:
+        """What a user should know besides the state: ``signal 9``, ``stopped``, ``stand-in``.
+
+        Of what is in Error, the exception and its line.
+        """
+        row = self.row
+        if row is None:
             return self.trouble
-        what = self.row.zombie or self.row.trouble
-        made = "stand-in" if self.row.is_stand_in else ""
-        return f"{what}, {made}" if what and made else what or made
+        made = "stand-in" if row.is_stand_in else ""
+        known = (row.zombie, made) if row.zombie else (row.trouble, row.cause, made)
+        return ", ".join(filter(None, known))
 
     def entries(self) -> list[Node]:
         """Return what is directly below, by name."""

@@ -92,7 +92,7 @@ def test_listings(snapshot: Snapshot) -> None:
     assert listing_from_text(listing_to_text(listing)) == listing
 
 
-@given(st.recursive(st.none() | st.integers() | st.text(), lambda x: st.lists(x, max_size=13)))
+@given(st.recursive(st.none() | st.integers() | st.text(), lambda x: st.lists(x, max_size=15)))
 def test_anything_is_a_listing_or_malformed(data: object) -> None:
     try:
         assert isinstance(listing_from_text(json.dumps(data)), Listing)

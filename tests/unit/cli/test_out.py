@@ -64,7 +64,8 @@ def test_a_terminal_gets_columns(run: Run, monkeypatch: pytest.MonkeyPatch) -> N
         ("rtls /localhost/Zombie0.rtc", "\x1b[37m\x1b[2m*Zombie0.rtc\x1b[0m\n"),
         (
             "rtls -l /localhost/Err0.rtc",
-            "\x1b[37m\x1b[41m\x1b[1mError\x1b[0m  2/0  1/0  1/0  0/0  Err0.rtc\n",
+            "\x1b[37m\x1b[41m\x1b[1mError\x1b[0m  2/0  1/0  1/0  0/0  Err0.rtc"
+            "  (ValueError: no such speed (robot.py:12))\n",
         ),
         (
             "rtls -l /localhost/Std0.rtc",

@@ -13,8 +13,11 @@ def row(
     zombie: str = "",
     trouble: str = "",
     is_stand_in: bool = False,
+    cause: str = "",
 ) -> Row:
-    return Row(instance, "Inactive", 1, 0, 1, 0, 0, 0, process, zombie, trouble, is_stand_in, names)
+    counts = (1, 0, 1, 0, 0, 0)
+    known = (process, zombie, trouble, is_stand_in, names, "0", cause)
+    return Row(instance, "Inactive", *counts, *known)
 
 
 def tree(*rows: Row, slaves: tuple[tuple[str, str, str], ...] = ()) -> Node:
@@ -78,6 +81,9 @@ def test_remarks() -> None:
         row("B", trouble="stopped", is_stand_in=True),
         row("C", is_stand_in=True),
         row("D"),
+        row("E", cause="ValueError: x (e.py:1)"),
+        row("F", cause="ValueError: x (f.py:1)", trouble="stopped", is_stand_in=True),
+        row("G", cause="ValueError: x (g.py:1)", zombie="signal 9"),
         slaves=(("s1", "lost", "signal 11"), ("s2", "stopped", "stopped"), ("s3", "starting", "")),
     )
     manager = root.children["localhost"].children["manager.mgr"]
@@ -86,6 +92,9 @@ def test_remarks() -> None:
         "B.rtc": "stopped, stand-in",
         "C.rtc": "stand-in",
         "D.rtc": "",
+        "E.rtc": "ValueError: x (e.py:1)",
+        "F.rtc": "stopped, ValueError: x (f.py:1), stand-in",
+        "G.rtc": "signal 9",
         "s1.mgr": "lost: signal 11",
         "s2.mgr": "stopped",
         "s3.mgr": "starting",
