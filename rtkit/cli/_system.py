@@ -157,7 +157,7 @@ def runner(app: App) -> Runner:
     """Return what carries plans out and talks on stderr."""
     from rtkit.tree.apply import Runner
 
-    return Runner(app.tree, app.fail, app.say, app.tell)
+    return Runner(app.tree, app.fail, app.tell)
 
 
 def check_text(text: str) -> str:

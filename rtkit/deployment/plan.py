@@ -53,13 +53,11 @@ class Layer:
     Attributes:
         name: What the layer does, for progress.
         is_ordered: They are carried out one after the other all the same.
-        is_announced: Each is told to the user before it is carried out.
     """
 
     name: str
     steps: tuple[Step, ...]
     is_ordered: bool = False
-    is_announced: bool = False
 
 
 @dataclass(frozen=True, slots=True)

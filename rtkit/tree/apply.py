@@ -31,20 +31,16 @@ class Runner:
         done: The steps that were carried out.
     """
 
-    def __init__(
-        self, tree: Tree, report: Talk, announce: Talk, progress: Talk = lambda _: None
-    ) -> None:
+    def __init__(self, tree: Tree, report: Talk, progress: Talk = lambda _: None) -> None:
         """Carry out plans on `tree`.
 
         Args:
             tree: Where.
             report: Is told failures that do not end the run.
-            announce: Is told each step of an announced layer before it is done.
             progress: Is told each layer before it is done.
         """
         self._tree = tree
         self._report = report
-        self._announce = announce
         self._progress = progress
         self._told: set[str] = set()
         self.attempted: list[Action] = []
@@ -100,8 +96,6 @@ class Runner:
             if step.blocked:
                 self._failed([step], step.blocked)
                 continue
-            if layer.is_announced:
-                self._announce(f"Executing {step.line}")
             if step.action is None:
                 continue
             (result,) = self._send([step.action], is_ordered=True)

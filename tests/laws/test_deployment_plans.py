@@ -133,7 +133,7 @@ def bring_up(world: World, profile: rts.RtsProfile) -> tuple[System, list[str]]:
     before = tree.snapshot()
     system = wanted(profile, world.host)
     told: list[str] = []
-    resurrect(tree, system, before, Runner(tree, told.append, told.append))
+    resurrect(tree, system, before, Runner(tree, told.append))
     return system, told
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.cli import rtstart, rtstop
+from rtkit.cli import rtact, rtcheck, rtdeact, rtresurrect, rtstart, rtstop
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.world import World
@@ -18,7 +18,14 @@ from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree.fake import fake_tree
 
-COMMANDS = {"rtstart": rtstart, "rtstop": rtstop}
+COMMANDS = {
+    "rtact": rtact,
+    "rtcheck": rtcheck,
+    "rtdeact": rtdeact,
+    "rtresurrect": rtresurrect,
+    "rtstart": rtstart,
+    "rtstop": rtstop,
+}
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
   xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
@@ -280,6 +287,29 @@ def test_interrupted_while_it_waits(
     assert err.splitlines()[-1] == (
         "rtstart: interrupted; not run: {3}, {4}; active now: A.rtc, D.rtc"
     )
+
+
+def test_contexts_need_not_be_called_0(run: Run, file: Any, world: World) -> None:
+    for instance in "ABCD":
+        world.perform(act.Delete(instance))
+    path = file(entry("A", 1).replace('rts:id="0"', 'rts:id="Ec1"'))
+    text = Path(path).read_text().replace('Contexts rts:id="0"', 'Contexts rts:id="Ec1"')
+    Path(path).write_text(text)
+    assert run("rtresurrect", "--stand-in", path) == (0, "", "")
+    assert run("rtact", "/localhost/A.rtc") == (0, "", "")
+    assert run("rtact", "-e", "0", "/localhost/B.rtc") == (0, "", "")
+    assert (
+        run("rtact", "-e", "1", "/localhost/B.rtc")[2] == "rtact: Bad execution context index: 1\n"
+    )
+    assert [world.state_of(n) for n in "ABCD"] == ["Active", "Active", "Inactive", "Inactive"]
+    status, _, err = run("rtstart", path)
+    assert (status, err.splitlines()[0]) == (
+        0,
+        "Executing {1} Activate B.rtc in execution context Ec1 (Required)",
+    )
+    assert run("rtcheck", path) == (0, "", "")
+    assert run("rtdeact", "/localhost/A.rtc") == (0, "", "")
+    assert world.state_of("A") == "Inactive"
 
 
 @pytest.mark.parametrize("fault", [NO, None])

@@ -35,7 +35,7 @@ def talk():
 
 @pytest.fixture
 def runner(world, talk):
-    return Runner(fake_tree(world), talk.append, talk.append)
+    return Runner(fake_tree(world), talk.append)
 
 
 def step(action, required=False, **more):
@@ -85,20 +85,17 @@ def test_what_is_known_to_fail_and_required_is_not_begun(runner, world):
     assert world.performed == []
 
 
-def test_in_order_one_after_the_other_announced(runner, world, talk):
+def test_in_order_one_after_the_other(runner, world, talk):
     steps = [
         Step("{1} first", act.Create("Sink"), True),
         Step("{2} second", act.Create("No")),
         Step("{3} third", None, blocked="gone"),
         Step("{4} fourth", act.Create("Sink"), True),
     ]
-    runner.run(plan(*steps, is_ordered=True, is_announced=True))
+    runner.run(plan(*steps, is_ordered=True))
     assert talk == [
-        "Executing {1} first (Required)",
-        "Executing {2} second",
         "Action failed: no component type No",
         "Action failed: gone",
-        "Executing {4} fourth (Required)",
     ]
     assert [s.text for s in runner.done] == ["{1} first", "{4} fourth"]
 
@@ -132,7 +129,7 @@ def test_regret_says_what_remains(runner, world):
 
 def test_regret_without_a_manager_says_so(world, talk):
     tree = fake_tree(world)
-    runner = Runner(tree, talk.append, talk.append)
+    runner = Runner(tree, talk.append)
     before = world.snapshot()
     runner.run(plan(step(act.Create("Sink?instance_name=A"))))
     tree.close()

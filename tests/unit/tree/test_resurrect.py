@@ -49,7 +49,7 @@ def bring_up(world):
     def run(what, **how):
         tree, talk = fake_tree(world), []
         before = tree.snapshot()
-        runner = Runner(tree, talk.append, talk.append)
+        runner = Runner(tree, talk.append)
         resurrect(tree, what, before, runner, **how)
         return talk
 
