@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
-from rtkit.component.callbacks import Callbacks, attempt
+from rtkit.component.callbacks import Callbacks, Failure, attempt
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import PERIODIC, wanted_contexts
@@ -221,7 +221,7 @@ class Component(Callbacks):
         wanted = self._wanted_contexts()
         failure = attempt(self.on_initialize)
         if failure:
-            raise Refused(f"{self.instance}: on_initialize failed: {failure}")
+            raise Refused(f"{self.instance}: on_initialize failed: {failure}") from failure.error
         self.is_alive = True
         for pattern in wanted:
             context = ExecutionContext(pattern.id, pattern.kind, pattern.rate, self.instance)
@@ -308,6 +308,11 @@ class Component(Callbacks):
                 set_id, _, name = key.removeprefix("conf.").partition(".")
                 if set_id and name:
                     self.configuration.declare(set_id, {name: value})
+
+    def keep_failure(self, callback: str, failure: Failure) -> None:
+        """Keep why it is in Error, and log it; called by the context that drives it."""
+        self.cause = str(failure)
+        self.logger.error("%s failed: %s", callback, failure, exc_info=failure.error)
 
     def _log(self, text: str) -> None:
         self.logger.warning(text)

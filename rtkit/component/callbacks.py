@@ -63,8 +63,25 @@ def overrides(component: Callbacks, name: str) -> bool:
     return getattr(callback, "__func__", callback) is not getattr(Callbacks, name)
 
 
-def attempt(callback: Callable[..., Any], *arguments: str) -> str:
-    """Run a callback; return "" when it did well, else the reason in one line.
+class Failure(str):
+    """Why a callback failed, in one line; empty when it did not.
+
+    Attributes:
+        error: What it raised; None when it returned a code, or did well.
+    """
+
+    __slots__ = ("error",)
+
+    error: BaseException | None
+
+    def __new__(cls, text: str = "", error: BaseException | None = None) -> Failure:  # noqa: D102
+        failure = super().__new__(cls, text)
+        failure.error = error
+        return failure
+
+
+def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
+    """Run a callback; tell whether, and why, it failed.
 
     Nothing that the callback raises gets out: not SystemExit, not KeyboardInterrupt either,
     because one component must not end the process that it shares with others.
@@ -72,10 +89,10 @@ def attempt(callback: Callable[..., Any], *arguments: str) -> str:
     try:
         code = callback(*arguments)
         if code is None or code == ReturnCode.OK:
-            return ""
-        return f"returned {code} ({_place(None, callback)})"
+            return Failure()
+        return Failure(f"returned {code} ({_place(None, callback)})")
     except BaseException as error:
-        return describe_failure(error, callback)
+        return Failure(describe_failure(error, callback), error)
 
 
 def describe_failure(error: BaseException, callback: Callable[..., Any]) -> str:

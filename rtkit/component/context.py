@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rtkit.component.callbacks import attempt
+from rtkit.component.callbacks import Failure, attempt
 from rtkit.component.lifecycle import (
     ACTIVE,
     CALLBACK,
@@ -345,10 +345,10 @@ class ExecutionContext:
         name = CALLBACK[event]
         failure = self._call(each, name)
         if failure and event is Event.ACTIVATE:
-            self._abort(each, failure)
+            self._abort(each, name, failure)
             return ReturnCode.ERROR, f"{name} failed: {failure}"
         if failure and event is Event.RESET:
-            each.component.cause = failure
+            each.component.keep_failure(name, failure)
             self.changed(each.component)
             return ReturnCode.ERROR, f"{name} failed: {failure}"
         if failure:
@@ -365,11 +365,11 @@ class ExecutionContext:
     def _work(self, each: Participant, name: str) -> None:
         failure = self._call(each, name)
         if failure:
-            self._abort(each, failure)
+            self._abort(each, name, failure)
 
-    def _abort(self, each: Participant, cause: str) -> None:
+    def _abort(self, each: Participant, callback: str, failure: Failure) -> None:
         each.state = ERROR
-        each.component.cause = cause
+        each.component.keep_failure(callback, failure)
         self._report(each, CALLBACK[Event.FAIL])
         self.changed(each.component)
 
@@ -384,7 +384,7 @@ class ExecutionContext:
         for each in participants:
             failure = self._call(each, "on_rate_changed")
             if failure and each.state is not ERROR:
-                self._abort(each, failure)
+                self._abort(each, "on_rate_changed", failure)
             elif failure:
                 each.component.report(f"on_rate_changed failed: {failure}")
 
@@ -393,7 +393,7 @@ class ExecutionContext:
         if failure:
             each.component.report(f"{name} failed: {failure}")
 
-    def _call(self, each: Participant, name: str) -> str:
+    def _call(self, each: Participant, name: str) -> Failure:
         callback = getattr(each.component, name)
         if self.watch is None:
             return attempt(callback, each.handle)

@@ -122,6 +122,8 @@ class Holder:
         try:
             value = operation(message)
         except RtkitError as error:
+            if message["op"] in ("load", "create") and error.__cause__ is not None:
+                _log.error("%s failed: %s", message["op"], error, exc_info=error.__cause__)
             self.refuse(message, error)
         except Exception as error:
             self.refuse(message, RtkitError(f"{type(error).__name__}: {error}"))

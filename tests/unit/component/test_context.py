@@ -125,6 +125,20 @@ def test_reset_clears_the_cause():
     assert worker.cause == ""
 
 
+def test_a_failure_is_logged_with_its_exception(caplog):
+    worker = Worker("Worker0")
+    context = alive(worker)
+    worker.fail = True
+    context.activate_component(worker)
+    for _ in range(3):
+        context.tick()
+    (record,) = caplog.records
+    assert (record.name, record.levelname) == ("Worker0", "ERROR")
+    assert record.getMessage() == f"on_execute failed: {worker.cause}"
+    assert isinstance(record.exc_info[1], ValueError)
+    assert type(worker.cause) is str  # no traceback is kept alive
+
+
 def test_a_stranger_is_a_bad_parameter():
     worker, stranger = Worker("Worker0"), Worker("Stranger0")
     context = alive(worker)
