@@ -82,6 +82,7 @@ def _tell_status(name: str, status: Status, is_json: bool) -> None:
             "components": status.components,
             "slaves": status.slaves,
             "socket": status.socket,
+            "address": status.address,
         }
         _out.write([dumps(record)])
         return
@@ -92,5 +93,6 @@ def _tell_status(name: str, status: Status, is_json: bool) -> None:
         ("Components", str(status.components)),
         ("Slaves", str(status.slaves)),
         ("Socket", status.socket),
+        ("Address", status.address or "none (-p gives a manager one when it starts)"),
     ]
     _out.write(_out.pairs(rows, ""))

@@ -96,6 +96,8 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "rtmgr": (
         ("rtmgr start", "Start the manager of this host in the background."),
+        ("rtmgr start other -p 2811 -f robot.conf", "Another one, with a port and properties."),
+        ("rtmgr -m corbaloc::localhost:2811", "What the manager at that port could load."),
         ("rtmgr -c ConsoleIn -c ConsoleOut /localhost/manager.mgr", "Make two components."),
         (
             "rtmgr -c 'Motor?instance_name=Left&manager_name=drives' /localhost/manager.mgr",

@@ -147,8 +147,7 @@ class Runner:
         below = self._node.path
         return [
             _out.printable(
-                self._app.shown(names.get(instance, ()))
-                or f"{below}/{instance}{COMPONENT_SUFFIX}"
+                self._app.shown(names.get(instance, ())) or f"{below}/{instance}{COMPONENT_SUFFIX}"
             )
             for instance in instances
         ]

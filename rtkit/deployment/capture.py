@@ -49,7 +49,8 @@ def capture(
 ) -> rts.RtsProfile:
     """Return the profile of what lives: components that are connected, or all of them.
 
-    What a connected composite is made of counts as connected too, and the composite of a member.
+    What a connected composite is made of counts as connected too, and the composite of a member;
+    likewise whom its execution contexts drive, and who drives it.
 
     With `hosts` only components registered below one of these. Zombies are left out.
     """
@@ -87,15 +88,23 @@ def _chosen(
 
 
 def _with_composites(snapshot: Snapshot, wired: set[str]) -> set[str]:
-    """Return these components with all that they make up, or are part of."""
+    """Return these components with all that they make up, are part of, drive, or are driven by."""
     found = set(wired)
-    kin = {c.instance: {*c.members, c.composite} - {""} for c in snapshot.components}
+    kin = {
+        c.instance: {*c.members, c.composite, *_driven(c), *(each.owner for each in c.contexts)}
+        - {""}
+        for c in snapshot.components
+    }
     ready = list(found)
     while ready:
         new = kin.get(ready.pop(), set()) - found
         found |= new
         ready += new
     return found
+
+
+def _driven(facts: ComponentFacts) -> Iterator[str]:
+    return (name for context in facts.contexts for name in context.participants)
 
 
 def _names(component: ComponentFacts, snapshot: Snapshot) -> tuple[str, ...]:
@@ -134,18 +143,18 @@ def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.Component:
             )
             for name, values in sets.items()
         ),
-        execution_contexts=_contexts(facts, options),
-        participants=tuple(_members(facts, snapshot)),
+        execution_contexts=_contexts(facts, options, snapshot),
+        participants=tuple(_refs(facts.members, snapshot)),
         properties=_origin(facts, snapshot),
     )
 
 
-def _members(facts: ComponentFacts, snapshot: Snapshot) -> Iterator[rts.ComponentRef]:
-    """Yield the members of a composite, as its participants."""
-    for name in facts.members:
-        member = snapshot.component(name)
-        if member is not None:
-            yield rts.ComponentRef(extension.stated_id(member), name)
+def _refs(instances: Iterable[str], snapshot: Snapshot) -> Iterator[rts.ComponentRef]:
+    """Yield these components as profiles refer to them."""
+    for name in instances:
+        facts = snapshot.component(name)
+        if facts is not None:
+            yield rts.ComponentRef(extension.stated_id(facts), name)
 
 
 def _port(port: PortProfile, facts: ComponentFacts) -> rts.Port:
@@ -159,7 +168,7 @@ def _port(port: PortProfile, facts: ComponentFacts) -> rts.Port:
 
 
 def _contexts(
-    facts: ComponentFacts, options: Mapping[str, str]
+    facts: ComponentFacts, options: Mapping[str, str], snapshot: Snapshot
 ) -> tuple[rts.ExecutionContext, ...]:
     own = [context for context in facts.contexts if context.owner in ("", facts.instance)]
     return tuple(
@@ -167,6 +176,8 @@ def _contexts(
             context.id,
             options.get(f"{extension.STATED_KIND}{context.id}", "") or context.kind.value,
             context.rate,
+            # Those of a composite are its members, which it says by itself.
+            () if facts.composite_type else tuple(_refs(context.participants, snapshot)),
         )
         for context in own
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 
-from rtkit.deployment.actions import Create, Load
+from rtkit.deployment.actions import Attach, Create, Load
 from rtkit.deployment.live import Live, mismatch
 from rtkit.deployment.plan import Check, Layer, Plan, Step, layer
 from rtkit.deployment.system import System, WantedComponent
@@ -31,6 +31,7 @@ def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Pla
         (
             *layer("load", _loads(missing, live)),
             *_creations(missing, live),
+            *layer("attach", _attachments(system, live)),
         ),
     )
 
@@ -46,6 +47,19 @@ def _creations(missing: Iterable[WantedComponent], live: Live) -> Iterator[Layer
         left = {instance: c for instance, c in left.items() if c not in ready}
         yield from layer(name, [_creation(c, live) for c in ready])
         name = "compose"
+
+
+def _attachments(system: System, live: Live) -> Iterator[Step]:
+    """Yield who is to be driven by a context of another; needed by none, as they need not be."""
+    for component in system.components:
+        facts = live.at(component.instance)
+        driven = {c.id: c.participants for c in facts.contexts} if facts is not None else {}
+        for context, guest in component.guests:
+            text = f"Attach {guest} to execution context {context} of component {component.path}"
+            if guest in driven.get(context, ()):
+                yield Step(text, None, holds=True)
+            else:
+                yield Step(text, Attach(component.instance, context, guest))
 
 
 def _members(create: str) -> list[str]:

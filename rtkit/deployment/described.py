@@ -114,6 +114,16 @@ def contexts_of(contexts: Iterable[ExecutionContext]) -> tuple[ContextPattern, .
     return tuple(made)
 
 
+def guests_of(component: Component) -> tuple[tuple[str, str], ...]:
+    """Return context id and instance name of each other component that its contexts drive."""
+    return tuple(
+        (context.id or str(number), ref.instance_name)
+        for number, context in enumerate(component.execution_contexts)
+        for ref in context.participants
+        if ref.instance_name != component.instance_name
+    )
+
+
 def kind_of(text: str) -> ExecutionKind:
     """Return the kind of a context, also from the name of a context type."""
     word = text.strip().upper().replace("_", "")

@@ -35,6 +35,7 @@ class WantedComponent:
         module: ``PATH:INIT`` of the module that it needs loaded; empty for none.
         pattern: What its stand-in is generated from; None when it is to be the real one.
         unknown_host: The host it names, when nobody knows that host.
+        guests: Context id and instance name of others that its contexts are to drive.
     """
 
     id: str
@@ -50,6 +51,7 @@ class WantedComponent:
     module: str = ""
     pattern: ComponentPattern | None = None
     unknown_host: str = ""
+    guests: tuple[tuple[str, str], ...] = ()
 
     def port(self, name: str) -> PortProfile | None:
         """Return the port of that name, or None."""

@@ -12,6 +12,7 @@ from rtkit.deployment import extension
 from rtkit.deployment.described import (
     contexts_of,
     data_port,
+    guests_of,
     interfaces_told,
     is_run_time,
     kind_of,
@@ -177,6 +178,7 @@ def _component(
         active_set=component.active_configuration_set or "",
         contexts=contexts_of(component.execution_contexts),
         unknown_host=where.unknown_host,
+        guests=guests_of(component),
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")

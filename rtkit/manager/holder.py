@@ -285,9 +285,7 @@ class Holder:
     def _end(self, instance: str) -> None:
         component = self._components.pop(instance)
         self._memory.pop(instance, None)
-        for port in component.ports.values():
-            for connector_id in list(port.connectors):
-                self._links.cut(connector_id)
+        self._links.part(component)
         for key in [key for key in self._pacers if key[0] == instance]:
             self._pacers.pop(key).close(_DEACTIVATE_S)
             slot = self._slots.pop(key, None)

@@ -200,6 +200,8 @@ class Lines:
         return lambda mask: self._exchange(key, channel, mask)
 
     def _exchange(self, key: int, channel: Channel, mask: int) -> None:
+        if self._channels.get(key) is not channel:
+            return  # its slave's end was heard of just before
         if mask & _WRITE:
             self._flush(key, channel)
         if not mask & _READ:

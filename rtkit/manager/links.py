@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple, TypeVar
 
+from rtkit.component.base import Component
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
@@ -51,7 +52,7 @@ class Links:
     def wires(self) -> Iterator[ConnectorProfile]:
         """The connectors that are open, or being opened, here."""
         yield from (held.wire for held in self._held.values())
-        yield from self._services.wires
+        yield from (wire for wire, _ in self._services.ends)
 
     def cut(self, connector_id: str) -> None:
         """Close whatever this process holds of a connector."""
@@ -63,6 +64,14 @@ class Links:
                 port.close(connector_id)
         self._services.cut(connector_id)
         self._wires.cut(connector_id)
+
+    def part(self, component: Component) -> None:
+        """Close every connector at a component's own ports, those too that are being opened."""
+        own = {id(port) for name, port in component.ports.items() if name == port.name}
+        ends = [(held.wire, held.ports) for held in self._held.values()]
+        for wire, ports in (*ends, *self._services.ends):
+            if any(id(port) in own for port in ports):
+                self.cut(wire.connector_id)
 
     def _link(self, message: Message) -> None:
         wire = decode(ConnectorProfile, message["connector"])

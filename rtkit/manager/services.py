@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from rtkit.component.invocation import Direct, Remote, Served, Target, answer
 from rtkit.component.service import ServicePort
@@ -35,9 +35,9 @@ class Services:
         }
 
     @property
-    def wires(self) -> Iterator[ConnectorProfile]:
-        """The connectors that are open, or being opened, here."""
-        return (wire for wire, _ in self._open.values())
+    def ends(self) -> list[tuple[ConnectorProfile, list[ServicePort]]]:
+        """The connectors that are open, or being opened, and their ports in this process."""
+        return list(self._open.values())
 
     def join(self, wire: ConnectorProfile) -> None:
         """Connect two service ports of this process: each calls what the other provides."""

@@ -21,6 +21,7 @@ class Status(NamedTuple):
     components: int
     slaves: int
     socket: str
+    address: str
 
 
 def stop(name: str, timeout_s: float) -> None:
@@ -75,5 +76,6 @@ def status(name: str, timeout_s: float) -> Status:
     with connect(name, timeout_s) as tree:
         listing = tree.listing()
         uptime_s = time.time() - float(tree.get("manager.started"))
+        address = tree.get("rtkit.address")
     socket = places.manager_socket(name)
-    return Status(listing.pid, uptime_s, len(listing.rows), len(listing.slaves), socket)
+    return Status(listing.pid, uptime_s, len(listing.rows), len(listing.slaves), socket, address)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import queue
+import socket
 import sys
 import tempfile
 import threading
@@ -15,6 +16,7 @@ import pytest
 
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.link.streams import Streams
+from rtkit.link.zenoh import unix_endpoint
 from rtkit.manager.connect import Wires
 from rtkit.manager.holder import Holder
 from rtkit.manager.loader import Loader
@@ -544,3 +546,19 @@ def test_a_receiver_that_ends_leaves_its_sender_active(apart: Apart) -> None:
     apart.sender.ok("unlink", connector_id="w")
     assert apart.sender.change("A", "deactivate")["value"] == ""
     assert apart.sender.facts["A"].cause == ""
+
+
+def test_a_silent_receiver_holds_up_nobody_else(apart: Apart) -> None:
+    wish = apart.offer()
+    ends = (PortRef("A", "out"), PortRef("B", "into"))
+    other = encode(ConnectorProfile("silent", "silent", ends))
+    with tempfile.TemporaryDirectory(prefix="rt") as folder, socket.socket(socket.AF_UNIX) as door:
+        door.bind(f"{folder}/silent")
+        door.listen()
+        endpoint = unix_endpoint(f"{folder}/silent")
+        number = apart.sender.ask("source", connector=other, endpoint=endpoint)
+        apart.sender.ok("source", **wish)
+        assert number not in [message.get("reply") for message in apart.sender.before]
+        received(apart.receiver, 5)
+        assert apart.sender.answer(number)["kind"] == "unreachable"
+    assert apart.sender.living["A"].ports["out"].connectors == ("w",)

@@ -131,6 +131,7 @@ FRAMES: tuple[object, ...] = (
 def test_a_first_message_that_is_wrong_is_refused(world: Tree) -> None:
     pid = world.listing().pid
     path = f"{os.environ['RTKIT_RUNTIME_DIR']}/manager.ctl"
+    throw(path, b"\x01\0\0\0?", is_waiting=True)  # the first refusal opens the log
     before = descriptors(pid)
     for message in FRAMES:
         assert throw(path, frame(message), is_waiting=True) == b"", message
@@ -141,6 +142,7 @@ def test_a_first_message_that_is_wrong_is_refused(world: Tree) -> None:
 def test_a_thousand_random_and_a_thousand_mutated_frames(world: Tree) -> None:
     pid = world.listing().pid
     path = f"{os.environ['RTKIT_RUNTIME_DIR']}/manager.ctl"
+    throw(path, b"\x01\0\0\0?", is_waiting=True)  # the first refusal opens the log
     before = descriptors(pid)
     chance = random.Random(SEED)
     good = [frame(message) for message in FRAMES if not isinstance(message, bytes)]

@@ -216,7 +216,7 @@ def test_what_is_logged_and_where(shell: Any) -> None:
     shell.ok("rtcon /localhost/ConsoleIn0.rtc:out /localhost/ConsoleOut0.rtc:in")
     shell.ok("rtact /localhost/ConsoleIn0.rtc /localhost/ConsoleOut0.rtc")
     shell.ok(f"rtmgr -s logger.log_level=INFO {MANAGER}")
-    while "ConsoleOut0: received" not in shell.log():
+    while '"component": "ConsoleOut0"' not in shell.log():
         pass
     shell.ok("rtmgr stop")
     assert (shell.folder / f"more{pid}.log").exists()

@@ -7,6 +7,7 @@ from dataclasses import replace
 from rtkit.deployment import actions as act
 from rtkit.deployment.capture import Heading, capture
 from rtkit.deployment.creation import creation_plan
+from rtkit.deployment.described import guests_of
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live import Live, context_of
 from rtkit.deployment.part import part_of
@@ -123,3 +124,28 @@ def test_a_member_is_started_in_the_context_that_drives_it():
 def test_what_is_told_of_one_names_its_kin():
     told = part_of(snapshot(*NESTED), ["Inner"])
     assert {c.instance for c in told.components} == {"A", "B", "Inner", "Outer"}
+
+
+def test_who_is_driven_by_a_context_of_another_is_saved_and_attached_again():
+    own = replace(context("0", "Host", True), participants=("Guest",))
+    host = facts("Host", contexts=(own,))
+    guest = facts("Guest", contexts=(replace(own, id="Host/0"),))
+    wire = ConnectorProfile("w", "w", (PortRef("Guest", "out"), PortRef("Guest", "in")))
+    made = capture(snapshot(host, guest, facts("Alone"), wires=[wire]), Heading(""))
+    assert [c.instance_name for c in made.components] == ["Guest", "Host"]
+    saved = made.components[1].execution_contexts[0]
+    assert [ref.instance_name for ref in saved.participants] == ["Guest"]
+    assert made.components[0].execution_contexts == ()
+    assert guests_of(made.components[1]) == (("0", "Guest"),)
+    want = System((replace(wanted("Host"), guests=(("0", "Guest"),)), wanted("Guest")))
+    plan = creation_plan(want, Live(snapshot(), want))
+    assert plan.layers[-1].steps[0].action == act.Attach("Host", "0", "Guest")
+    plan = creation_plan(want, Live(snapshot(host, guest), want))
+    assert plan.is_done
+
+
+def test_whom_a_composite_drives_is_not_said_twice():
+    own = replace(context("0", "Inner", True), participants=("A", "B"))
+    told = replace(NESTED[2], contexts=(own,))
+    made = capture(snapshot(*NESTED[:2], told), Heading(""), takes_all=True)
+    assert made.components[2].execution_contexts[0].participants == ()

@@ -1,0 +1,135 @@
+"""Which manager a path leads to, and what shows beside the one that is asked."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+
+import pytest
+
+from rtkit.deployment.world import World
+from rtkit.errors import Unreachable
+from rtkit.rtc.names import parse_path
+from rtkit.tree import place
+from rtkit.tree.fake import fake_tree
+
+
+@pytest.fixture
+def running(monkeypatch, tmp_path):
+    """The runtime folder of managers `other` and `third`; `dead` left its files behind."""
+    tmp_path.chmod(0o700)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path))
+    for key in ("RTKIT_MANAGER", "RTKIT_SERVERS", "RTCTREE_NAMESERVERS"):
+        monkeypatch.delenv(key, raising=False)
+    for name in ("other", "third", "dead"):
+        for suffix in (".sock", ".sock.lock", ".lock"):
+            (tmp_path / f"{name}{suffix}").touch()
+    monkeypatch.setattr(place, "_others", lambda manager: iter(["other", "third"]))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("path", "manager"),
+    [
+        ("/", ""),
+        ("/localhost", ""),
+        ("/localhost/A.rtc", ""),
+        ("/localhost/manager.mgr/A.rtc", ""),
+        ("/localhost/other.mgr", "other"),
+        ("/localhost/other.mgr/s1.mgr/A.rtc:in", "other"),
+        (f"/{os.uname().nodename}/other.mgr", "other"),
+        ("/far/other.mgr", ""),
+        ("/localhost/absent.mgr", ""),
+        ("/localhost:2811", "localhost:2811"),
+        ("/localhost:2811/A.rtc", "localhost:2811"),
+        ("/far:2811/other.mgr", "far:2811"),
+    ],
+)
+def test_the_manager_of_a_path(running, path, manager):
+    assert place.manager_of(parse_path(path)) == manager
+
+
+def test_the_usual_manager_may_be_another_one(running, monkeypatch):
+    monkeypatch.setenv("RTKIT_MANAGER", "other")
+    (running / "manager.sock").touch()
+    assert place.manager_of(parse_path("/localhost/other.mgr")) == ""
+    assert place.manager_of(parse_path("/localhost/manager.mgr")) == "manager"
+
+
+def test_servers_come_from_the_environment(running, monkeypatch):
+    assert place.servers() == []
+    monkeypatch.setenv("RTCTREE_NAMESERVERS", "a:1; b:2;nonsense;c:x;")
+    assert place.servers() == ["a:1", "b:2"]
+    monkeypatch.setenv("RTKIT_SERVERS", "c:3")
+    assert place.servers() == ["c:3"]
+
+
+@pytest.mark.parametrize(
+    ("path", "shown"),
+    [
+        ("/", ["localhost", "a:1"]),
+        ("/localhost", ["localhost"]),
+        ("/localhost:2811", ["localhost"]),
+    ],
+)
+def test_what_is_shown_beside(running, monkeypatch, path, shown):
+    monkeypatch.setenv("RTKIT_SERVERS", "a:1")
+    root, _ = place.root_for(lambda: fake_tree(World()), parse_path(path), is_deep=False)
+    assert list(root.children) == shown
+    others = ["other.mgr", "third.mgr"] if path != "/localhost:2811" else []
+    assert list(root.children["localhost"].children) == ["manager.mgr", *others]
+
+
+def test_nothing_is_added_where_it_would_not_be_seen(running):
+    path = parse_path("/localhost/manager.mgr")
+    root, _ = place.root_for(lambda: fake_tree(World()), path, is_deep=True)
+    assert list(root.children["localhost"].children) == ["manager.mgr"]
+
+
+def test_without_a_manager_only_servers_are_shown(running, monkeypatch):
+    def nobody():
+        raise Unreachable("manager 'manager' is not running")
+
+    with pytest.raises(Unreachable):
+        place.root_for(nobody, parse_path("/"), is_deep=False)
+    monkeypatch.setenv("RTKIT_SERVERS", "a:1")
+    root, _ = place.root_for(nobody, parse_path("/"), is_deep=False)
+    assert list(root.children) == ["localhost", "a:1"]
+    assert root.children["localhost"].remark == "manager 'manager' is not running"
+    with pytest.raises(Unreachable):
+        place.root_for(nobody, parse_path("/localhost"), is_deep=False)
+
+
+@pytest.mark.parametrize(
+    ("manager", "asked_at", "path"),
+    [
+        ("manager", "", "/localhost/d/A.rtc"),
+        ("manager", "localhost:2810", "/localhost/d/A.rtc"),
+        ("other", "other", ""),
+        ("other", "localhost:2811", "/localhost:2811/d/A.rtc"),
+    ],
+)
+def test_how_a_name_is_typed(running, manager, asked_at, path):
+    assert place.shown("localhost/d/A.rtc", manager, asked_at) == path
+
+
+def test_only_managers_that_hold_their_lock_run(running):
+    from rtkit.link.running import managers
+
+    assert managers() == []
+    descriptor = os.open(running / "other.lock", os.O_RDWR)
+    child = os.fork()
+    if not child:  # the lock of a process is not seen by itself
+        ready = os.open(running / "ready", os.O_WRONLY | os.O_CREAT)
+        fcntl.lockf(descriptor, fcntl.LOCK_EX)
+        os.close(ready)
+        os.kill(os.getpid(), 19)
+        os._exit(0)
+    try:
+        os.waitpid(child, os.WUNTRACED)
+        assert managers() == ["other"]
+    finally:
+        os.kill(child, 9)
+        os.waitpid(child, 0)
+        os.close(descriptor)
+    assert managers() == []
