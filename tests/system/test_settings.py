@@ -81,7 +81,7 @@ def test_a_direct_address_of_a_slave_and_of_other_managers(manager: Any) -> None
     manager.ok("rtmgr start two")
     manager.ok("rtmgr -c ConsoleOut corbaloc::localhost/two")
     manager.environment["RTKIT_MANAGER"] = "two"
-    assert manager.ok("rtls /localhost").split() == ["ConsoleOut0.rtc", "two.mgr/"]
+    assert manager.ok("rtls /localhost").split() == ["ConsoleOut0.rtc", "manager.mgr/", "two.mgr/"]
     status, _, err = manager.run("rtmgr -c ConsoleOut corbaloc::localhost/three")
     assert status == 1
     assert err.startswith("rtmgr: no manager named three answers at localhost:2810: corbaloc:")
