@@ -277,16 +277,19 @@ def test_stopped_slaves_do_not_hold_up_the_end(manager: Any, world: Tree) -> Non
     assert sorted(ends(manager)) == ["A", "B"]
 
 
+def _sleeps(entry: Path, own: bytes) -> bool:
+    """Whether an entry of /proc is a sleep that a component of this test started."""
+    try:
+        is_sleep = entry.name.isdigit() and (entry / "cmdline").read_bytes().startswith(b"sleep")
+        return is_sleep and own in (entry / "environ").read_bytes()
+    except (FileNotFoundError, ProcessLookupError):
+        return False  # it ended while we looked
+
+
 def test_stopping_ends_what_components_started(manager: Any, world: Tree) -> None:
     make(world, thing("A", "s", "child"), thing("B", "", "child"), activate("A"), activate("B"))
     own = str(manager.folder).encode()
-    asleep = [
-        int(entry.name)
-        for entry in Path("/proc").iterdir()
-        if entry.name.isdigit()
-        and (entry / "cmdline").read_bytes().startswith(b"sleep")
-        and own in (entry / "environ").read_bytes()
-    ]
+    asleep = [int(entry.name) for entry in Path("/proc").iterdir() if _sleeps(entry, own)]
     assert len(asleep) == 2
     managers.stop("manager", BOUND_S)
     assert all(map(has_ended, asleep))
