@@ -102,7 +102,9 @@ class Core:
                 self._ready(key)
             case SlaveFound():
                 self._found(event)
-            case SlaveEnded(key, reason) | SlaveFailed(key, reason):
+            case SlaveEnded(key, reason, last):
+                self._ended(key, reason, last)
+            case SlaveFailed(key, reason):
                 self._ended(key, reason)
             case SlaveHalted(key, is_halted):
                 self._halted(key, is_halted)
@@ -255,11 +257,11 @@ class Core:
             self._out.append(SignalSlave(process.key, signal.SIGKILL))
         return not process.is_wanted
 
-    def _ended(self, key: int, reason: str) -> None:
+    def _ended(self, key: int, reason: str, last: str = "") -> None:
         process = self.state.processes.get(key)
         if process is None or not process.is_alive:
             return
-        process.state, process.reason = "lost", reason
+        process.state, process.reason, process.last = "lost", reason, last
         self.state.drop_loose(key)
         self._bury(process)
         self.state.drop_if_empty(key)

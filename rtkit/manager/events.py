@@ -85,10 +85,11 @@ class SlaveFound:
 
 @dataclass(frozen=True, slots=True)
 class SlaveEnded:
-    """The kernel reported the end of a slave."""
+    """The kernel reported the end of a slave; `last` is what it said before, in one line."""
 
     key: int
     reason: str
+    last: str = ""
 
 
 @dataclass(frozen=True, slots=True)

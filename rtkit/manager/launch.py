@@ -15,7 +15,7 @@ from rtkit.manager.configuration import Wanted
 from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
 
 _LONGEST_S = 86_400.0
-_LOG_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
 
 
 class Started(NamedTuple):
@@ -40,7 +40,7 @@ def start(name: str, wanted: Wanted, timeout_s: float) -> Started:
     # -P: no file of this folder stands in for a standard module.
     arguments = [sys.executable, "-P", "-m", "rtkit.manager.daemon", name, wanted.to_text()]
     environment = {**os.environ, READY_VARIABLE: str(ready_write)}
-    pid = _spawn(arguments, environment, places.log_file(name))
+    pid = _spawn(arguments, environment, places.output_file(name))
     os.close(ready_write)
     try:
         told = hear(ready_read, timeout_s)
@@ -70,7 +70,7 @@ def read_report(name: str, pid: int, told: list[str]) -> Started:
     if told[-1:] == [READY]:
         return Started(pid, tuple(kinds[WARNING]), tuple(kinds[FAILURE]))
     why = " ".join(kinds[ERROR])
-    why = why or f"manager {name!r} ended at once, see {places.log_file(name)}"
+    why = why or f"manager {name!r} ended at once{_last_line(places.output_file(name))}"
     if kinds[FAILURE]:
         raise Partial(why, [(text, Refused(text)) for text in kinds[FAILURE]])
     raise Refused(why)
@@ -97,11 +97,26 @@ def hear(descriptor: int, timeout_s: float) -> list[str] | None:
     return text.decode("utf-8", "replace").splitlines()
 
 
-def _spawn(arguments: list[str], environment: dict[str, str], log: str) -> int:
+def _last_line(path: str) -> str:
+    """Return the last thing that a manager wrote past its log, in brackets, and where more is."""
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            lines = [line.strip() for line in file if line.strip() and not line.startswith("== ")]
+    except OSError:
+        lines = []
+    return f" ({lines[-1]}), see {path}" if lines else ""
+
+
+def _spawn(arguments: list[str], environment: dict[str, str], output: str) -> int:
+    """Start a process whose output goes to the end of a file, or nowhere if the disk is full."""
+    try:
+        descriptor = os.open(output, _FLAGS, 0o600)
+    except OSError:
+        descriptor = os.open(os.devnull, os.O_WRONLY)
     actions = [
         (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
-        (os.POSIX_SPAWN_OPEN, 1, log, _LOG_FLAGS, 0o600),
-        (os.POSIX_SPAWN_DUP2, 1, 2),
+        (os.POSIX_SPAWN_DUP2, descriptor, 1),
+        (os.POSIX_SPAWN_DUP2, descriptor, 2),
     ]
     try:
         return os.posix_spawn(
@@ -109,3 +124,5 @@ def _spawn(arguments: list[str], environment: dict[str, str], log: str) -> int:
         )
     except OSError as error:
         raise Refused(f"cannot start a manager: {error}") from error
+    finally:
+        os.close(descriptor)

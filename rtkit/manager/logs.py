@@ -20,14 +20,15 @@ from typing import Any
 from rtkit.errors import Malformed, RtkitError
 from rtkit.link import places
 from rtkit.manager.logfile import LogFile, Lossy, Terminal
-from rtkit.manager.outputs import redirect
+from rtkit.manager.outputs import forget_old, redirect
 from rtkit.manager.records import LEVELS, JsonLines, Readable
+from rtkit.version import __version__
 
 LEVEL_KEY = "logger.log_level"
 """Property of a manager, and option of a create string: the least level that is logged."""
 
 _MAX_LINE = 8192
-_log = logging.getLogger(__name__)
+_log = logging.getLogger("rtkit")
 _components: set[str] = set()
 
 
@@ -84,9 +85,11 @@ class Log:
         return self
 
     def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        if error is not None:
+        if error is None:
+            _log.info("ends")
+        else:
             is_plain = isinstance(error, RtkitError)
-            _log.critical("it ends: %s", error, exc_info=None if is_plain else error)
+            _log.critical("ends: %s", error, exc_info=None if is_plain else error)
         self.close()
 
 
@@ -98,10 +101,13 @@ def open_log(manager: str, slave: str = "", *, is_shown: bool = False) -> Log:
     """
     terminal = os.dup(2) if is_shown else None
     if slave or not is_shown:
-        redirect(places.output_file(manager, slave))
+        redirect(places.output_file(manager, slave), slave or manager)
+    if not slave:
+        forget_old(manager)
     faulthandler.enable(2)
     log = Log(slave or manager, places.log_file(manager, slave), terminal)
     log.open()
+    _log.info("begins, rtkit %s", __version__)
     return log
 
 

@@ -11,19 +11,26 @@ import socket
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from rtkit.errors import RtkitError
+from rtkit.link import places
 from rtkit.manager import events as ev
 from rtkit.manager.core import Core
 from rtkit.manager.holder import Holder
+from rtkit.manager.lastwords import last_words
 from rtkit.manager.lines import Lines
 from rtkit.manager.nursery import Nursery
+from rtkit.manager.outputs import cut
 from rtkit.manager.requests import Desk
 from rtkit.manager.watchman import POLL_S, Watchman, callback_deadline_s
 from rtkit.property.exchange import Request, failure
 
 _log = logging.getLogger(__name__)
+TIDY_S = 1.0
+"""How often it is seen to that what processes write past their logs stays short [s]."""
+
 _LONG_S = 3600.0
 """The longest sleep; a selector takes no arbitrarily long one [s]."""
 
@@ -48,6 +55,7 @@ class Loop:
         self._wake_at: float | None = None
         self._watchman = Watchman(nursery.data_pattern, self._deadline_s, nursery.signal)
         self._look_at = 0.0
+        self._tidy_at = 0.0
         self._is_finished = False
         self._is_closed = False
         self._selector = selectors.DefaultSelector()
@@ -84,6 +92,7 @@ class Loop:
                 self._handle(ev.Tick())
             self._lines.check_settled()
             self._look()
+            self._tidy()
             if self._nursery.sweep_at is not None and time.monotonic() >= self._nursery.sweep_at:
                 self._nursery.sweep()
 
@@ -97,7 +106,8 @@ class Loop:
 
     def _patience(self) -> float | None:
         look_at = self._look_at if self._watchman.has_work else None
-        wishes = (self._wake_at, self._lines.deadline, self._nursery.sweep_at, look_at)
+        tidy_at = self._tidy_at if self._core.state.components else None
+        wishes = (self._wake_at, self._lines.deadline, self._nursery.sweep_at, look_at, tidy_at)
         moments = [moment for moment in wishes if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
 
@@ -142,6 +152,8 @@ class Loop:
                 self._handle(event)
 
     def _handle(self, event: ev.Event) -> None:
+        if isinstance(event, ev.SlaveEnded):
+            event = self._with_last_words(event)
         try:
             instructions = self._core.handle(event, time.monotonic())
         except RtkitError as error:
@@ -156,6 +168,25 @@ class Loop:
             case ev.SlaveEnded(key):
                 self._lines.drop(key)
                 self._watchman.forget(key)
+
+    def _with_last_words(self, event: ev.SlaveEnded) -> ev.SlaveEnded:
+        """Find out why a slave ended that was to live, and log it."""
+        process = self._core.state.processes.get(event.key)
+        if process is None or not process.is_alive or not process.is_wanted:
+            return event
+        words = last_words(self._core.state.name, process.name, process.pid)
+        known = replace(event, reason=words.reason(event.reason), last=words.text)
+        said = f"; its last words: {known.last}" if known.last else ""
+        _log.warning("slave %s ended: %s%s", process.name, known.reason, said)
+        return known
+
+    def _tidy(self) -> None:
+        """Keep short what processes write past their logs, when it is time."""
+        state, now = self._core.state, time.monotonic()
+        if state.components and now >= self._tidy_at:
+            self._tidy_at = now + TIDY_S
+            for process in state.processes.values():
+                cut(places.output_file(state.name, process.name if process.is_slave else ""))
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:

@@ -34,7 +34,11 @@ def run(key: int, name: str, settings: Any) -> None:
         settings: ``manager``, ``control`` and ``data`` (socket paths), ``host``, ``load_path``,
             ``is_shown`` (the log goes to the terminal too).
     """
-    log = open_log(settings["manager"], name, is_shown=settings["is_shown"])
+    with open_log(settings["manager"], name, is_shown=settings["is_shown"]):
+        _hold(key, name, settings)
+
+
+def _hold(key: int, name: str, settings: Any) -> None:
     os.environ[MARK] = str(os.getpid())
     with open("/proc/self/comm", "w", encoding="utf-8") as comm:
         comm.write(f"rtkit {name}")
@@ -54,7 +58,6 @@ def run(key: int, name: str, settings: Any) -> None:
     holder.run()
     if contact.is_alone:
         end_sessions({os.getpid()})  # a manager would do it
-    log.close()
 
 
 def _listen(contact: Contact, holder: Holder) -> None:

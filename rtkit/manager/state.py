@@ -20,6 +20,7 @@ class Process:
     Attributes:
         state: ``starting``, ``up``, ``stopped`` or ``lost``.
         reason: Why it is lost.
+        last: What it said before it was lost.
         is_wanted: False once it was told to end.
     """
 
@@ -28,6 +29,7 @@ class Process:
     pid: int = 0
     state: str = "starting"
     reason: str = ""
+    last: str = ""
     is_wanted: bool = True
 
     @property
@@ -46,10 +48,18 @@ class Process:
         return self.state in ("up", "stopped")
 
     @property
+    def end(self) -> str:
+        """How it was lost, with its last words."""
+        if not self.pid:
+            return f"slave {self.name} could not be started: {self.reason}"
+        words = f"; its last words: {self.last}" if self.last else ""
+        return f"slave {self.name} ended: {self.reason}{words}"
+
+    @property
     def unfit(self) -> str:
         """Why it answers nothing at present; empty when it does."""
         if not self.is_alive:
-            return f"slave {self.name} ended: {self.reason}"
+            return self.end
         return f"slave {self.name} does not answer: it is stopped" * (self.state == "stopped")
 
 

@@ -138,7 +138,7 @@ class Tasks:
 
     def process_ended(self, process: Process) -> None:
         """Tell those who wait for this slave that it ended."""
-        error = Unreachable(f"slave {process.name} ended: {process.reason}")
+        error = Unreachable(process.end)
         for number, _ in self._waiting_for(process.key):
             self._go_on(number, None, error)
         for number, task in list(self._waiting.items()):

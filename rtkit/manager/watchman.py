@@ -27,8 +27,11 @@ STACK_SIGNAL = signal.SIGUSR1
 
 _FRAME = re.compile(r'  File "(.+)", line (\d+) in (.+)')
 _OURS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-_LIBRARIES = tuple(
-    path + os.sep for path in (_OURS, sysconfig.get_path("stdlib"), sysconfig.get_path("purelib"))
+_LIBRARIES = (
+    f"{_OURS}{os.sep}",
+    f"{sysconfig.get_path('stdlib')}{os.sep}",
+    f"{sysconfig.get_path('purelib')}{os.sep}",
+    "<frozen ",
 )
 
 
@@ -162,10 +165,11 @@ def _text(beat: Beat, now_ns: int, stacks: str) -> str:
     return f"stuck in {beat.callback} since {since}" + (f" ({place})" if place else "")
 
 
-def place_of(stacks: str, thread: int) -> str:
+def place_of(stacks: str, thread: int, *, must_be_own: bool = False) -> str:
     """Return ``file.py:12 in name`` of a thread's innermost frame that is a component's own.
 
-    Code of libraries and of rtkit is passed over, so that the line is one its author can mend.
+    Code of libraries and of rtkit is passed over, so that the line is one its author can mend;
+    where there is no other, the innermost frame is returned unless it must be a component's.
     """
     _, found, rest = stacks.partition(f"hread 0x{thread:016x}")
     if not found:
@@ -177,6 +181,6 @@ def place_of(stacks: str, thread: int) -> str:
             break
         frames.append(match.groups())
     own = [frame for frame in frames if not frame[0].startswith(_LIBRARIES)]
-    for file, number, name in own[:1] or frames[:1]:
+    for file, number, name in own[:1] or ([] if must_be_own else frames[:1]):
         return f"{os.path.basename(file)}:{number} in {name}"
     return ""

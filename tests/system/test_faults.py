@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import time
 from collections.abc import Callable
@@ -252,22 +253,23 @@ def stream(manager: Any, world: Tree) -> Stream:
     [
         ("on_execute", "exit", "exit status 3"),
         ("on_execute", "exit 0", "exit status 0"),
-        ("on_execute", "segv", "signal 11"),
-        ("on_execute", "abort", "signal 6"),
+        ("on_execute", "segv", "signal 11 at Faulty.py:LINE in <lambda>"),
+        ("on_execute", "abort", "signal 6 at Faulty.py:LINE in act"),
         ("on_execute", "kill", "signal 9"),
         ("on_execute", "exit in thread", "exit status 4"),
         ("on_initialize", "exit", "exit status 3"),
-        ("on_initialize", "segv", "signal 11"),
+        ("on_initialize", "segv", "signal 11 at Faulty.py:LINE in <lambda>"),
         ("on_activated", "exit in thread", "exit status 4"),
         ("on_activated", "kill", "signal 9"),
         ("on_finalize", "exit 0", "exit status 0"),
-        ("on_finalize", "abort", "signal 6"),
+        ("on_finalize", "abort", "signal 6 at Faulty.py:LINE in act"),
     ],
 )
 def test_a_slave_that_a_component_ends(world: Tree, when: str, how: str, reason: str) -> None:
     made = one(world.apply([faulty("A", "s", when, how)]))
     if when == "on_initialize":
-        assert (made.kind, made.why) == ("unreachable", f"slave s ended: {reason}")
+        assert made.kind == "unreachable"
+        assert re.sub(r":\d+", ":LINE", made.why) == f"slave s ended: {reason}"
         assert world.listing().rows == ()
         assert world.listing().slaves == ()
         return
@@ -275,10 +277,10 @@ def test_a_slave_that_a_component_ends(world: Tree, when: str, how: str, reason:
     action = Delete("A") if when == "on_finalize" else activate("A")
     result = one(world.apply([action]))
     if when != "on_execute":
-        assert result.why == f"slave s ended: {reason}"
+        assert re.sub(r":\d+", ":LINE", result.why) == f"slave s ended: {reason}"
     zombie = until(lambda: (each := row(world, "A")) and each.zombie, "a zombie")
-    assert zombie == reason
-    assert one(world.apply([activate("A")])).why == f"zombie ({reason}): A"
+    assert re.sub(r":\d+", ":LINE", zombie) == reason
+    assert one(world.apply([activate("A")])).why == f"zombie ({zombie}): A"
     again = one(world.apply([faulty("A", "s")]))
     assert again.value == "A"
     assert row(world, "A").zombie == ""

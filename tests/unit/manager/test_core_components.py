@@ -283,13 +283,11 @@ def test_a_slave_that_dies_at_each_stage_of_a_creation(shell, stage):
         shell.say(key, facts=facts("A"))
     if stage == "asked":
         shell.feed(ev.SlaveFailed(key, "cannot fork: no memory"))
-        assert asked.result.why == "slave s ended: cannot fork: no memory"
+        assert asked.result.why == "slave s could not be started: cannot fork: no memory"
     else:
-        shell.end(key, "signal 11")
-        assert (asked.result.kind, asked.result.why) == (
-            "unreachable",
-            "slave s ended: signal 11",
-        )
+        shell.feed(ev.SlaveEnded(key, "signal 11 at a.py:7 in f", "no licence"))
+        why = "slave s ended: signal 11 at a.py:7 in f; its last words: no licence"
+        assert (asked.result.kind, asked.result.why) == ("unreachable", why)
     assert list(shell.state.processes) == [OWN]
     assert not shell.state.components
 

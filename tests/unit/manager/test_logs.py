@@ -25,8 +25,10 @@ def opened(path):
     # Not a fixture: pytest puts streams of its own in place between a fixture and its test.
     log = Log("m", str(path))
     log.open()
-    with log:
+    try:
         yield
+    finally:
+        log.close()
 
 
 def records(path):
@@ -171,7 +173,7 @@ def test_what_ends_the_process_is_told(path, error, has_trace):
     with pytest.raises(type(error)), log:
         raise error
     (made,) = records(path)
-    assert (made["level"], made["message"]) == ("FATAL", f"it ends: {error}")
+    assert (made["level"], made["message"]) == ("FATAL", f"ends: {error}")
     assert ("exception" in made) is has_trace
 
 
