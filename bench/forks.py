@@ -10,7 +10,7 @@ import os
 import sys
 import time
 
-from rtkit.manager import slave  # noqa: F401 - what a zygote has in memory
+from rtkit.manager.processes import slave  # noqa: F401 - what a zygote has in memory
 
 
 def main() -> None:

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import rtkit
 from rtkit.manager import launch
-from rtkit.manager.configuration import Wanted
+from rtkit.manager.settings.configuration import Wanted
 from rtkit.tree import managers
 from rtkit.tree.client import Tree
 

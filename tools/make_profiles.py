@@ -22,7 +22,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.capture import Heading, capture
 from rtkit.deployment.extension import MODULE
 from rtkit.deployment.world import World
-from rtkit.manager.loader import Loader
+from rtkit.manager.modules.loader import Loader
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import Property
 from rtkit.profile.constraint_text import parse_constraint

@@ -40,7 +40,8 @@ def run_word(
 
 
 def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...], bool]) -> int:
-    from rtkit.manager import configuration, launch
+    from rtkit.manager import launch
+    from rtkit.manager.settings import configuration
 
     wanted = configuration.Wanted(*options)
     name = configuration.name(typed, configuration.read(wanted).settings)

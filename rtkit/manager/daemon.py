@@ -18,17 +18,17 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Refused, RtkitError
 from rtkit.link import keys, places
-from rtkit.manager import configuring
-from rtkit.manager.configuration import Wanted, door, read, wanted_from_text
-from rtkit.manager.core import Core
-from rtkit.manager.events import OWN_PROCESS, HolderSaid, Message, OperationAsked, StopAsked
-from rtkit.manager.logs import open_log
-from rtkit.manager.nursery import Nursery, become_subreaper
-from rtkit.manager.properties import Settings
+from rtkit.manager.core import configuring
+from rtkit.manager.core.core import Core
+from rtkit.manager.core.events import OWN_PROCESS, HolderSaid, Message, OperationAsked, StopAsked
+from rtkit.manager.core.startup import StartUp
+from rtkit.manager.core.state import Process, State
+from rtkit.manager.logs.logs import open_log
+from rtkit.manager.processes.nursery import Nursery, become_subreaper
 from rtkit.manager.report import Report
 from rtkit.manager.restarting import execute_again
-from rtkit.manager.startup import StartUp
-from rtkit.manager.state import Process, State
+from rtkit.manager.settings.configuration import Wanted, door, read, wanted_from_text
+from rtkit.manager.settings.properties import Settings
 from rtkit.resources import resource as shipped
 from rtkit.rtc.address import parse_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
@@ -147,11 +147,11 @@ def _open_doors(
 ) -> Loop:
     from rtkit.link.streams import Streams, remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
-    from rtkit.manager.connect import Wires
-    from rtkit.manager.holder import Holder
-    from rtkit.manager.loader import Loader
+    from rtkit.manager.holding.connect import Wires
+    from rtkit.manager.holding.holder import Holder
+    from rtkit.manager.holding.process_settings import add_log_files, configure
     from rtkit.manager.loop import Loop
-    from rtkit.manager.process_settings import add_log_files, configure
+    from rtkit.manager.modules.loader import Loader
 
     name, host = state.name, state.host
     listener = socket.socket(socket.AF_UNIX)

@@ -13,9 +13,9 @@ from rtkit.deployment.actions import Action, Create, Result
 from rtkit.deployment.batch import Batch, results_from_text
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import NotFound, RtkitError
-from rtkit.manager import events as ev
-from rtkit.manager.core import Core
-from rtkit.manager.state import Process, State
+from rtkit.manager.core import events as ev
+from rtkit.manager.core.core import Core
+from rtkit.manager.core.state import Process, State
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, PortType

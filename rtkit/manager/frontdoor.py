@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Refused, Unreachable
 from rtkit.link import door, ports, secret
-from rtkit.manager.configuration import Door
+from rtkit.manager.settings.configuration import Door
 
 if TYPE_CHECKING:
     import zenoh

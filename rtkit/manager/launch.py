@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
-from rtkit.manager.configuration import Wanted
 from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
+from rtkit.manager.settings.configuration import Wanted
 
 _LONGEST_S = 86_400.0
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW

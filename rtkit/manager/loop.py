@@ -16,15 +16,15 @@ from typing import Any
 
 from rtkit.errors import RtkitError
 from rtkit.link import places
-from rtkit.manager import events as ev
-from rtkit.manager.core import Core
-from rtkit.manager.holder import Holder
-from rtkit.manager.lastwords import last_words
-from rtkit.manager.lines import Lines
-from rtkit.manager.nursery import Nursery
-from rtkit.manager.outputs import cut
+from rtkit.manager.core import events as ev
+from rtkit.manager.core.core import Core
+from rtkit.manager.holding.holder import Holder
+from rtkit.manager.logs.outputs import cut
+from rtkit.manager.processes.lastwords import last_words
+from rtkit.manager.processes.lines import Lines
+from rtkit.manager.processes.nursery import Nursery
+from rtkit.manager.processes.watchman import POLL_S, Watchman, callback_deadline_s
 from rtkit.manager.requests import Desk
-from rtkit.manager.watchman import POLL_S, Watchman, callback_deadline_s
 from rtkit.property.exchange import Request, failure
 
 _log = logging.getLogger(__name__)

@@ -14,11 +14,11 @@ from rtkit.deployment.watch import watch_from_text
 from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
 from rtkit.link.running import managers
-from rtkit.manager import configuring, operations
-from rtkit.manager.events import BatchAsked, Event, OperationAsked, StopAsked, WatchAsked
-from rtkit.manager.loadable import loadable
+from rtkit.manager.core import configuring, operations
+from rtkit.manager.core.events import BatchAsked, Event, OperationAsked, StopAsked, WatchAsked
+from rtkit.manager.core.state import State
+from rtkit.manager.modules.loadable import loadable
 from rtkit.manager.restarting import open_report
-from rtkit.manager.state import State
 from rtkit.property.exchange import Reply, Request, failure
 from rtkit.rtc.plain import encode
 

@@ -17,9 +17,9 @@ import pytest
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.link.streams import Streams
 from rtkit.link.zenoh import unix_endpoint
-from rtkit.manager.connect import Wires
-from rtkit.manager.holder import Holder
-from rtkit.manager.loader import Loader
+from rtkit.manager.holding.connect import Wires
+from rtkit.manager.holding.holder import Holder
+from rtkit.manager.modules.loader import Loader
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rtkit.errors import Malformed
-from rtkit.manager.wire import MAX_MESSAGE, Channel
+from rtkit.manager.processes.wire import MAX_MESSAGE, Channel
 
 
 class Pair:

@@ -22,9 +22,9 @@ from hypothesis.stateful import (
 
 from rtkit.deployment import actions as act
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager import events as ev
+from rtkit.manager.core import events as ev
+from rtkit.manager.core.stopping import FINALISE_S, TERM_S
 from rtkit.manager.fake import OWN, FakeShell, facts, wire
-from rtkit.manager.stopping import FINALISE_S, TERM_S
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
 

@@ -21,7 +21,7 @@ from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link import keys
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
-from rtkit.manager.contact import PROTOCOL
+from rtkit.manager.processes.contact import PROTOCOL
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
 

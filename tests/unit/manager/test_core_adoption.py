@@ -8,8 +8,8 @@ import pytest
 
 from rtkit.deployment.actions import Create, Delete, Disconnect
 from rtkit.errors import Malformed
-from rtkit.manager import events as ev
-from rtkit.manager.adoption import SETTLE_S
+from rtkit.manager.core import events as ev
+from rtkit.manager.core.adoption import SETTLE_S
 from rtkit.manager.fake import FakeShell, facts, wire
 
 

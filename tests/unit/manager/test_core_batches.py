@@ -8,10 +8,10 @@ import pytest
 
 from rtkit.deployment.actions import ActivateSet, ChangeState, Create, Delete, SetParameters
 from rtkit.errors import Refused
-from rtkit.manager import events as ev
-from rtkit.manager import procedures
+from rtkit.manager.core import events as ev
+from rtkit.manager.core import procedures
+from rtkit.manager.core.stopping import FINALISE_S, TERM_S
 from rtkit.manager.fake import OWN, FakeShell
-from rtkit.manager.stopping import FINALISE_S, TERM_S
 from rtkit.rtc.enums import ReturnCode, Transition
 
 

@@ -16,7 +16,7 @@ from rtkit.deployment.actions import (
     Unload,
 )
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager import events as ev
+from rtkit.manager.core import events as ev
 from rtkit.manager.fake import OWN, FakeShell, facts, wire
 from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern

@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.deployment.actions import Connect, Delete, Disconnect
 from rtkit.errors import NotFound, Refused
-from rtkit.manager import events as ev
+from rtkit.manager.core import events as ev
 from rtkit.manager.fake import OWN, PORTS, FakeShell, facts, wire
 from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ConnectorProfile, PortRef

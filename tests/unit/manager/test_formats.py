@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, Refused
-from rtkit.manager import formats, values
+from rtkit.manager.settings import formats, values
 from rtkit.rtc.profiles import TypeProfile
 
 ARM = TypeProfile("Arm", "me/you", "Robot", "1.0")

@@ -10,9 +10,9 @@ import sys
 import pytest
 
 from rtkit.link import places
-from rtkit.manager import outputs
-from rtkit.manager.lastwords import LastWords, last_words
-from rtkit.manager.outputs import cut, forget_old, head
+from rtkit.manager.logs import outputs
+from rtkit.manager.logs.outputs import cut, forget_old, head
+from rtkit.manager.processes.lastwords import LastWords, last_words
 
 CRASH = f"""Fatal Python error: Segmentation fault
 
@@ -130,7 +130,7 @@ def run(script):
 
 
 def test_a_process_begins_its_output_anew(folder):
-    script = "from rtkit.manager.outputs import redirect; import os; redirect({!r}, 's');"
+    script = "from rtkit.manager.logs.outputs import redirect; import os; redirect({!r}, 's');"
     script = script.format(places.output_file("m", "s")) + "os.system('echo {}; echo e >&2')"
     for text in ("one", "two"):
         assert run(script.format(text)).stdout == b""
@@ -145,7 +145,7 @@ def test_output_that_cannot_be_kept_goes_where_it_went(folder):
     os.mkdir(places.output_file("m", "s") + ".1")
     (folder / "m.s.out.1" / "x").write_text("")
     path = places.output_file("m", "s")
-    script = f"from rtkit.manager.outputs import redirect; redirect({path!r}, 's')"
+    script = f"from rtkit.manager.logs.outputs import redirect; redirect({path!r}, 's')"
     assert run(f"{script}; import os; os.write(1, b'here')").stdout == b"here"
 
 

@@ -7,10 +7,10 @@ import os
 import pytest
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager.configuration import Wanted, door, name, read, wanted_from_text
-from rtkit.manager.layers import layered
-from rtkit.manager.properties import Settings
-from rtkit.manager.reading import read_private
+from rtkit.manager.holding.layers import layered
+from rtkit.manager.settings.configuration import Wanted, door, name, read, wanted_from_text
+from rtkit.manager.settings.properties import Settings
+from rtkit.manager.settings.reading import read_private
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.profiles import TypeProfile
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.loader import Loader
+from rtkit.manager.modules.loader import Loader
 from rtkit.rtc.create import parse_create
 
 THING = '''

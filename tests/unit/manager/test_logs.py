@@ -12,7 +12,7 @@ from contextlib import contextmanager
 import pytest
 
 from rtkit.errors import Malformed, Refused
-from rtkit.manager.logs import LEVEL_KEY, Log, begin_component, level_of
+from rtkit.manager.logs.logs import LEVEL_KEY, Log, begin_component, level_of
 
 
 @pytest.fixture

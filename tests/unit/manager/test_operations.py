@@ -6,11 +6,11 @@ import pytest
 
 from rtkit.deployment.actions import ChangeState, Create
 from rtkit.errors import NotFound, Refused
-from rtkit.manager import configuring, operations
-from rtkit.manager import events as ev
+from rtkit.manager.core import configuring, operations
+from rtkit.manager.core import events as ev
 from rtkit.manager.fake import OWN, FakeShell, facts
-from rtkit.manager.properties import Settings
 from rtkit.manager.requests import Desk
+from rtkit.manager.settings.properties import Settings
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.enums import Transition
 

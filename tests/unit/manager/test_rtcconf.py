@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, Refused
-from rtkit.manager.rtcconf import Entry, candidates, parse, parse_override, warnings
+from rtkit.manager.settings.rtcconf import Entry, candidates, parse, parse_override, warnings
 
 TEXT = """\
 # a comment

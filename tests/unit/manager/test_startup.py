@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, NotFound
+from rtkit.manager.core.preconnect import connector
+from rtkit.manager.core.startup import StartUp
 from rtkit.manager.fake import FakeShell, wire
-from rtkit.manager.preconnect import connector
-from rtkit.manager.startup import StartUp
 from rtkit.rtc.profiles import PortRef
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from rtkit.deployment.watch import Watch, Watched, states_from_text, watch_to_text
 from rtkit.errors import Malformed, Refused
-from rtkit.manager import events as ev
+from rtkit.manager.core import events as ev
 from rtkit.manager.fake import FakeShell, facts
 from rtkit.manager.requests import Desk
 from rtkit.property.exchange import Reply, Request

@@ -1,0 +1,112 @@
+"""Slaves that outlived their manager: what they say they hold, folded into the next one's state.
+
+They are believed about facts: components with names and origin, connector ends. A connector is
+known again when both its ends are; one whose other end nobody holds any more is cut.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from rtkit.deployment.actions import Result
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.errors import Malformed
+from rtkit.manager.core.events import Message
+from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.wishes import Pause, Procedure, Tell
+from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.plain import decode
+from rtkit.rtc.profiles import ConnectorProfile
+
+SETTLE_S = 2.0
+"""How long slaves have to come back after a manager's start [s]."""
+
+
+def process_of(state: State, pid: int) -> Process | None:
+    """Return the living process of that pid if it is known already, as after a broken line."""
+    return next((p for p in state.processes.values() if p.pid == pid and p.is_alive), None)
+
+
+def free_name(state: State, name: str, pid: int) -> str:
+    """Return the name under which a found slave goes: its own, unless another has it by now."""
+    return name if state.living_process(name) is None else f"{name}_{pid}"
+
+
+class Holding(NamedTuple):
+    """What a found slave says it holds: components, and ends of connectors."""
+
+    components: list[ComponentFacts]
+    wires: list[ConnectorProfile]
+
+
+def read(name: str, components: object, wires: object) -> Holding:
+    """Read what the slave `name` says it holds.
+
+    Raises:
+        Malformed: It cannot be read.
+    """
+    if not isinstance(components, list) or not isinstance(wires, list):
+        raise Malformed(f"{name} says it holds what is no list")
+    held = [decode(ComponentFacts, each) for each in components]
+    for facts in held:
+        check_instance_name(facts.instance)
+    return Holding(held, [decode(ConnectorProfile, each) for each in wires])
+
+
+def take(state: State, process: Process, holding: Holding) -> list[Message]:
+    """Fold what a found slave holds into the state; return what it is to undo."""
+    undo: list[Message] = []
+    for facts in holding.components:
+        if not _take_component(state, process, facts):
+            undo.append({"op": "delete", "instance": facts.instance})
+    named = {facts.instance for facts in holding.components}
+    for instance in state.held_by(process.key):
+        if instance not in named:  # it ended while the line was broken
+            state.forget(instance)
+    for wire in holding.wires:
+        _take_end(state, process, wire)
+    return undo
+
+
+def _take_component(state: State, process: Process, facts: ComponentFacts) -> bool:
+    known = state.components.get(facts.instance)
+    holder = state.process_of(facts.instance)
+    is_elsewhere = (known is not None and not known.zombie) or facts.instance in state.claims
+    if is_elsewhere and holder is not process:
+        return False
+    if known is not None and holder is not process:
+        state.forget(facts.instance)
+    names = (n for n in facts.names if state.name_owner(n) in ("", facts.instance))
+    kept = replace(
+        facts, names=tuple(dict.fromkeys(names)), process=process.name, trouble="", zombie=""
+    )
+    state.components[facts.instance] = kept
+    state.holders[facts.instance] = process.key
+    for wire, key in list(state.loose.values()):
+        _take_end(state, state.processes[key], wire)
+    return True
+
+
+def _take_end(state: State, process: Process, wire: ConnectorProfile) -> None:
+    ends = [state.components.get(end.instance) for end in wire.ports]
+    is_whole = all(
+        facts is not None and not facts.zombie and facts.port(end.port) is not None
+        for facts, end in zip(ends, wire.ports, strict=True)
+    )
+    if is_whole:
+        state.connectors.setdefault(wire.connector_id, wire)
+        state.loose.pop(wire.connector_id, None)
+    elif wire.connector_id not in state.connectors:
+        state.loose[wire.connector_id] = (wire, process.key)
+
+
+def cut_loose(state: State, process: Process) -> Procedure:
+    """Take connectors off a found slave whose other ends did not come back."""
+    yield Pause(SETTLE_S)
+    for connector_id, (_, key) in list(state.loose.items()):
+        if key == process.key:
+            del state.loose[connector_id]
+            if process.is_ready:
+                yield Tell(process, {"op": "unlink", "connector_id": connector_id})
+    return Result()

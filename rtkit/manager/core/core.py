@@ -1,0 +1,320 @@
+"""The daemon's core: events in, instructions out; the only place where its state changes.
+
+Each action of a client runs as a *procedure*, a generator that yields what it waits for (see
+`rtkit.manager.core.procedures`). No thread, socket or clock is known here: time comes in as an
+argument.
+"""
+
+from __future__ import annotations
+
+import signal
+from functools import partial
+
+from rtkit.deployment.actions import Result
+from rtkit.deployment.batch import results_to_text
+from rtkit.errors import Malformed, Refused
+from rtkit.manager.core import adoption, configuring, facts_in, operations
+from rtkit.manager.core.events import (
+    AdoptSlave,
+    AnswerClient,
+    BatchAsked,
+    CallbackStuck,
+    Event,
+    Finish,
+    HolderSaid,
+    Instruction,
+    Message,
+    OperationAsked,
+    SendToHolder,
+    SignalSlave,
+    SlaveEnded,
+    SlaveFailed,
+    SlaveForked,
+    SlaveFound,
+    SlaveHalted,
+    SlaveReady,
+    StopAsked,
+    Tick,
+    WakeAt,
+    WatchAsked,
+)
+from rtkit.manager.core.procedures import procedure_for, slaves_of
+from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.stopping import FINALISE_S, retire, stop_everything
+from rtkit.manager.core.tasks import Tasks
+from rtkit.manager.core.watching import Watchers
+from rtkit.manager.core.wishes import Need, Procedure
+from rtkit.property.exchange import Reply
+from rtkit.rtc.profiles import ConnectorProfile
+
+_STOPPING = "the manager is stopping"
+
+
+class _Job:
+    """A batch under way."""
+
+    def __init__(self, asked: BatchAsked) -> None:
+        self.batch = asked.batch
+        self.answer = asked.answer
+        self.results: list[Result | None] = [None] * len(asked.batch.actions)
+        self.pending = len(self.results)
+        self.slaves: list[str] = []
+        self.is_over = False
+
+
+class Core:
+    """A manager without its shell.
+
+    Attributes:
+        state: What it knows.
+    """
+
+    def __init__(self, state: State) -> None:
+        self.state = state
+        self._out: list[Instruction] = []
+        self._tasks = Tasks(state, self._out)
+        self._watchers = Watchers(state, self._out)
+        self._is_stopping = False
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is under way."""
+        return self._tasks.is_idle
+
+    def handle(self, event: Event, now: float) -> list[Instruction]:
+        """Take one event at monotonic time `now` [s] and return what is to be done.
+
+        Raises:
+            Malformed: A holder reported what cannot be read; nothing is changed.
+        """
+        match event:
+            case BatchAsked():
+                self._begin(_Job(event))
+            case WatchAsked():
+                self._watch(event)
+            case OperationAsked():
+                self._operate(event)
+            case HolderSaid(key, message):
+                self._heard(key, message)
+            case SlaveForked(key, pid):
+                self._forked(key, pid)
+            case SlaveReady(key):
+                self._ready(key)
+            case SlaveFound():
+                self._found(event)
+            case SlaveEnded(key, reason, last):
+                self._ended(key, reason, last)
+            case SlaveFailed(key, reason):
+                self._ended(key, reason)
+            case SlaveHalted(key, is_halted):
+                self._halted(key, is_halted)
+            case CallbackStuck(key, instance, text):
+                self._stuck(key, instance, text)
+            case StopAsked():
+                self._stop()
+            case Tick():
+                pass
+        self._tasks.run(now)
+        until = self._watchers.run(now)
+        if until is not None:
+            self._out.append(WakeAt(until))
+        out = list(self._out)
+        self._out.clear()
+        return out
+
+    # batches
+
+    def _begin(self, job: _Job) -> None:
+        if self._is_stopping:
+            self._out.append(AnswerClient(job.answer, Reply(_STOPPING, Refused.kind)))
+        elif not job.pending:
+            self._finish(job)
+        elif job.batch.is_ordered:
+            self._start_slaves(job)
+            self._start(job, 0)
+        else:
+            for index in range(job.pending):
+                self._start(job, index)
+
+    def _start_slaves(self, job: _Job) -> None:
+        """Start the slaves of an ordered batch side by side; its actions find them ready."""
+        for name in slaves_of(job.batch.actions):
+            if name != self.state.name and self.state.living_process(name) is None:
+                job.slaves.append(name)
+                self._tasks.begin(self._started(job, name), job.batch.timeout_s)
+
+    def _started(self, job: _Job, name: str) -> Procedure:
+        process: Process = yield Need(name)
+        if job.is_over:
+            yield from retire(self.state, process)
+        return Result()
+
+    def _start(self, job: _Job, index: int) -> None:
+        steps = procedure_for(job.batch.actions[index], self.state)
+        self._tasks.begin(steps, job.batch.timeout_s, partial(self._done, job, index))
+
+    def _done(self, job: _Job, index: int, result: Result) -> None:
+        job.results[index] = result
+        job.pending -= 1
+        is_over = job.batch.is_ordered and (not result.ok or self._is_stopping)
+        if is_over or not job.pending:
+            self._finish(job)
+        elif job.batch.is_ordered:
+            self._start(job, index + 1)
+
+    def _finish(self, job: _Job) -> None:
+        job.is_over = True
+        for name in job.slaves:
+            process = self.state.living_process(name)
+            if process is not None:
+                self._tasks.begin(retire(self.state, process), job.batch.timeout_s)
+        results = [result for result in job.results if result is not None]
+        self._out.append(AnswerClient(job.answer, Reply(results_to_text(results))))
+
+    def _operate(self, asked: OperationAsked) -> None:
+        def done(result: Result) -> None:
+            text, kind = (result.value, "") if result.ok else (result.why, result.kind)
+            self._out.append(AnswerClient(asked.answer, Reply(text, kind)))
+
+        if self._is_stopping:
+            self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
+        else:
+            steps = operations.DO[asked.name](self.state, asked.argument)
+            self._tasks.begin(steps, operations.TIMEOUT_S, done)
+
+    def _watch(self, asked: WatchAsked) -> None:
+        if self._is_stopping:
+            self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
+        else:
+            self._watchers.begin(asked)
+
+    # what processes report
+
+    def _heard(self, key: int, message: Message) -> None:
+        process = self.state.processes.get(key)
+        if process is None or not process.is_alive:
+            return  # said before it died, heard after
+        if "reply" in message:
+            self._tasks.hear(key, message)
+        elif "facts" in message:
+            facts = facts_in.take(self.state, process, message["facts"])
+            for wire in self.state.connectors_of(facts.instance):
+                ends = [end for end in wire.ports if end.instance == facts.instance]
+                if any(facts.port(end.port) is None for end in ends):
+                    self._cut(wire)
+        elif "gone" in message:
+            self._gone(process, message["gone"])
+        else:
+            raise Malformed(f"unknown report from {process.name}: {sorted(map(str, message))}")
+
+    def _gone(self, process: Process, instance: object) -> None:
+        if isinstance(instance, str) and self.state.holders.get(instance) == process.key:
+            for wire in self.state.connectors_of(instance):
+                self._cut(wire)
+            self.state.forget(instance)
+
+    def _forked(self, key: int, pid: int) -> None:
+        process = self.state.processes.get(key)
+        if process is None or not process.is_alive:
+            return
+        process.pid = pid
+        process.name = process.name.replace("%p", str(pid))
+        self._end_unwanted(process)
+
+    def _ready(self, key: int) -> None:
+        process = self.state.processes.get(key)
+        if process is None or process.state != "starting":
+            return
+        process.state = "up"
+        if not self._end_unwanted(process):
+            self._configure(process)
+            self._tasks.process_is_up(process)
+
+    def _configure(self, process: Process) -> None:
+        if configuring.is_needed(self.state):
+            self._out.append(SendToHolder(process.key, configuring.message(self.state)))
+
+    def _found(self, event: SlaveFound) -> None:
+        """Believe a slave about what it holds; what contradicts the living, it is to drop."""
+        holding = adoption.read(event.name, event.components, event.wires)
+        process = adoption.process_of(self.state, event.pid)
+        if process is None:
+            name = adoption.free_name(self.state, event.name, event.pid)
+            process = self._tasks.new_process(name, event.pid)
+        process.state = "up"
+        self._out.append(AdoptSlave(process.key, event.pid))
+        self._configure(process)
+        for message in adoption.take(self.state, process, holding):
+            self._out.append(SendToHolder(process.key, message))
+        process.is_wanted &= not self._is_stopping
+        self._end_unwanted(process)
+        self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
+        self._tasks.begin(retire(self.state, process), adoption.SETTLE_S)
+
+    def _end_unwanted(self, process: Process) -> bool:
+        """End a slave that came when nobody waited for it any more."""
+        if not process.is_wanted:
+            self._out.append(SignalSlave(process.key, signal.SIGKILL))
+        return not process.is_wanted
+
+    def _ended(self, key: int, reason: str, last: str = "") -> None:
+        process = self.state.processes.get(key)
+        if process is None or not process.is_alive:
+            return
+        process.state, process.reason, process.last = "lost", reason, last
+        self.state.drop_loose(key)
+        self._bury(process)
+        self.state.drop_if_empty(key)
+        self._tasks.process_ended(process)
+
+    def _bury(self, process: Process) -> None:
+        for instance in self.state.held_by(process.key):
+            for wire in self.state.connectors_of(instance):
+                self._cut(wire)
+            if process.is_wanted:
+                self.state.drop_connectors(instance)
+                self.state.update(instance, zombie=process.reason, trouble="")
+            else:
+                self.state.forget(instance)
+
+    def _cut(self, wire: ConnectorProfile) -> None:
+        """Drop a connector and take it off the ends that live."""
+        del self.state.connectors[wire.connector_id]
+        ends = {self.state.holders.get(end.instance) for end in wire.ports}
+        for process in list(self.state.processes.values()):
+            if process.key in ends and process.is_ready:
+                message = {"op": "unlink", "connector_id": wire.connector_id}
+                self._out.append(SendToHolder(process.key, message))
+
+    def _halted(self, key: int, is_halted: bool) -> None:
+        process = self.state.processes.get(key)
+        if process is None or not process.is_ready:
+            return
+        process.state = "stopped" if is_halted else "up"
+        for instance in self.state.held_by(key):
+            self.state.update(instance, trouble=self.state.trouble_of(instance, process))
+
+    def _stuck(self, key: int, instance: str, text: str) -> None:
+        process = self.state.processes.get(key)
+        claim = self.state.claims.get(instance)
+        is_held = self.state.holders.get(instance) == key
+        if process is None or not (is_held or (claim is not None and claim.key == key)):
+            return
+        if text:
+            self.state.stuck[instance] = text
+        else:
+            self.state.stuck.pop(instance, None)
+        if process.is_alive and is_held:
+            self.state.update(instance, trouble=self.state.trouble_of(instance, process))
+
+    # the end
+
+    def _stop(self) -> None:
+        if not self._is_stopping:
+            self._is_stopping = True
+            self._tasks.cancel(Refused(_STOPPING))
+            self._watchers.dismiss(Reply(_STOPPING, Refused.kind))
+            self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
+
+    def _stopped(self, _result: Result) -> None:
+        self._out.append(Finish())

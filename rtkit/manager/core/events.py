@@ -1,0 +1,194 @@
+"""What happens to a manager, and what its core tells the shell to do about it.
+
+Processes are named by a key: a number that is never used twice, whatever their names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from rtkit.deployment.batch import Batch
+from rtkit.deployment.watch import Watch
+from rtkit.property.exchange import Reply
+
+Message = Mapping[str, Any]
+Answer = Callable[[Reply], None]
+
+OWN_PROCESS = 0
+"""Key of the manager's own process."""
+
+
+@dataclass(frozen=True, slots=True)
+class BatchAsked:
+    """A client wants actions performed."""
+
+    batch: Batch
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
+class WatchAsked:
+    """A client wants to know when states change."""
+
+    watch: Watch
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
+class OperationAsked:
+    """A client wants an operation done (see `rtkit.manager.core.operations`)."""
+
+    name: str
+    argument: str
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
+class StopAsked:
+    """A client or a signal wants the manager to end."""
+
+
+@dataclass(frozen=True, slots=True)
+class SlaveForked:
+    """The zygote made the process of a slave."""
+
+    key: int
+    pid: int
+
+
+@dataclass(frozen=True, slots=True)
+class SlaveFailed:
+    """The zygote could not make the process of a slave."""
+
+    key: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class SlaveReady:
+    """A slave said hello: it can hold components."""
+
+    key: int
+
+
+@dataclass(frozen=True, slots=True)
+class SlaveFound:
+    """A slave that an earlier manager left said what it holds."""
+
+    pid: int
+    name: str
+    components: object
+    wires: object
+
+
+@dataclass(frozen=True, slots=True)
+class SlaveEnded:
+    """The kernel reported the end of a slave; `last` is what it said before, in one line."""
+
+    key: int
+    reason: str
+    last: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SlaveHalted:
+    """The kernel reported that a slave was stopped (``SIGSTOP``) or goes on."""
+
+    key: int
+    is_halted: bool
+
+
+@dataclass(frozen=True, slots=True)
+class CallbackStuck:
+    """A callback of a component exceeds its deadline; or, with no text, it goes on again."""
+
+    key: int
+    instance: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class HolderSaid:
+    """The holder of a process answered, or reported a fact."""
+
+    key: int
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """The moment that `WakeAt` asked for has come."""
+
+
+Event = (
+    BatchAsked
+    | WatchAsked
+    | OperationAsked
+    | StopAsked
+    | SlaveForked
+    | SlaveFailed
+    | SlaveReady
+    | SlaveFound
+    | SlaveEnded
+    | SlaveHalted
+    | CallbackStuck
+    | HolderSaid
+    | Tick
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SpawnSlave:
+    """Have the zygote fork a slave."""
+
+    key: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class AdoptSlave:
+    """Take a slave that was found as our own, under this key."""
+
+    key: int
+    pid: int
+
+
+@dataclass(frozen=True, slots=True)
+class SendToHolder:
+    """Send a message to the holder of a process."""
+
+    key: int
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class SignalSlave:
+    """Send a signal to a slave."""
+
+    key: int
+    signal: int
+
+
+@dataclass(frozen=True, slots=True)
+class AnswerClient:
+    """Answer a request."""
+
+    answer: Answer
+    reply: Reply
+
+
+@dataclass(frozen=True, slots=True)
+class WakeAt:
+    """Send a `Tick` at this monotonic time [s]."""
+
+    time_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Finish:
+    """Nothing is left to be ended: close the doors and end the process."""
+
+
+Instruction = SpawnSlave | AdoptSlave | SendToHolder | SignalSlave | AnswerClient | WakeAt | Finish

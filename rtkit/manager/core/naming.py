@@ -1,0 +1,38 @@
+"""Names in the tree: aliases of components and of the manager itself."""
+
+from __future__ import annotations
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.errors import NotFound, Refused
+from rtkit.manager.core.events import Message
+from rtkit.manager.core.state import State
+from rtkit.manager.core.wishes import Procedure, Tell
+
+
+def unregister(state: State, action: act.Unregister) -> Procedure:
+    """Remove a name; a component lives on without it, a zombie is forgotten with its last one."""
+    name = action.name
+    facts = next((c for c in state.components.values() if name in c.names), None)
+    if facts is None and name not in state.names:
+        raise NotFound(f"nothing is registered as /{name}")
+    if action.is_zombie and (facts is None or not facts.zombie):
+        raise Refused(f"no zombie is registered as /{name}")
+    if facts is None:
+        state.names = tuple(each for each in state.names if each != name)
+        return Result()
+    left = tuple(each for each in facts.names if each != name)
+    state.update(facts.instance, names=left)
+    process = state.process_of(facts.instance)
+    if facts.zombie and not left and facts.instance not in state.ending:
+        state.forget(facts.instance)
+    elif process is not None and process.is_ready:
+        yield Tell(process, remember(state, facts.instance))
+    return Result()
+
+
+def remember(state: State, instance: str) -> Message:
+    """Return the message that has a process remember names and origin of a component."""
+    facts = state.components[instance]
+    kept = {"names": list(facts.names), "create": facts.create}
+    return {"op": "remember", "instance": instance, "kept": kept}

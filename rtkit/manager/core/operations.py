@@ -1,0 +1,208 @@
+"""The operations of a manager, as properties: some are read, some are set with an argument.
+
+Lists are lines; a record is ``ID?key=value&key=value``, tables are lines of ``key: value``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.manager.core import configuring
+from rtkit.manager.core.procedures import procedure_for
+from rtkit.manager.core.state import State
+from rtkit.manager.core.wishes import Need, Procedure
+from rtkit.rtc.create import FRESH_SLAVE
+from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.profiles import TypeProfile
+
+TIMEOUT_S = 10.0
+"""How long an operation may take that is not part of a batch [s]."""
+
+_PROFILE = (
+    "manager.instance_name",
+    "manager.name",
+    "manager.pid",
+    "manager.naming_formats",
+    "manager.components.precreate",
+    "manager.modules.load_path",
+    "manager.modules.preload",
+)
+_ESCAPED = "%&=?\n"
+
+
+def record(name: str, values: Mapping[str, str]) -> str:
+    """Return ``NAME?key=value&…``, values with escapes, empty ones left out."""
+    told = "&".join(f"{key}={_escape(value)}" for key, value in values.items() if value)
+    return f"{name}?{told}" if told else name
+
+
+def type_record(profile: TypeProfile) -> str:
+    """Return a component type as ``RTC:vendor:category:type:language:version?description=…``."""
+    return record(full_id(profile), {"description": profile.description})
+
+
+def full_id(profile: TypeProfile) -> str:
+    """Return ``RTC:vendor:category:type:language:version``."""
+    fields = (profile.vendor, profile.category, profile.type_name, profile.language)
+    return ":".join(("RTC", *fields, profile.version))
+
+
+def lines(table: Mapping[str, str]) -> str:
+    """Return a table as ``rtc.conf`` would have it."""
+    return "\n".join(f"{key}: {value}" for key, value in sorted(table.items()))
+
+
+def _loaded_modules(state: State) -> str:
+    return "\n".join(record(each.path, {"init": each.init}) for each in state.modules.values())
+
+
+def _factory_profiles(state: State) -> str:
+    types = {type_ for module in state.modules.values() for type_ in module.types}
+    types.update(facts.type for facts in _living(state) if not facts.is_stand_in)
+    return "\n".join(sorted(map(type_record, types)))
+
+
+def _components(state: State) -> str:
+    return "\n".join(each.instance for each in _living(state))
+
+
+def _component_profiles(state: State) -> str:
+    return "\n".join(map(_component_record, _living(state)))
+
+
+def _component_record(facts: ComponentFacts) -> str:
+    known = facts.type
+    told = {
+        "type_name": known.type_name,
+        "description": known.description,
+        "version": known.version,
+        "vendor": known.vendor,
+        "category": known.category,
+        "language": known.language,
+        "manager": facts.process,
+        "naming.names": ",".join(facts.names),
+    }
+    return record(facts.instance, told)
+
+
+def _profile(state: State) -> str:
+    table = configuring.table(state)
+    return lines({key: value for key, value in table.items() if key in _PROFILE})
+
+
+def _configuration(state: State) -> str:
+    return lines(configuring.table(state))
+
+
+def _masters(state: State) -> str:
+    return "\n".join(state.masters)
+
+
+def _slaves(state: State) -> str:
+    own = [p.name for p in state.processes.values() if p.is_slave and p.is_ready]
+    return "\n".join([*own, *state.slaves])
+
+
+READ: Mapping[str, Callable[[State], str]] = {
+    "get_loaded_modules": _loaded_modules,
+    "get_factory_profiles": _factory_profiles,
+    "get_components": _components,
+    "get_component_profiles": _component_profiles,
+    "get_profile": _profile,
+    "get_configuration": _configuration,
+    "is_master": lambda state: configuring.lookup(state, "manager.is_master") or "",
+    "get_master_managers": _masters,
+    "get_slave_managers": _slaves,
+}
+
+
+def _load(state: State, argument: str) -> Procedure:
+    path, _, option = argument.partition("?")
+    key, _, init = option.partition("=")
+    if option and key != "init":
+        raise Malformed(f"not PATH?init=FUNCTION: {argument}")
+    return (yield from procedure_for(act.Load(path, init), state))
+
+
+def _unload(state: State, argument: str) -> Procedure:
+    return (yield from procedure_for(act.Unload(argument), state))
+
+
+def _create(state: State, argument: str) -> Procedure:
+    return (yield from procedure_for(act.Create(argument), state))
+
+
+def _delete(state: State, argument: str) -> Procedure:
+    return (yield from procedure_for(act.Delete(argument), state))
+
+
+def _by_name(state: State, argument: str) -> Procedure:
+    """Find components by ``INSTANCE``, ``*/INSTANCE`` or ``CATEGORY/INSTANCE``."""
+    yield from ()
+    category, slash, instance = argument.rpartition("/")
+    found = [
+        each.instance
+        for each in _living(state)
+        if each.instance == instance and (not slash or category in ("*", each.type.category))
+    ]
+    return Result(value="\n".join(found))
+
+
+def _fork(state: State, argument: str) -> Procedure:
+    """Start another slave of equal configuration, without components."""
+    if argument:
+        check_instance_name(argument)
+        if state.living_process(argument) is not None:
+            raise Refused(f"there is a slave named {argument} already")
+    process = yield Need(argument or FRESH_SLAVE)
+    return Result(value=process.name)
+
+
+def _add(managers: list[str], argument: str) -> Procedure:
+    yield from ()
+    if argument.strip() != argument or not argument or not argument.isprintable():
+        raise Malformed(f"not a manager: {argument!r}")
+    if argument not in managers:
+        managers.append(argument)
+    return Result()
+
+
+def _remove(managers: list[str], argument: str) -> Procedure:
+    yield from ()
+    if argument not in managers:
+        raise NotFound(f"no such manager is registered: {argument}")
+    managers.remove(argument)
+    return Result()
+
+
+def _service(_state: State, argument: str) -> Procedure:
+    yield from ()
+    raise NotFound(f"the manager has no service {argument}")
+
+
+DO: Mapping[str, Callable[[State, str], Procedure]] = {
+    "load_module": _load,
+    "unload_module": _unload,
+    "create_component": _create,
+    "delete_component": _delete,
+    "get_components_by_name": _by_name,
+    "set_configuration": configuring.change,
+    "fork": _fork,
+    "add_master_manager": lambda state, name: _add(state.masters, name),
+    "remove_master_manager": lambda state, name: _remove(state.masters, name),
+    "add_slave_manager": lambda state, name: _add(state.slaves, name),
+    "remove_slave_manager": lambda state, name: _remove(state.slaves, name),
+    "get_service": _service,
+}
+
+
+def _living(state: State) -> Iterable[ComponentFacts]:
+    return [facts for facts in state.components.values() if not facts.zombie]
+
+
+def _escape(value: str) -> str:
+    return "".join(f"%{ord(c):02X}" if c in _ESCAPED else c for c in value)

@@ -1,0 +1,281 @@
+"""How each action is done: generators that yield what they wait for, a `wishes.Wish`.
+
+What a procedure has changed when it fails, it takes back itself.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+from collections.abc import Generator, Iterable
+from typing import Any
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.manager.core.composition import process_of_members
+from rtkit.manager.core.configuring import config_files, inherited
+from rtkit.manager.core.events import OWN_PROCESS, Message
+from rtkit.manager.core.naming import remember, unregister
+from rtkit.manager.core.registration import check_free, early_names, late_names
+from rtkit.manager.core.state import Claim, Process, State
+from rtkit.manager.core.stopping import retire
+from rtkit.manager.core.transitions import change_state
+from rtkit.manager.core.wiring import connect, cut, disconnect, living, unwire
+from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell
+from rtkit.manager.settings.values import DEFAULT_PORT
+from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
+from rtkit.rtc.names import check_instance_name, is_local_host
+from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.profiles import ModuleProfile
+
+_OPERATIONS = {
+    act.SetRate: "set_rate",
+    act.Tick: "tick",
+    act.SetStructure: "set_structure",
+    act.SetEventProfiles: "set_events",
+}
+
+
+def procedure_for(action: Action, state: State) -> Procedure:
+    """Return the procedure of an action."""
+    match action:
+        case act.Load():
+            return _load(state, action)
+        case act.Unload():
+            return _unload(state, action)
+        case act.Create():
+            return _create(state, action)
+        case act.Delete():
+            return _delete(state, action)
+        case act.Unregister():
+            return unregister(state, action)
+        case act.Connect():
+            return connect(state, action.connector)
+        case act.Disconnect():
+            return disconnect(state, action)
+        case act.SetParameters():
+            wish = {"op": "set", "set_id": action.set_id, "values": dict(action.values)}
+            return _tell(state, action.instance, wish)
+        case act.ActivateSet():
+            return _tell(state, action.instance, {"op": "activate_set", "set_id": action.set_id})
+        case act.ChangeState():
+            return change_state(state, action)
+        case act.SetRate() | act.Tick() | act.SetStructure() | act.SetEventProfiles():
+            plain: Message = {"op": _OPERATIONS[type(action)], **encode(action)}
+            return _tell(state, action.instance, plain)
+        case act.Attach() | act.Detach():
+            return _share(state, action)
+
+
+def _share(state: State, action: act.Attach | act.Detach) -> Procedure:
+    """Attach a component to a context of another, or detach it."""
+    owner, participant = living(state, action.owner), living(state, action.participant)
+    if owner is not participant:
+        raise Refused(
+            f"{action.participant} is in {participant.name}, {action.owner} in {owner.name}:"
+            " an execution context drives components of its own process only"
+        )
+    message = {
+        "op": type(action).__name__.lower(),
+        "context": action.context,
+        "participant": action.participant,
+    }
+    return (yield from _tell(state, action.owner, message))
+
+
+def _tell(state: State, instance: str, message: Message) -> Procedure:
+    process = living(state, instance)
+    yield Ask(process, {**message, "instance": instance})
+    return Result()
+
+
+# modules
+
+
+def _load(state: State, action: act.Load) -> Procedure:
+    own = state.processes[OWN_PROCESS]
+    value = yield Ask(own, {"op": "load", "path": action.path, "init": action.init})
+    module = state.modules[action.path] = decode(ModuleProfile, value)
+    return Result(value=module.path)
+
+
+def _unload(state: State, action: act.Unload) -> Procedure:
+    if action.path not in state.modules:
+        raise NotFound(f"module is not loaded: {action.path}")
+    message = {"op": "unload", "path": action.path}
+    yield Ask(state.processes[OWN_PROCESS], message)
+    state.modules.pop(action.path, None)
+    for process in list(state.processes.values()):
+        if process.is_slave and process.is_ready:
+            yield Tell(process, message)
+    return Result()
+
+
+# components
+
+
+def _create(state: State, action: act.Create) -> Procedure:
+    create = parse_create(action.create)
+    known = state.components.get(create.instance_name)
+    if known is not None and known.instance in state.ending:
+        raise Refused(f"{known.instance} is just being deleted")
+    if known is not None and not known.zombie:
+        return Result(value=known.instance)
+    instance, claim = _claim(state, action, create, known)
+    try:
+        process = yield from _place(state, create)
+        claim.key = process.key
+        made = yield from _make(state, process, action, create.with_options(instance_name=instance))
+        names = claim.names
+        if claim.is_by_template:
+            names = (*names, *late_names(state, create, instance))
+    except RtkitError:
+        del state.claims[instance]
+        yield Later(_unmake(state, claim.key, instance, known))
+        raise
+    finally:
+        state.claims.pop(instance, None)
+    state.update(instance, create=str(made), process=process.name, names=names)
+    if names != claim.names:
+        yield Tell(process, remember(state, instance))
+    return Result(value=instance)
+
+
+def _claim(
+    state: State, action: act.Create, create: CreateString, known: ComponentFacts | None
+) -> tuple[str, Claim]:
+    """Choose the instance name, ``<type><n>`` unless wished otherwise, and hold it."""
+    instance = create.instance_name or _free_name(state, action, create)
+    check_instance_name(instance)
+    if instance in state.claims:
+        raise Refused(f"{instance} is just being made")
+    asked = action.names or (known.names if known is not None else ())
+    names = tuple(dict.fromkeys(asked or early_names(state, create, instance)))
+    check_free(state, names, instance)
+    claim = state.claims[instance] = Claim(names, is_by_template=not asked)
+    return instance, claim
+
+
+def _free_name(state: State, action: act.Create, create: CreateString) -> str:
+    pattern = action.pattern
+    base = pattern.type.type_name if pattern is not None else create.implementation_id
+    names = (f"{base}{n}" for n in itertools.count())
+    return next(
+        name
+        for name in names
+        if name not in state.components
+        and name not in state.claims
+        and (action.names or not any(map(state.name_owner, early_names(state, create, name))))
+    )
+
+
+def _place(state: State, create: CreateString) -> Generator[Need, Any, Process]:
+    home = process_of_members(state, create)
+    if home is not None:
+        return home
+    name = create.place or _slave_at(state, create.address)
+    if name in ("", state.name):
+        return state.processes[OWN_PROCESS]
+    if name != FRESH_SLAVE:
+        check_instance_name(name)
+    process: Process = yield Need(name)
+    return process
+
+
+def slaves_of(actions: Iterable[Action]) -> list[str]:
+    """Return the named slaves in which these actions make components; none if it is but one."""
+    names: dict[str, None] = {}
+    for action in actions:
+        if isinstance(action, act.Create):
+            with contextlib.suppress(Malformed):
+                place = parse_create(action.create).place
+                if place not in ("", FRESH_SLAVE):
+                    names[check_instance_name(place)] = None
+    return list(names) if len(names) > 1 else []
+
+
+def _slave_at(state: State, address: str) -> str:
+    """Return the slave that stands for ``host:port``; port 2810 is the manager itself."""
+    if not address:
+        return ""
+    host, _, port = address.rpartition(":")
+    if not (port.isascii() and port.isdigit() and len(port) <= 5):
+        raise Malformed(f"manager address is not host:port: {address}")
+    if not is_local_host(host, state.host):
+        raise Unreachable(f"no manager is known on host {host}: {address}")
+    return "" if int(port) in (DEFAULT_PORT, state.port) else f"{state.name}_{int(port)}"
+
+
+def _make(
+    state: State, process: Process, action: act.Create, create: CreateString
+) -> Generator[Ask, Any, CreateString]:
+    """Have a process make a component; return the create string that makes it again."""
+    instance = create.instance_name
+    is_fresh = create.place == FRESH_SLAVE
+    again = create.with_options(manager_name=process.name) if is_fresh else create
+    yield Ask(
+        process,
+        {
+            "op": "create",
+            "create": str(create),
+            "pattern": encode(action.pattern) if action.pattern is not None else None,
+            "modules": [[module.path, module.init] for module in state.modules.values()],
+            "inherited": inherited(state),
+            "config_files": config_files(state),
+            "kept": {"names": list(state.claims[instance].names), "create": str(again)},
+        },
+    )
+    facts = state.components.get(instance)
+    if facts is None or facts.zombie:
+        raise Refused(f"{instance} ended while it was made")
+    return again
+
+
+def _unmake(state: State, key: int, instance: str, before: ComponentFacts | None) -> Procedure:
+    """Leave nothing of a component that could not be made; a zombie stays the zombie it was."""
+    if state.components.get(instance) is not before:
+        for wire in state.connectors_of(instance):
+            yield from cut(state, wire)
+        state.forget(instance)
+    process = state.processes.get(key)
+    if process is not None and process.is_ready:
+        yield Tell(process, {"op": "delete", "instance": instance})
+        yield from retire(state, process)
+    return Result()
+
+
+def _delete(state: State, action: act.Delete) -> Procedure:
+    instance = action.instance
+    facts = state.components.get(instance)
+    process = state.process_of(instance)
+    if facts is None or process is None:
+        raise NotFound(f"no component named {instance}")
+    if instance in state.ending:
+        raise Refused(f"{instance} is just being deleted")
+    if process.unfit and not facts.zombie:
+        raise Unreachable(process.unfit)
+    state.ending.add(instance)
+    try:
+        yield from _finalise(state, process, instance)
+    finally:
+        state.ending.discard(instance)
+    state.forget(instance)
+    yield from retire(state, process)
+    return Result()
+
+
+def _finalise(state: State, process: Process, instance: str) -> Procedure:
+    for wire in state.connectors_of(instance):
+        try:
+            yield from unwire(state, wire)
+        except Unreachable:
+            continue  # the other end does it when it can: that is no obstacle here
+    state.drop_connectors(instance)
+    if process.is_alive:
+        try:
+            yield Ask(process, {"op": "delete", "instance": instance})
+        except NotFound:
+            return Result()  # an earlier request that was given up has come through
+    return Result()

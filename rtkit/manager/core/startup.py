@@ -1,0 +1,101 @@
+"""What a manager does at its start: load, create, connect, activate; each failure is told.
+
+What follows a failure is tried all the same: the rest of a system is better than nothing of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action
+from rtkit.deployment.batch import Batch, results_from_text
+from rtkit.errors import RtkitError
+from rtkit.manager.core.events import BatchAsked
+from rtkit.manager.core.preconnect import connector
+from rtkit.manager.core.state import State
+from rtkit.manager.settings import values
+from rtkit.property.exchange import Reply
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import Transition
+
+TIMEOUT_S = 10.0
+"""How long each action may take [s]."""
+
+_Plan = Callable[[State, str], list[Action]]
+
+
+def _load(_state: State, text: str) -> list[Action]:
+    return [act.Load(file, init) for file, init in values.modules(text)]
+
+
+def _create(_state: State, text: str) -> list[Action]:
+    return [act.Create(str(parse_create(text)))]
+
+
+def _connect(state: State, text: str) -> list[Action]:
+    wire = connector(state, text)
+    return [] if wire is None else [act.Connect(wire)]
+
+
+def _activate(state: State, instance: str) -> list[Action]:
+    facts = state.components.get(instance)
+    contexts = [each.id for each in facts.contexts] if facts is not None else ["0"]
+    return [act.ChangeState(instance, context, Transition.ACTIVATE) for context in contexts]
+
+
+_PHASES: Sequence[tuple[str, _Plan]] = (
+    ("manager.preload.modules", _load),
+    ("manager.modules.preload", _load),
+    ("manager.components.precreate", _create),
+    ("manager.components.preconnect", _connect),
+    ("manager.components.preactivation", _activate),
+)
+
+
+class StartUp:
+    """Hands in one batch after the other; `done` is called with the failures, by name.
+
+    All of it runs on the thread of the loop: `begin` is called there, and so are answers.
+    """
+
+    def __init__(
+        self,
+        state: State,
+        post: Callable[[BatchAsked], object],
+        done: Callable[[list[tuple[str, str]]], object],
+    ) -> None:
+        self._state = state
+        self._post = post
+        self._done = done
+        self._failures: list[tuple[str, str]] = []
+        self._steps = [
+            (key, plan, item) for key, plan in _PHASES for item in state.settings.items(key)
+        ]
+
+    def begin(self) -> None:
+        """Do the next thing, or tell that nothing is left."""
+        while self._steps:
+            key, plan, item = self._steps.pop(0)
+            try:
+                actions = plan(self._state, item)
+            except RtkitError as error:
+                self._fail(key, item, str(error))
+                continue
+            if actions:
+                heard = partial(self._heard, key, item)
+                self._post(BatchAsked(Batch(tuple(actions), True, TIMEOUT_S), heard))
+                return
+        self._done(self._failures)
+
+    def _heard(self, key: str, item: str, reply: Reply) -> None:
+        try:
+            for result in results_from_text(reply.value()):
+                result.raise_for_error()
+        except RtkitError as error:
+            self._fail(key, item, str(error))
+        self.begin()
+
+    def _fail(self, key: str, item: str, why: str) -> None:
+        self._failures.append((f"{key}: {item}", why))

@@ -1,0 +1,259 @@
+"""The facts that a manager keeps: processes, components, connectors, modules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.settings.properties import Settings
+from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
+
+NOWHERE = -1
+"""Key of no process."""
+
+
+@dataclass(slots=True)
+class Process:
+    """The manager's own process, or a slave.
+
+    Attributes:
+        state: ``starting``, ``up``, ``stopped`` or ``lost``.
+        reason: Why it is lost.
+        last: What it said before it was lost.
+        is_wanted: False once it was told to end.
+    """
+
+    key: int
+    name: str
+    pid: int = 0
+    state: str = "starting"
+    reason: str = ""
+    last: str = ""
+    is_wanted: bool = True
+
+    @property
+    def is_slave(self) -> bool:
+        """Whether it is not the manager itself."""
+        return self.key != OWN_PROCESS
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether the kernel still runs it."""
+        return self.state != "lost"
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it takes messages, though it may be stopped and take them later."""
+        return self.state in ("up", "stopped")
+
+    @property
+    def end(self) -> str:
+        """How it was lost, with its last words."""
+        if not self.pid:
+            return f"slave {self.name} could not be started: {self.reason}"
+        words = f"; its last words: {self.last}" if self.last else ""
+        return f"slave {self.name} ended: {self.reason}{words}"
+
+    @property
+    def unfit(self) -> str:
+        """Why it answers nothing at present; empty when it does."""
+        if not self.is_alive:
+            return self.end
+        return f"slave {self.name} does not answer: it is stopped" * (self.state == "stopped")
+
+
+@dataclass(slots=True)
+class Claim:
+    """What a component will have that is being made: its names, and its process once chosen.
+
+    Attributes:
+        is_by_template: Nobody asked for these names; once it is made there may be more.
+    """
+
+    names: tuple[str, ...]
+    key: int = NOWHERE
+    is_by_template: bool = False
+
+
+@dataclass(slots=True)
+class Opening:
+    """A connector that is being made; `is_broken` when an end has gone meanwhile."""
+
+    wire: ConnectorProfile
+    is_broken: bool = False
+
+
+@dataclass(slots=True)
+class State:
+    """Everything one manager knows; only its core changes it.
+
+    Attributes:
+        holders: Key of the process that holds, or held, each component.
+        claims: Instance names of components that are being made.
+        ending: Instance names of components that are being deleted.
+        openings: Connectors that are being made, by id.
+        stuck: Components of which a callback exceeds its deadline, with where it is.
+        names: Paths under which the manager itself is registered.
+        settings: The properties that the manager was given.
+        folder: Where relative paths of properties begin.
+        base_paths: Folders of modules that are always there.
+        port: TCP port of the front door, 0 without one.
+        masters: Managers that this one is registered with.
+        slaves: Managers with processes of their own that are registered with this one.
+        loose: Connectors of which a slave that was found holds one end, and the other end is
+            not known yet; with the key of that slave.
+    """
+
+    host: str
+    name: str
+    pid: int
+    version: str
+    processes: dict[int, Process] = field(default_factory=dict)
+    components: dict[str, ComponentFacts] = field(default_factory=dict)
+    holders: dict[str, int] = field(default_factory=dict)
+    connectors: dict[str, ConnectorProfile] = field(default_factory=dict)
+    modules: dict[str, ModuleProfile] = field(default_factory=dict)
+    properties: dict[str, str] = field(default_factory=dict)
+    claims: dict[str, Claim] = field(default_factory=dict)
+    ending: set[str] = field(default_factory=set)
+    openings: dict[str, Opening] = field(default_factory=dict)
+    stuck: dict[str, str] = field(default_factory=dict)
+    names: tuple[str, ...] = ()
+    loose: dict[str, tuple[ConnectorProfile, int]] = field(default_factory=dict)
+    settings: Settings = field(default_factory=Settings)
+    folder: str = "/"
+    base_paths: tuple[str, ...] = ()
+    port: int = 0
+    masters: list[str] = field(default_factory=list)
+    slaves: list[str] = field(default_factory=list)
+
+    def trouble_of(self, instance: str, process: Process) -> str:
+        """Return why a component that lives does not answer; empty when it does."""
+        return "stopped" if process.state == "stopped" else self.stuck.get(instance, "")
+
+    def stuck_in(self, key: int) -> list[str]:
+        """Return what is stuck in a process, each as ``Motor0 is stuck in …``."""
+        claimed = [instance for instance, claim in self.claims.items() if claim.key == key]
+        return [
+            f"{instance} is {self.stuck[instance]}"
+            for instance in (*self.held_by(key), *claimed)
+            if instance in self.stuck
+        ]
+
+    def living_process(self, name: str) -> Process | None:
+        """Return the living process of that name, or None."""
+        return next(
+            (
+                process
+                for process in self.processes.values()
+                if process.name == name and process.is_alive and process.is_wanted
+            ),
+            None,
+        )
+
+    def process_of(self, instance: str) -> Process | None:
+        """Return the process that holds (or held) a component."""
+        return self.processes.get(self.holders.get(instance, NOWHERE))
+
+    def held_by(self, key: int) -> list[str]:
+        """Return the instances in a process, in the order of their creation."""
+        return [instance for instance, holder in self.holders.items() if holder == key]
+
+    def is_needed(self, key: int) -> bool:
+        """Whether a process holds a component, or one is being made in it."""
+        return key in self.holders.values() or any(c.key == key for c in self.claims.values())
+
+    def connectors_of(self, instance: str) -> list[ConnectorProfile]:
+        """Return the connectors that have an end at a component."""
+        return [wire for wire in self.connectors.values() if _has_end(wire, instance)]
+
+    def name_owner(self, name: str) -> str:
+        """Return who is, or is to be, registered under a full name; empty for nobody."""
+        for instance, facts in self.components.items():
+            if name in facts.names:
+                return instance
+        if name in self.names:
+            return f"manager {self.name}"
+        return next((i for i, claim in self.claims.items() if name in claim.names), "")
+
+    def forget(self, instance: str) -> None:
+        """Drop a component with its connectors; a lost process goes with its last one."""
+        self.drop_connectors(instance)
+        self.components.pop(instance, None)
+        self.stuck.pop(instance, None)
+        key = self.holders.pop(instance, None)
+        if key is not None:
+            self.drop_if_empty(key)
+
+    def drop_connectors(self, instance: str) -> None:
+        """Drop the connectors of a component; those that are being made will not be kept."""
+        for wire in self.connectors_of(instance):
+            del self.connectors[wire.connector_id]
+        for opening in self.openings.values():
+            opening.is_broken |= _has_end(opening.wire, instance)
+
+    def drop_loose(self, key: int) -> None:
+        """Drop the connector ends of a found slave whose other ends are not known."""
+        self.loose = {id: end for id, end in self.loose.items() if end[1] != key}
+
+    def drop_if_empty(self, key: int) -> None:
+        """Drop a lost process of which no component is shown any more."""
+        process = self.processes.get(key)
+        if process is not None and not process.is_alive and not self.held_by(key):
+            del self.processes[key]
+
+    def update(self, instance: str, **changes: object) -> None:
+        """Replace fields of a component's facts."""
+        self.components[instance] = replace(self.components[instance], **changes)  # type: ignore[arg-type]
+
+    def snapshot(self) -> Snapshot:
+        """Return all facts, for clients."""
+        return Snapshot(
+            host=self.host,
+            manager=self.name,
+            pid=self.pid,
+            version=self.version,
+            processes=tuple(
+                ProcessFacts(p.name, p.is_slave, p.pid, p.state, p.reason)
+                for p in self.processes.values()
+            ),
+            components=tuple(self.components.values()),
+            connectors=tuple(self.connectors.values()),
+            modules=tuple(self.modules.values()),
+            properties=dict(self.properties),
+            names=self.names,
+        )
+
+    def validate(self) -> None:
+        """Check that the facts do not contradict each other.
+
+        Raises:
+            AssertionError: They do; names the fact.
+        """
+        own = self.processes[OWN_PROCESS]
+        assert own.state == "up", own
+        assert self.components.keys() == self.holders.keys(), "component without holder"
+        for key, process in self.processes.items():
+            assert process.key == key, process
+            assert process.is_alive or self.held_by(key), f"empty lost process: {process}"
+        for instance, facts in self.components.items():
+            holder = self.process_of(instance)
+            assert facts.instance == instance, facts
+            assert holder is not None, f"no process holds {instance}"
+            assert bool(facts.zombie) is not holder.is_alive, f"{instance} in {holder}"
+        for _, key in self.loose.values():
+            assert self.processes[key].is_alive, "a lost process holds an end"
+        names = [name for facts in self.components.values() for name in facts.names]
+        names += self.names
+        assert len(names) == len(set(names)), f"a name is used twice: {names}"
+        for connector_id, wire in self.connectors.items():
+            assert wire.connector_id == connector_id, wire
+            for end in wire.ports:
+                facts = self.components[end.instance]
+                assert not facts.zombie, f"zombie is connected: {wire}"
+                assert facts.port(end.port) is not None, f"no such port: {wire}"
+
+
+def _has_end(wire: ConnectorProfile, instance: str) -> bool:
+    return any(end.instance == instance for end in wire.ports)

@@ -1,0 +1,85 @@
+"""Orderly ends: of slaves that hold nothing any more, and of everything."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+from collections.abc import Generator, Iterable
+
+from rtkit.deployment.actions import Result
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.wishes import AllEnded, Ask, Clock, Procedure, Signal
+
+FINALISE_S = 5.0
+"""Grace that all components together have to finalise, one after the other [s]."""
+
+TERM_S = 2.0
+"""Grace between TERM and KILL, and after KILL [s]."""
+
+
+def retire(state: State, process: Process) -> Procedure:
+    """End a slave that holds nothing any more (``manager.shutdown_on_nortcs``)."""
+    may_end = state.settings.flag("manager.shutdown_on_nortcs")
+    if may_end and process.is_slave and process.is_ready and not state.is_needed(process.key):
+        yield from end_slaves([process], _term_s(state))
+    return Result()
+
+
+def _term_s(state: State) -> float:
+    return state.settings.number("manager.termination_waittime")
+
+
+def end_slaves(slaves: Iterable[Process], term_s: float = TERM_S) -> Procedure:
+    """End these processes: TERM, a grace, KILL; return when the kernel reported their end."""
+    meant = tuple(slaves)
+    for process in meant:
+        yield from _terminate(process)
+    try:
+        yield AllEnded(meant, term_s)
+    except Unreachable:
+        for process in meant:
+            if process.is_alive:
+                yield Signal(process, signal.SIGKILL)
+        with contextlib.suppress(Unreachable):
+            yield AllEnded(meant, term_s)
+    return Result()
+
+
+def _terminate(process: Process) -> Generator[Signal, None, None]:
+    """Send TERM, once, to a process that is wanted no longer."""
+    if not process.is_wanted or not process.is_alive:
+        return
+    process.is_wanted = False
+    yield Signal(process, signal.SIGTERM)
+    if process.state == "stopped":
+        yield Signal(process, signal.SIGCONT)
+
+
+def stop_everything(state: State) -> Procedure:
+    """End all components in reverse order of their creation, then all slaves.
+
+    It never fails and never takes longer than its graces: components that did not come to their
+    turn are finalised by their own process when it is told to end.
+    """
+    began: float = yield Clock()
+    silent: set[int] = set()
+    for instance in reversed(list(state.components)):
+        process = state.process_of(instance)
+        now: float = yield Clock()
+        left_s = began + FINALISE_S - now
+        if left_s <= 0:
+            break
+        if process is None or not process.is_alive or process.key in silent:
+            continue
+        try:
+            yield Ask(process, {"op": "delete", "instance": instance}, left_s)
+        except RtkitError:
+            silent.add(process.key)
+        else:
+            state.forget(instance)
+            if process.is_slave and not state.held_by(process.key):
+                yield from _terminate(process)  # it ends while others still finalise
+    slaves = [p for p in state.processes.values() if p.is_slave and p.is_alive]
+    yield from end_slaves(slaves, _term_s(state))
+    return Result()

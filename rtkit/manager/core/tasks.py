@@ -1,0 +1,276 @@
+"""Runs procedures: resumes each when what it waits for has come, or when its time is up.
+
+A procedure that is ready to go on is queued, never resumed from inside another one, so that a
+batch of any length needs no stack. Time comes in as an argument.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import logging
+import signal
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from rtkit.deployment.actions import Result
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.manager.core import facts_in
+from rtkit.manager.core.events import (
+    OWN_PROCESS,
+    Instruction,
+    Message,
+    SendToHolder,
+    SignalSlave,
+    SpawnSlave,
+    WakeAt,
+)
+from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.wishes import (
+    AllEnded,
+    Ask,
+    Clock,
+    Later,
+    Need,
+    Pause,
+    Procedure,
+    Signal,
+    Tell,
+    Wait,
+    Wish,
+)
+from rtkit.rtc.create import FRESH_SLAVE
+from rtkit.rtc.enums import ReturnCode
+
+Done = Callable[[Result], None]
+_log = logging.getLogger(__name__)
+_SPARE_DEADLINES = 64
+
+
+@dataclass(slots=True, eq=False)
+class _Task:
+    """A procedure under way.
+
+    Attributes:
+        done: Told the outcome; None when nobody waits for it.
+        wait: What it waits for at present.
+        key: Of the process that it waits for.
+        told: The failure that a holder answered with, and the error that stands for it.
+    """
+
+    steps: Procedure
+    timeout_s: float
+    done: Done | None = None
+    wait: Wait | None = None
+    key: int = -1
+    told: tuple[RtkitError, Result] | None = None
+
+
+class _Step(NamedTuple):
+    """A task that can go on, with the value or the error that it waited for."""
+
+    task: _Task
+    value: Any = None
+    error: RtkitError | None = None
+
+
+class Tasks:
+    """All procedures under way; `out` collects what the shell is to do."""
+
+    def __init__(self, state: State, out: list[Instruction]) -> None:
+        self._state = state
+        self._out = out
+        self._now = 0.0
+        self._numbers = itertools.count(1)
+        self._keys = itertools.count(OWN_PROCESS + 1)
+        self._ready: deque[_Step] = deque()
+        self._waiting: dict[int, _Task] = {}
+        self._deadlines: list[tuple[float, int]] = []
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no procedure is under way."""
+        return not self._waiting and not self._ready
+
+    def begin(self, steps: Procedure, timeout_s: float, done: Done | None = None) -> None:
+        """Take a procedure in; `done` hears its outcome, and each wait is bounded [s]."""
+        self._ready.append(_Step(_Task(steps, timeout_s, done)))
+
+    def run(self, now: float) -> None:
+        """Go on with all that can, at monotonic time `now` [s]."""
+        self._now = now
+        while True:
+            while self._ready:
+                self._resume(self._ready.popleft())
+            if not self._expire():
+                break
+        self._prune()
+        if self._deadlines:
+            self._out.append(WakeAt(self._deadlines[0][0]))
+
+    def new_process(self, name: str, pid: int = 0) -> Process:
+        """Enter another slave into the state, under a key that was never used."""
+        process = Process(next(self._keys), name, pid)
+        self._state.processes[process.key] = process
+        return process
+
+    def hear(self, key: int, message: Message) -> None:
+        """Take the answer of a holder; one that nobody waits for any more is ignored."""
+        number = message["reply"]
+        task = self._waiting.get(number) if isinstance(number, int) else None
+        if task is None or task.key != key or not isinstance(task.wait, Ask):
+            return
+        result = facts_in.result(message)
+        if result.ok:
+            self._go_on(number, message.get("value", ""))
+        else:
+            error = facts_in.error(result)
+            task.told = (error, result)
+            self._go_on(number, None, error)
+
+    def process_is_up(self, process: Process) -> None:
+        """Go on with those who need this slave."""
+        for number, task in self._waiting_for(process.key):
+            if isinstance(task.wait, Need):
+                self._go_on(number, process)
+
+    def process_ended(self, process: Process) -> None:
+        """Tell those who wait for this slave that it ended."""
+        error = Unreachable(process.end)
+        for number, _ in self._waiting_for(process.key):
+            self._go_on(number, None, error)
+        for number, task in list(self._waiting.items()):
+            if isinstance(task.wait, AllEnded) and _have_ended(task.wait):
+                self._go_on(number, None)
+
+    def cancel(self, error: RtkitError) -> None:
+        """Raise an error in every procedure whose outcome somebody waits for."""
+        for number, task in list(self._waiting.items()):
+            if task.done is not None:
+                self._go_on(number, None, error)
+
+    def _waiting_for(self, key: int) -> list[tuple[int, _Task]]:
+        return [(number, task) for number, task in self._waiting.items() if task.key == key]
+
+    def _go_on(self, number: int, value: Any, error: RtkitError | None = None) -> None:
+        task = self._waiting.pop(number)
+        task.wait, task.key = None, -1
+        self._ready.append(_Step(task, value, error))
+
+    def _resume(self, step: _Step) -> None:
+        task, value, error = step
+        while True:
+            wish = _advance(task, value, error)
+            value, error = None, None
+            match wish:
+                case None:
+                    return
+                case Clock():
+                    value = self._now
+                case Later(procedure):
+                    self._resume(_Step(_Task(procedure, task.timeout_s)))
+                case Signal(process, number):
+                    self._out.append(SignalSlave(process.key, number))
+                case Tell(process, message):
+                    self._out.append(SendToHolder(process.key, message))
+                case Ask(process):
+                    if not process.unfit:
+                        self._ask(task, wish)
+                        return
+                    error = Unreachable(process.unfit)
+                case Need():
+                    value = self._needed(task, wish)
+                    if value is None:
+                        return
+                case Pause(time_s):
+                    self._wait(task, wish, -1, time_s)
+                    return
+                case AllEnded():
+                    if not _have_ended(wish):
+                        self._wait(task, wish, -1, wish.timeout_s)
+                        return
+
+    def _wait(self, task: _Task, wait: Wait, key: int, timeout_s: float) -> int:
+        number = next(self._numbers)
+        task.wait, task.key = wait, key
+        self._waiting[number] = task
+        heapq.heappush(self._deadlines, (self._now + timeout_s, number))
+        return number
+
+    def _ask(self, task: _Task, ask: Ask) -> None:
+        key = ask.process.key
+        number = self._wait(task, ask, key, ask.timeout_s or task.timeout_s)
+        self._out.append(SendToHolder(key, {**ask.message, "call": number}))
+
+    def _needed(self, task: _Task, need: Need) -> Process | None:
+        name = need.name
+        process = self._state.living_process(name) if name != FRESH_SLAVE else None
+        if process is None:
+            process = self.new_process(name)
+            self._out.append(SpawnSlave(process.key, name))
+        if process.state != "starting":
+            return process
+        self._wait(task, need, process.key, task.timeout_s)
+        return None
+
+    def _expire(self) -> bool:
+        """End the waits whose time is up; return whether there were any."""
+        while self._deadlines and self._deadlines[0][0] <= self._now:
+            _, number = heapq.heappop(self._deadlines)
+            task = self._waiting.get(number)
+            if task is not None:
+                is_late = not isinstance(task.wait, Pause)
+                self._go_on(number, None, self._late(task.key) if is_late else None)
+        return bool(self._ready)
+
+    def _late(self, key: int) -> Unreachable:
+        process = self._state.processes.get(key)
+        if process is None:
+            return Unreachable("time is up")
+        if process.state != "starting":
+            stuck = "; ".join(self._state.stuck_in(key))
+            return Unreachable(
+                f"no answer from {process.name} in time" + (f": {stuck}" if stuck else "")
+            )
+        if len(self._waiting_for(key)) == 1:
+            process.is_wanted = False
+            self._out.append(SignalSlave(key, signal.SIGKILL))
+        return Unreachable(f"slave {process.name} did not start in time")
+
+    def _prune(self) -> None:
+        """Drop deadlines of waits that are over, so that long ones do not pile up."""
+        while self._deadlines and self._deadlines[0][1] not in self._waiting:
+            heapq.heappop(self._deadlines)
+        if len(self._deadlines) > _SPARE_DEADLINES + 2 * len(self._waiting):
+            self._deadlines = [each for each in self._deadlines if each[1] in self._waiting]
+            heapq.heapify(self._deadlines)
+
+
+def failed(error: RtkitError) -> Result:
+    """Return the result that stands for an error."""
+    is_bad = isinstance(error, (ValueError, LookupError))
+    code = ReturnCode.BAD_PARAMETER if is_bad else ReturnCode.ERROR
+    return Result(code, error.kind, str(error))
+
+
+def _advance(task: _Task, value: Any, error: RtkitError | None) -> Wish | None:
+    """Let a procedure go on; return what it wishes next, None when it is over."""
+    try:
+        return task.steps.throw(error) if error else task.steps.send(value)
+    except StopIteration as stop:
+        result: Result = stop.value
+    except RtkitError as failure:
+        told = task.told
+        result = told[1] if told is not None and told[0] is failure else failed(failure)
+    except Exception as bug:
+        _log.exception("a procedure failed")
+        result = failed(RtkitError(f"{type(bug).__name__}: {bug}"))
+    if task.done is not None:
+        task.done(result)
+    return None
+
+
+def _have_ended(wait: AllEnded) -> bool:
+    return not any(process.is_alive for process in wait.slaves)

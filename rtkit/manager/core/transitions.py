@@ -1,0 +1,54 @@
+"""How a component changes its state: whether that is waited for, and for how long."""
+
+from __future__ import annotations
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.manager.core.state import State
+from rtkit.manager.core.wiring import living
+from rtkit.manager.core.wishes import Ask, Procedure
+from rtkit.manager.settings.properties import check
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import Transition
+
+_WORD = {
+    Transition.ACTIVATE: "activation",
+    Transition.DEACTIVATE: "deactivation",
+    Transition.RESET: "reset",
+}
+
+
+def change_state(state: State, action: act.ChangeState) -> Procedure:
+    """Activate, deactivate or reset a component.
+
+    Raises:
+        Malformed: A property of the component that bounds it cannot be read.
+    """
+    process = living(state, action.instance)
+    word = _WORD[action.transition]
+    is_sync = _option(state, action.instance, f"exec_cxt.sync_{word}", "exec_cxt.sync_transition")
+    bound = _option(
+        state, action.instance, f"exec_cxt.{word}_timeout", "exec_cxt.transition_timeout"
+    )
+    message = {
+        "op": "change_state",
+        "context": action.context,
+        "transition": action.transition.value,
+        "wait": action.wait and is_sync != "NO",
+        "instance": action.instance,
+    }
+    yield Ask(process, message, float(bound or 0))
+    return Result()
+
+
+def _option(state: State, instance: str, *keys: str) -> str:
+    """Return the first of these properties that component or manager was given."""
+    create = state.components[instance].create
+    own = parse_create(create).options if create else {}
+    for key in keys:
+        value = check(key, own.get(key, "")) or (
+            state.settings.text(key) if state.settings.is_given(key) else ""
+        )
+        if value:
+            return value
+    return ""

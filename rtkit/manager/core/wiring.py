@@ -1,0 +1,182 @@
+"""How ports are joined and parted: the procedures of connectors."""
+
+from __future__ import annotations
+
+from rtkit.component.check import refusal
+from rtkit.component.options import parse_options
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.manager.core.state import Opening, Process, State
+from rtkit.manager.core.wishes import Ask, Procedure, Tell
+from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.plain import encode
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile
+
+
+def living(state: State, instance: str) -> Process:
+    """Return the process that holds a component.
+
+    Raises:
+        NotFound: There is no such component.
+        Refused: It is a zombie, or on its way out.
+    """
+    facts = state.components.get(instance)
+    process = state.process_of(instance)
+    if facts is None or process is None:
+        raise NotFound(f"no component named {instance}")
+    if facts.zombie:
+        raise Refused(f"zombie ({facts.zombie}): {instance}")
+    if instance in state.ending:
+        raise Refused(f"{instance} is just being deleted")
+    return process
+
+
+def connect(state: State, wire: ConnectorProfile) -> Procedure:
+    """Make a connector; one that exists between the same ports is what was asked for."""
+    connector_id = wire.connector_id
+    known = state.connectors.get(connector_id)
+    if known is not None:
+        return _same(known, wire)
+    if connector_id in state.openings:
+        raise Refused(f"connection {connector_id} is just being made")
+    if not connector_id or any(ord(c) < 32 for c in connector_id):
+        raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
+    ports = _ports(state, wire)
+    text = refusal(ports, wire.properties)
+    if text:
+        raise Refused(text)
+    ends = [living(state, end.instance) for end in wire.ports]
+    opening = state.openings[connector_id] = Opening(wire)
+    try:
+        if ports[0].port_type is PortType.SERVICE:
+            yield from _open_services(ends, ports, wire)
+        else:
+            yield from _open(ends, wire)
+        if opening.is_broken:
+            raise Refused(f"an end of connection {connector_id} ended while it was made")
+    except RtkitError:
+        yield from _abandon(ends, connector_id)
+        raise
+    finally:
+        del state.openings[connector_id]
+    state.connectors[connector_id] = wire
+    return Result(value=connector_id)
+
+
+def _same(known: ConnectorProfile, wire: ConnectorProfile) -> Result:
+    if set(known.ports) != set(wire.ports):
+        ends = " and ".join(map(str, known.ports))
+        raise Refused(f"connector id {wire.connector_id} is in use between {ends}")
+    changed = [key for key, value in wire.properties.items() if known.properties.get(key) != value]
+    if changed:
+        raise Refused(
+            f"connection {wire.connector_id} exists with another {', '.join(sorted(changed))}"
+        )
+    return Result(value=wire.connector_id)
+
+
+def _ports(state: State, wire: ConnectorProfile) -> list[PortProfile]:
+    if len(wire.ports) != 2:
+        raise Malformed(f"a connection joins two ports, not {len(wire.ports)}")
+    ports = []
+    for end in wire.ports:
+        living(state, end.instance)
+        port = state.components[end.instance].port(end.port)
+        if port is None:
+            raise NotFound(f"Port not found: {end}")
+        ports.append(port)
+    return ports
+
+
+def _open(ends: list[Process], wire: ConnectorProfile) -> Procedure:
+    """Open both ends: first the one that listens, which is the one that takes no initiative."""
+    out, into = ends
+    plain = encode(wire)
+    if out is into:
+        yield Ask(out, {"op": "link", "connector": plain})
+        return Result()
+    if parse_options(wire.properties).dataflow == "pull":
+        first, opens, second, joins = out, "serve", into, "fetch"
+    else:
+        first, opens, second, joins = into, "sink", out, "source"
+    endpoint = yield Ask(first, {"op": opens, "connector": plain})
+    yield Ask(second, {"op": joins, "connector": plain, "endpoint": endpoint})
+    return Result()
+
+
+def _open_services(
+    ends: list[Process], ports: list[PortProfile], wire: ConnectorProfile
+) -> Procedure:
+    """Open each direction in which one port provides what the other needs, the provider first."""
+    plain = encode(wire)
+    if ends[0] is ends[1]:
+        yield Ask(ends[0], {"op": "link", "connector": plain})
+        return Result()
+    ways = [way for way in ((0, 1), (1, 0)) if _provides(ports[way[0]], ports[way[1]])]
+    for provider, consumer in ways:
+        endpoint = yield Ask(ends[provider], {"op": "offer", "connector": plain, "end": provider})
+        wish = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
+        yield Ask(ends[consumer], wish)
+    for end in (0, 1) if not ways else ():
+        yield Ask(ends[end], {"op": "keep", "connector": plain, "end": end})
+    return Result()
+
+
+def _provides(one: PortProfile, other: PortProfile) -> bool:
+    provided = {i.type_name for i in one.interfaces if i.polarity is Polarity.PROVIDED}
+    return any(
+        i.polarity is Polarity.REQUIRED and i.type_name in provided for i in other.interfaces
+    )
+
+
+def _abandon(ends: list[Process], connector_id: str) -> Procedure:
+    """Take off what was opened of a connector, also by an answer that came too late."""
+    for process in _distinct(ends):
+        if process.is_ready:
+            yield Tell(process, {"op": "unlink", "connector_id": connector_id})
+    return Result()
+
+
+def disconnect(state: State, action: act.Disconnect) -> Procedure:
+    """Remove a connector."""
+    wire = state.connectors.get(action.connector_id)
+    if wire is None:
+        raise NotFound(f"no connection with id {action.connector_id}")
+    yield from unwire(state, wire)
+    return Result()
+
+
+def unwire(state: State, wire: ConnectorProfile) -> Procedure:
+    """Take a connector off both ends, the sending one first; a dead end is no obstacle.
+
+    Raises:
+        Unreachable: An end that lives did not answer; it does what it was told when it can.
+    """
+    state.connectors.pop(wire.connector_id, None)
+    message = {"op": "unlink", "connector_id": wire.connector_id}
+    late: Unreachable | None = None
+    ends = [state.process_of(end.instance) for end in wire.ports]
+    for process in _distinct([each for each in ends if each is not None and each.is_ready]):
+        if process.state == "stopped":
+            yield Tell(process, message)
+            continue
+        try:
+            yield Ask(process, message)
+        except Unreachable as error:
+            late = error if process.is_alive else late
+    if late is not None:
+        raise late
+    return Result()
+
+
+def cut(state: State, wire: ConnectorProfile) -> Procedure:
+    """Take a connector off its ends without waiting for them."""
+    state.connectors.pop(wire.connector_id, None)
+    ends = [state.process_of(end.instance) for end in wire.ports]
+    yield from _abandon([each for each in ends if each is not None], wire.connector_id)
+    return Result()
+
+
+def _distinct(processes: list[Process]) -> list[Process]:
+    return list({process.key: process for process in processes}.values())

@@ -1,0 +1,82 @@
+"""What a procedure may yield: the things that it wants done, or waits for.
+
+A procedure is a generator that does one action. `rtkit.manager.core.tasks` resumes it with what it
+waited for, or raises inside it the error that ended the wait.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import Any
+
+from rtkit.deployment.actions import Result
+from rtkit.manager.core.events import Message
+from rtkit.manager.core.state import Process
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """Wait for the slave of that name, started if it does not live; receives a `Process`."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """Send a message to a holder and wait for the value that it answers.
+
+    Time-out 0 means that of the batch [s].
+    """
+
+    process: Process
+    message: Message
+    timeout_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class AllEnded:
+    """Wait until each of these slaves has ended, at most `timeout_s` [s]."""
+
+    slaves: tuple[Process, ...]
+    timeout_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Wait for `time_s` [s]."""
+
+    time_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tell:
+    """Send a message to a holder that needs no answer; goes on at once."""
+
+    process: Process
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """Send a signal to a slave; goes on at once."""
+
+    process: Process
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Later:
+    """Begin a procedure whose outcome nobody waits for: cleaning up must not delay an answer."""
+
+    procedure: Procedure
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """Ask for the time; receives monotonic seconds."""
+
+
+Wait = Need | Ask | AllEnded | Pause
+Wish = Wait | Tell | Signal | Later | Clock
+Procedure = Generator[Wish, Any, Result]

@@ -1,0 +1,349 @@
+"""Holds the components of one process and does what the core asks of them.
+
+The same holder works inside the manager and inside a slave: messages in, messages out. All of
+it runs on one thread; pacers and connection workers only put events into its inbox. Component
+code runs here at initialise and finalise, and on the pacers' threads otherwise.
+"""
+
+from __future__ import annotations
+
+import logging
+import queue
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from rtkit.component.base import Component
+from rtkit.component.composite import Composite
+from rtkit.component.context import ExecutionContext
+from rtkit.component.standin import stand_in
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.manager.core.events import Message
+from rtkit.manager.holding.beats import Beats, Slot
+from rtkit.manager.holding.composites import Composites
+from rtkit.manager.holding.connect import Wires
+from rtkit.manager.holding.contexts import Contexts, release
+from rtkit.manager.holding.facts_out import facts_of
+from rtkit.manager.holding.host import LATER
+from rtkit.manager.holding.links import Links
+from rtkit.manager.holding.machines import Machines
+from rtkit.manager.holding.pacer import Pacer
+from rtkit.manager.holding.process_settings import complete, configure
+from rtkit.manager.modules.loader import Loader
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import ReturnCode
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.plain import decode, encode
+
+_log = logging.getLogger(__name__)
+_CLOSE = object()
+_DEACTIVATE_S = 2.0
+
+
+class Holder:
+    """The components of one process, on a thread of its own or the process's main thread."""
+
+    def __init__(
+        self,
+        send: Callable[[Message], object],
+        wires: Wires,
+        loader: Loader,
+        beats: Beats | None = None,
+    ) -> None:
+        self._send = send
+        self._beats = beats
+        self._own_slot = beats.slot() if beats is not None else None
+        self._slots: dict[tuple[str, str], Slot] = {}
+        self._wires = wires
+        self._loader = loader
+        self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._components: dict[str, Component] = {}
+        self._pacers: dict[tuple[str, str], Pacer] = {}
+        self._memory: dict[str, Mapping[str, Any]] = {}
+        self._takeovers: dict[str, list[Message]] = {}
+        self._deletions: dict[str, list[Message]] = {}
+        self._stale: set[Component] = set()
+        self._links = Links(self, wires)
+        self._composites = Composites(self)
+        self._operations: Mapping[str, Callable[[Message], Any]] = {
+            "load": self._load,
+            "unload": self._unload,
+            "create": self._create,
+            "delete": self._delete,
+            "set": self._set,
+            "activate_set": self._activate_set,
+            "remember": self._remember,
+            "configure": lambda message: configure(message, loader),
+            **Contexts(self).operations,
+            **self._links.operations,
+            **Machines(self).operations,
+        }
+
+    def put(self, message: Message) -> None:
+        """Hand a message of the core in, from any thread."""
+        self._inbox.put(message)
+
+    def post(self, work: Callable[[], object]) -> None:
+        """Have something done on the thread of `run`, from any thread."""
+        self._inbox.put(work)
+
+    def close(self) -> None:
+        """End `run` after finalising every component, from any thread."""
+        self._inbox.put(_CLOSE)
+
+    def tell_all(self, tell: Callable[[Message], object]) -> None:
+        """Have `tell` called with everything that is held, before any later report."""
+        self._inbox.put(lambda: tell(self._holding()))
+
+    def run(self) -> None:
+        """Do what comes in until `close`."""
+        while True:
+            item = self._inbox.get()
+            if item is _CLOSE:
+                break
+            try:
+                if callable(item):
+                    item()
+                else:
+                    self._serve(item)
+            except Exception:
+                _log.exception("holder failed at %r", item)
+        for pacer in self._pacers.values():
+            pacer.close(_DEACTIVATE_S)
+        for instance in reversed(list(self._components)):
+            self._end(instance)
+        self._wires.close()
+
+    def _serve(self, message: Message) -> None:
+        operation = self._operations.get(message.get("op", ""))
+        if operation is None:
+            self.refuse(message, Malformed(f"unknown operation: {message.get('op')!r}"))
+            return
+        try:
+            value = operation(message)
+        except RtkitError as error:
+            if message["op"] in ("load", "create") and error.__cause__ is not None:
+                _log.error("%s failed: %s", message["op"], error, exc_info=error.__cause__)
+            self.refuse(message, error)
+        except Exception as error:
+            self.refuse(message, RtkitError(f"{type(error).__name__}: {error}"))
+            raise
+        else:
+            if value is not LATER:
+                self.answer(message, value)
+
+    def answer(self, message: Message, value: Any) -> None:
+        """Answer a message."""
+        if "call" in message:
+            self._send({"reply": message["call"], "value": "" if value is None else value})
+
+    def refuse(self, message: Message, error: RtkitError, code: ReturnCode | None = None) -> None:
+        """Answer a message with an error."""
+        if "call" in message:
+            code = code or ReturnCode.ERROR
+            reply = {"reply": message["call"], "code": code.value}
+            self._send({**reply, "kind": error.kind, "why": str(error)})
+
+    # modules
+
+    def _load(self, message: Message) -> dict[str, Any]:
+        module = self._loader.load(message["path"], message.get("init", ""))
+        types = [encode(each) for each in module.types]
+        return {"path": module.path, "init": module.init, "types": types}
+
+    def _unload(self, message: Message) -> None:
+        self._loader.unload(message["path"])
+
+    # components
+
+    def _create(self, message: Message) -> object:
+        create = parse_create(message["create"])
+        instance = create.instance_name
+        if instance in self._components:
+            raise Refused(f"{instance} exists already")
+        if message.get("pattern") is not None:
+            pattern = decode(ComponentPattern, message["pattern"])
+            create = complete(message, create, pattern.type, inherits=False)
+            component: Component = stand_in(pattern, instance, create.options)
+        else:
+            for path, init in message.get("modules", ()):
+                self._loader.load(path, init)
+            component = self._loader.make(create, partial(complete, message))
+        self._watched(instance, "on_initialize", component.initialize)
+        self._components[instance] = component
+        self._memory[instance] = message.get("kept", {})
+        for context in component.contexts.values():
+            self._drive(component, context)
+        if isinstance(component, Composite):
+            self._compose(message, component)
+            return LATER
+        self.tell(component)
+        return instance
+
+    def _compose(self, message: Message, composite: Composite) -> None:
+        composite.resolve = self.component
+
+        def done(error: RtkitError | None) -> None:
+            if error is None:
+                self.answer(message, composite.instance)
+            else:
+                self._end(composite.instance)
+                self.refuse(message, error)
+
+        self._composites.arrange(composite, done)
+
+    def _drive(self, component: Component, context: ExecutionContext) -> None:
+        key = (component.instance, context.id)
+        self._pacers[key] = Pacer(context, f"{component.instance}/{context.id}")
+        context.changed = self._changed
+        slot = self._beats.slot() if self._beats is not None else None
+        if slot is not None:
+            self._slots[key] = slot
+            context.watch = slot.watch
+
+    def _watched(self, instance: str, callback: str, work: Callable[[], object]) -> None:
+        """Do what runs a callback on this thread, with a heartbeat."""
+        if self._own_slot is None:
+            work()
+            return
+        self._own_slot.watch(instance, callback)
+        try:
+            work()
+        finally:
+            self._own_slot.watch("", "")
+
+    def _changed(self, component: Component) -> None:
+        """Have a component's facts told soon, once for however many changes until then."""
+        if component not in self._stale:
+            self._stale.add(component)
+            self.post(lambda: self.tell(component))
+
+    def tell(self, component: Component) -> None:
+        """Report the facts of a component, and answer those who waited for its settings."""
+        self._stale.discard(component)
+        if self._components.get(component.instance) is component:
+            self._send({"facts": encode(facts_of(component))})
+        if not component.configuration.is_pending:
+            self._taken_over(component, self._takeovers.pop(component.instance, []))
+
+    def _taken_over(self, component: Component, messages: list[Message]) -> None:
+        """Answer those who waited for settings; a composite has to become what they say."""
+
+        def done(error: RtkitError | None) -> None:
+            for message in messages:
+                if error is None:
+                    self.answer(message, "")
+                else:
+                    self.refuse(message, error)
+
+        if messages and isinstance(component, Composite) and not component.is_arranged:
+            self._composites.arrange(component, done)
+        else:
+            done(None)
+
+    def component(self, instance: str) -> Component:
+        """Return a component of this process.
+
+        Raises:
+            NotFound: There is none of that name.
+        """
+        component = self._components.get(instance)
+        if component is None:
+            raise NotFound(f"no component named {instance}")
+        return component
+
+    def _delete(self, message: Message) -> object:
+        component = self.component(message["instance"])
+        asked = self._deletions.setdefault(component.instance, [])
+        asked.append(message)
+        if len(asked) > 1:
+            return LATER
+        self._composites.part(component, lambda: self._release(component))
+        return LATER
+
+    def _release(self, component: Component) -> None:
+        waiting = 0
+
+        def rested() -> None:
+            nonlocal waiting
+            waiting -= 1
+            if not waiting:
+                self._deleted(component.instance)
+
+        waiting = release(component, lambda: self.post(rested))
+        if not waiting:
+            self._deleted(component.instance)
+
+    def _deleted(self, instance: str) -> None:
+        try:
+            self._end(instance)
+        finally:
+            self._send({"gone": instance})
+            for message in self._deletions.pop(instance):
+                self.answer(message, "")
+
+    def _end(self, instance: str) -> None:
+        component = self._components.pop(instance)
+        self._memory.pop(instance, None)
+        self._links.part(component)
+        for key in [key for key in self._pacers if key[0] == instance]:
+            self._pacers.pop(key).close(_DEACTIVATE_S)
+            slot = self._slots.pop(key, None)
+            if slot is not None and self._beats is not None:
+                self._beats.release(slot)
+        self._watched(instance, "on_finalize", component.finalize)
+        for message in self._takeovers.pop(instance, ()):
+            self.refuse(message, Refused(f"{instance} was deleted"))
+
+    def _remember(self, message: Message) -> None:
+        instance = message["instance"]
+        if instance in self._components:
+            self._memory[instance] = message["kept"]
+
+    def _holding(self) -> Message:
+        components = [
+            {**encode(facts_of(component)), **self._memory.get(instance, {})}
+            for instance, component in self._components.items()
+        ]
+        return {
+            "components": components,
+            "wires": [encode(wire) for wire in self._links.wires],
+        }
+
+    # configuration and state
+
+    def _set(self, message: Message) -> object:
+        component = self.component(message["instance"])
+        configuration = component.configuration
+        if message["set_id"] == configuration.active_set:
+            _check_composite(component, message["set_id"], message["values"])
+        configuration.set(message["set_id"], message["values"])
+        if message["set_id"] != configuration.active_set:
+            self.tell(component)
+            return ""
+        configuration.activate(message["set_id"])
+        return self._take_over(component, message)
+
+    def _activate_set(self, message: Message) -> object:
+        component = self.component(message["instance"])
+        _check_composite(component, message["set_id"], {})
+        component.configuration.activate(message["set_id"])
+        return self._take_over(component, message)
+
+    def _take_over(self, component: Component, message: Message) -> object:
+        """Answer when the component sees its new configuration."""
+        context = next((c for c in component.participations if c.is_running), None)
+        self._takeovers.setdefault(component.instance, []).append(message)
+        if context is None:
+            component.configuration.update()
+            self.tell(component)
+        else:
+            context.wake()
+        return LATER
+
+
+def _check_composite(component: Component, set_id: str, values: Mapping[str, str]) -> None:
+    """Refuse settings that name members or ports that are not there, before they are stored."""
+    if isinstance(component, Composite):
+        present = {**component.configuration.sets.get(set_id, {}), **values}
+        component.check(present.get("members", ""), present.get("exported_ports", ""))

@@ -1,0 +1,95 @@
+"""What properties mean for a process and its components: logs, processors, where modules are."""
+
+from __future__ import annotations
+
+import logging
+import os
+
+from rtkit.errors import Refused
+from rtkit.manager.core.events import Message
+from rtkit.manager.holding.layers import layered
+from rtkit.manager.logs.logfile import LogFile, Lossy, Target, Terminal
+from rtkit.manager.logs.logs import begin_component, level_of
+from rtkit.manager.logs.records import Readable
+from rtkit.manager.modules.loader import Loader
+from rtkit.manager.settings.properties import Settings
+from rtkit.manager.settings.values import processors
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.profiles import TypeProfile
+
+_STREAMS = {"stdout": 1, "stderr": 2}
+
+
+def configure(message: Message, loader: Loader) -> None:
+    """Make a process what its manager says (see `rtkit.manager.core.configuring.message`).
+
+    Raises:
+        Refused: A processor is not there.
+    """
+    if message["processors"]:
+        use_processors(processors(message["processors"]))
+    set_log_level(message["log_level"])
+    loader.configure(
+        message["load_path"],
+        is_absolute_allowed=message["is_absolute_allowed"],
+        is_search_allowed=message["is_search_allowed"],
+    )
+
+
+def complete(
+    message: Message, create: CreateString, type: TypeProfile, *, inherits: bool = True
+) -> CreateString:
+    """Return a create string with all properties; its component's log is as they say from now on.
+
+    Raises:
+        RtkitError: A property, or a file of them, cannot be read.
+    """
+    whole = layered(create, type, message, inherits=inherits)
+    begin_component(create.instance_name, whole.options, message.get("inherited") or {})
+    return whole
+
+
+def set_log_level(level: str) -> None:
+    """Log what is at least of this level, by its word; "" is nothing."""
+    logging.getLogger().setLevel(level_of(level or "SILENT"))
+
+
+def use_processors(wanted: frozenset[int]) -> None:
+    """Have all threads of this process run on these processors.
+
+    Raises:
+        Refused: There is none of them.
+    """
+    for thread in os.listdir("/proc/self/task"):
+        try:
+            os.sched_setaffinity(int(thread), wanted)
+        except ProcessLookupError:
+            continue
+        except OSError as error:
+            there = ",".join(map(str, sorted(os.sched_getaffinity(0))))
+            raise Refused(
+                f"cannot run on processors {','.join(map(str, sorted(wanted)))}"
+                f" ({error.strerror}; this process has {there})"
+            ) from error
+
+
+def add_log_files(settings: Settings, name: str) -> None:
+    """Log to the files of ``logger.file_name`` too.
+
+    Raises:
+        Refused: A file cannot be written.
+    """
+    formatter = Readable(name, settings.text("logger.date_format"))
+    for item in settings.items("logger.file_name"):
+        path = item.replace("%p", str(os.getpid()))
+        descriptor = _STREAMS.get(path.lower())
+        target: Target
+        if descriptor is not None:
+            target = Terminal(os.dup(descriptor))
+        else:
+            target = LogFile(path)
+            try:
+                target.write(b"")
+            except OSError as error:
+                raise Refused(f"cannot write log file {path}: {error.strerror}") from error
+        logging.getLogger().addHandler(Lossy(target, formatter))

@@ -1,0 +1,131 @@
+"""What a holder does with service connectors: directly inside a process, by calls between two."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Mapping, Sequence
+
+from rtkit.component.invocation import Direct, Remote, Served, Target, answer
+from rtkit.component.service import ServicePort
+from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
+from rtkit.link.streams import Caller
+from rtkit.manager.core.events import Message
+from rtkit.manager.holding.connect import Wires
+from rtkit.manager.holding.host import LATER, Host, Operations
+from rtkit.rtc.enums import Polarity
+from rtkit.rtc.plain import decode
+from rtkit.rtc.profiles import ConnectorProfile
+
+_log = logging.getLogger(__name__)
+
+
+class Services:
+    """The service connectors of one process."""
+
+    def __init__(self, host: Host, wires: Wires) -> None:
+        self._host = host
+        self._wires = wires
+        self._open: dict[str, tuple[ConnectorProfile, list[ServicePort]]] = {}
+        self.operations: Operations = {
+            "offer": self._offer,
+            "consult": self._consult,
+            "keep": self._keep,
+        }
+
+    @property
+    def ends(self) -> list[tuple[ConnectorProfile, list[ServicePort]]]:
+        """The connectors that are open, or being opened, and their ports in this process."""
+        return list(self._open.values())
+
+    def join(self, wire: ConnectorProfile) -> None:
+        """Connect two service ports of this process: each calls what the other provides."""
+        one, other = (self._port(wire, end) for end in (0, 1))
+        try:
+            for port, peer in ((one, other), (other, one)):
+                self._attach(wire, port, {s.interface.name: Direct(s) for s in peer.served})
+        except RtkitError:
+            self.cut(wire.connector_id)
+            raise
+
+    def cut(self, connector_id: str) -> None:
+        """Close a connector's ports; its ends are those of `Wires`."""
+        _, ports = self._open.pop(connector_id, (None, []))
+        for port in ports:
+            port.detach(connector_id)
+
+    def _offer(self, message: Message) -> str:
+        """Be called over a connector; answer with the endpoint to call at."""
+        wire, end = decode(ConnectorProfile, message["connector"]), int(message["end"])
+        port = self._port(wire, end)
+        served = port.served
+        self._attach(wire, port, {})
+        return self._wires.serve_calls(wire, end, lambda request: _reply(request, served))
+
+    def _consult(self, message: Message) -> object:
+        """Call over a connector what is offered at an endpoint, which is found on a thread."""
+        wire, end = decode(ConnectorProfile, message["connector"]), int(message["end"])
+        self._attach(wire, self._port(wire, end), {})
+        endpoint = message["endpoint"]
+
+        def run() -> None:
+            try:
+                caller = self._wires.find_provider(wire, 1 - end, endpoint)
+            except Exception as failure:
+                error = failure  # the name of an except clause is gone when this is called
+                self._host.post(lambda: self._not_found(message, endpoint, error))
+            else:
+                self._host.post(lambda: self._found(message, wire, end, caller))
+
+        threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
+        return LATER
+
+    def _keep(self, message: Message) -> None:
+        """Note a connector over which nothing is called: no interface of it is known."""
+        wire = decode(ConnectorProfile, message["connector"])
+        self._attach(wire, self._port(wire, int(message["end"])), {})
+
+    def _found(self, message: Message, wire: ConnectorProfile, end: int, caller: Caller) -> None:
+        try:
+            if wire.connector_id not in self._open:
+                raise Refused(f"connection {wire.connector_id} was removed while it was made")
+            port, peer = self._port(wire, end), str(wire.ports[1 - end])
+            needed = [i for i in port.interfaces if i.polarity is Polarity.REQUIRED]
+            label = f"{wire.ports[end]}: {peer}"
+            targets = {
+                each.type_name: Remote(each.type_name, label, caller.call, time.monotonic_ns)
+                for each in needed
+            }
+            self._attach(wire, port, targets)
+        except RtkitError as error:
+            caller.close()
+            self._host.refuse(message, error)
+        else:
+            self._wires.keep(wire, caller)
+            self._host.answer(message, "")
+
+    def _not_found(self, message: Message, endpoint: str, error: Exception) -> None:
+        if not isinstance(error, RtkitError):
+            _log.error("cannot reach %s", endpoint, exc_info=error)
+            error = Unreachable(f"cannot reach {endpoint}: {error}")
+        self._host.refuse(message, error)
+
+    def _attach(
+        self, wire: ConnectorProfile, port: ServicePort, targets: Mapping[str, Target]
+    ) -> None:
+        port.attach(wire, targets)
+        self._open.setdefault(wire.connector_id, (wire, []))[1].append(port)
+
+    def _port(self, wire: ConnectorProfile, end: int) -> ServicePort:
+        ref = wire.ports[end]
+        port = self._host.component(ref.instance).ports.get(ref.port)
+        if port is None:
+            raise NotFound(f"Port not found: {ref}")
+        if not isinstance(port, ServicePort):
+            raise Refused("Wrong port type.")
+        return port
+
+
+def _reply(request: bytes, served: Sequence[Served]) -> bytes:
+    return answer(request, served, time.monotonic_ns())

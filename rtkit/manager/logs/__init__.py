@@ -1,0 +1,1 @@
+"""Where each process writes what happens, and how long it is kept."""

@@ -1,0 +1,163 @@
+"""Loads modules from files and makes components with the factories that they register."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Sequence
+from types import ModuleType
+from typing import Any
+
+from rtkit.component.base import Component
+from rtkit.component.callbacks import describe_failure
+from rtkit.component.composite import TYPES as COMPOSITES
+from rtkit.component.factory import Factories
+from rtkit.errors import NotFound, Refused
+from rtkit.manager.modules.search import SUFFIX, Search
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.profiles import ModuleProfile, TypeProfile
+
+Complete = Callable[[CreateString, TypeProfile], CreateString]
+
+
+def _as_it_is(create: CreateString, _type: TypeProfile) -> CreateString:
+    return create
+
+
+class _Registrar:
+    """What an init function is handed: the part of a manager that modules may use."""
+
+    def __init__(self) -> None:
+        self.classes: list[type[Component]] = []
+
+    def register_factory(self, component_class: type[Component]) -> None:
+        """Offer a component class for creation."""
+        self.classes.append(component_class)
+
+
+class Loader:
+    """The modules and factories of one process.
+
+    Modules are looked for by path, or by name in the load paths; a component type that nobody
+    registered is looked for as ``<implementation_id>.py`` there.
+    """
+
+    def __init__(self, load_path: list[str]) -> None:
+        self.factories = Factories()
+        self._search = Search(load_path)
+        self._is_search_allowed = True
+        self._modules: dict[str, ModuleProfile] = {}
+
+    def configure(
+        self, folders: Sequence[str], *, is_absolute_allowed: bool, is_search_allowed: bool
+    ) -> None:
+        """Change where modules are looked for; those that are loaded stay."""
+        self._search = Search(folders, is_absolute_allowed=is_absolute_allowed)
+        self._is_search_allowed = is_search_allowed
+
+    def load(self, path: str, init: str = "") -> ModuleProfile:
+        """Load a module and call its init function; loading it again changes nothing.
+
+        Raises:
+            NotFound: There is no such file, or no such init function in it.
+            Refused: It does not import, or its init function raises; says where.
+        """
+        known = self._modules.get(path)
+        if known is not None:
+            return known
+        file, source = self._search.read(path)
+        name = init or f"{os.path.basename(file).partition('.')[0]}Init"
+        _offer_neighbours(file)
+        module = _import(file, source)
+        classes = _initialise(module, name, path)
+        types = tuple(self.factories.register(component_class) for component_class in classes)
+        profile = self._modules[path] = ModuleProfile(path, name, types)
+        return profile
+
+    def unload(self, path: str) -> None:
+        """Forget a module and its factories; components already made stay."""
+        module = self._modules.pop(path, None)
+        if module is None:
+            return
+        kept = {profile.id for other in self._modules.values() for profile in other.types}
+        for profile in module.types:
+            if profile in self.factories.types and profile.id not in kept:
+                self.factories.unregister(profile)
+
+    def make(self, create: CreateString, complete: Complete = _as_it_is) -> Component:
+        """Make a component, loading the module of its type if nobody offers it yet.
+
+        `complete` may add properties when the type is known.
+
+        Raises:
+            NotFound: Nobody knows the type.
+            Refused: Its module does not load, or its constructor raises.
+        """
+        if create.implementation_id in COMPOSITES and not self._offers(create.implementation_id):
+            self.factories.register(COMPOSITES[create.implementation_id])
+        return self.factories.make(complete(create, self._type_of(create)))
+
+    def _type_of(self, create: CreateString) -> TypeProfile:
+        """Return the type that a create string means, loading its module if nobody offers it yet.
+
+        Raises:
+            NotFound: Nobody knows the type.
+            Refused: Its module does not load.
+        """
+        fields = (create.vendor, create.category, create.language, create.version)
+        try:
+            return self.factories.find(create.implementation_id, *fields)
+        except NotFound:
+            path = f"{create.implementation_id}{SUFFIX}"
+            is_name = os.path.basename(path) == path  # a type's name must not lead elsewhere
+            may_search = self._is_search_allowed and is_name and path not in self._modules
+            if not may_search or not self._search.has(path):
+                raise
+        self.load(path)
+        return self.factories.find(create.implementation_id, *fields)
+
+    def _offers(self, type_name: str) -> bool:
+        return any(profile.type_name == type_name for profile in self.factories.types)
+
+
+def _offer_neighbours(file: str) -> None:
+    """Let a module import what lies beside it, behind everything that has its name already."""
+    folder = os.path.dirname(os.path.realpath(file))
+    if folder not in sys.path:
+        sys.path.append(folder)
+
+
+def _import(file: str, source: bytes) -> ModuleType:
+    name = "rtkit_module_" + "".join(c if c.isalnum() else "_" for c in file)
+    module = ModuleType(name)
+    module.__file__ = file
+    sys.modules[name] = module
+    try:
+        exec(compile(source, file, "exec"), module.__dict__)
+    except BaseException as error:
+        del sys.modules[name]
+        raise Refused(_import_failure(error, file)) from error
+    return module
+
+
+def _import_failure(error: BaseException, file: str) -> str:
+    line = getattr(error, "lineno", None) if isinstance(error, SyntaxError) else None
+    trace = error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == file:
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return f"module does not import: {type(error).__name__}: {error} ({file}:{line or 1})"
+
+
+def _initialise(module: ModuleType, name: str, path: str) -> list[type[Component]]:
+    function: Any = getattr(module, name, None)
+    if not callable(function):
+        raise NotFound(f"no init function {name} in module {path}")
+    registrar = _Registrar()
+    try:
+        function(registrar)
+    except BaseException as error:
+        why = describe_failure(error, function)
+        raise Refused(f"init function {name} of {path} failed: {why}") from error
+    return registrar.classes

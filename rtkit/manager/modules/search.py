@@ -1,0 +1,91 @@
+"""Finds modules: by name inside the load paths, by absolute path where that is allowed.
+
+A name leads to no other place: neither by ``..`` nor by a link. What is checked is what is read.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from rtkit.errors import NotFound, Refused
+from rtkit.manager.settings.reading import read_private
+
+SUFFIX = ".py"
+
+
+class Source(NamedTuple):
+    """A module as it was read."""
+
+    file: str
+    text: bytes
+
+
+class Search:
+    """Where modules are looked for."""
+
+    def __init__(self, folders: Sequence[str], *, is_absolute_allowed: bool = True) -> None:
+        self.folders = tuple(folders)
+        self._is_absolute_allowed = is_absolute_allowed
+
+    def read(self, path: str) -> Source:
+        """Find a module and read it.
+
+        Raises:
+            NotFound: There is no such file.
+            Refused: It lies where no module is taken from; tells the rule.
+        """
+        file, folder = self._place(path)
+        if not file or not os.path.isfile(file):
+            raise NotFound(f"no module {path} (looked in {', '.join(self.folders)})")
+        real = os.path.realpath(file)
+        if folder and not _is_inside(real, os.path.realpath(folder)):
+            raise Refused(f"module {path} is a link that leaves the load path {folder}")
+        return Source(file, read_private(real))
+
+    def has(self, path: str) -> bool:
+        """Whether a module of that name is in a load path."""
+        return bool(self._find(path)[0])
+
+    def modules(self) -> Iterator[str]:
+        """Yield the files that could be modules, each name once, as it would be found."""
+        seen = set()
+        for folder in self.folders:
+            try:
+                names = sorted(os.listdir(folder))
+            except OSError:
+                continue
+            for name in names:
+                if name.endswith(SUFFIX) and not name.startswith(".") and name not in seen:
+                    seen.add(name)
+                    yield name
+
+    def _place(self, path: str) -> tuple[str, str]:
+        """Return the file, and the load path that it has to be in, if there is one."""
+        if not os.path.isabs(path):
+            if ".." in path.split("/"):
+                raise Refused(f"module path leaves the load paths: {path}")
+            return self._find(path)
+        plain = os.path.normpath(path)
+        for folder in self.folders:
+            if _is_inside(plain, os.path.normpath(folder)):
+                return plain, "" if self._is_absolute_allowed else folder
+        if not self._is_absolute_allowed:
+            raise Refused(
+                "absolute module paths are not allowed here"
+                f" (manager.modules.abs_path_allowed is NO): {path}"
+            )
+        return plain, ""
+
+    def _find(self, path: str) -> tuple[str, str]:
+        for name in (path, f"{path}{SUFFIX}"):
+            for folder in self.folders:
+                file = os.path.join(folder, name)
+                if os.path.isfile(file):
+                    return file, folder
+        return "", ""
+
+
+def _is_inside(path: str, folder: str) -> bool:
+    return path.startswith(folder.rstrip("/") + "/")

@@ -1,0 +1,84 @@
+"""What a process said before it ended: the line at which it crashed, the last lines it wrote."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from typing import NamedTuple
+
+from rtkit.link import places
+from rtkit.manager.logs.outputs import is_of
+from rtkit.manager.logs.records import printable
+from rtkit.manager.processes.watchman import place_of
+
+_OUTPUT_BYTES = 256 * 1024
+_LOG_BYTES = 16 * 1024
+_LINES = 3
+_MAX_TEXT = 300
+_CRASH = re.compile(r"^Fatal Python error: ", re.MULTILINE)
+_CULPRIT = re.compile(r"^Current thread 0x([0-9a-f]+)", re.MULTILINE)
+_TOLD = ("WARN", "ERROR", "FATAL")
+_PRINTED = ("stdout", "stderr")
+
+
+class LastWords(NamedTuple):
+    """Why a process may have ended.
+
+    Attributes:
+        place: ``file.py:12 in name`` of a crash; empty when there was none, or it is not known.
+        text: The last lines that it printed, or that it logged as worth a warning; one line.
+    """
+
+    place: str = ""
+    text: str = ""
+
+    def reason(self, end: str) -> str:
+        """Return how it ended, ``signal 11``, with the place."""
+        return f"{end} at {self.place}" if self.place else end
+
+
+def last_words(manager: str, slave: str, pid: int) -> LastWords:
+    """Return what a slave that ended had to say; nothing if that cannot be known."""
+    output = _end(places.output_file(manager, slave), _OUTPUT_BYTES, keeps_head=True)
+    if not is_of(output, pid):
+        return LastWords()
+    crash = _CRASH.search(output)
+    before, after = (output[: crash.start()], output[crash.start() :]) if crash else (output, "")
+    culprit = _CULPRIT.search(after)
+    place = place_of(after, int(culprit[1], 16), must_be_own=True) if culprit else ""
+    said = before.splitlines()[1:]
+    if not any(map(str.strip, said)) and not place:
+        said = _logged(places.log_file(manager, slave), pid)
+    return LastWords(place, _short(said))
+
+
+def _short(lines: list[str]) -> str:
+    told = [" ".join(line.split()) for line in lines if line.strip()][-_LINES:]
+    text = printable("; ".join(told))
+    return text if len(text) <= _MAX_TEXT else "…" + text[1 - _MAX_TEXT :]
+
+
+def _logged(path: str, pid: int) -> list[str]:
+    lines = []
+    for line in _end(path, _LOG_BYTES).splitlines():
+        try:
+            record = json.loads(line)
+            is_told = record["level"] in _TOLD or record.get("logger") in _PRINTED
+            if record["pid"] == pid and is_told:
+                lines.append(str(record["message"]))
+        except (ValueError, LookupError, TypeError):
+            continue  # the first one is cut off
+    return lines
+
+
+def _end(path: str, size: int, *, keeps_head: bool = False) -> str:
+    """Return the end of a file, with its first line if that is wanted."""
+    try:
+        with open(path, "rb") as file:
+            head = file.readline(1024) if keeps_head else b""
+            left = os.fstat(file.fileno()).st_size - len(head)
+            file.seek(max(0, left - size), os.SEEK_CUR)
+            return (head + file.read(size)).decode("utf-8", "replace")
+    except OSError:
+        return ""

@@ -1,0 +1,256 @@
+"""The lines from the manager to its slaves and zygotes: accepts, greets, passes on, hangs up.
+
+Every line is one private unix socket in the manager's selector. What comes in leads to events for
+the core; slaves that an earlier manager left are let in with what they hold.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import selectors
+import socket
+import struct
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from rtkit.errors import Malformed
+from rtkit.manager.core import events as ev
+from rtkit.manager.core.adoption import SETTLE_S
+from rtkit.manager.processes.contact import PROTOCOL
+from rtkit.manager.processes.nursery import Nursery
+from rtkit.manager.processes.wire import Channel
+
+_log = logging.getLogger(__name__)
+_READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
+_PEER = struct.Struct("3i")
+
+
+class Lines:
+    """All lines of one manager; `handle` takes the events that come of them."""
+
+    def __init__(
+        self,
+        selector: selectors.BaseSelector,
+        listener: socket.socket,
+        nursery: Nursery,
+        handle: Callable[[ev.Event], object],
+    ) -> None:
+        self._selector = selector
+        self._nursery = nursery
+        self._handle = handle
+        self._channels: dict[int, Channel] = {}
+        self._found: dict[int, Channel] = {}
+        self._settled: Callable[[], object] | None = None
+        self._settle_by = 0.0
+        self._spare = os.open(os.devnull, os.O_RDONLY)
+        self._register(listener, lambda _mask: self._accept(listener))
+        self._register(nursery, lambda _mask: self._heard_nursery())
+
+    def close(self) -> None:
+        """Hang up on everybody."""
+        for channel in self._channels.values():
+            channel.close()
+        os.close(self._spare)
+
+    def _register(self, source: Any, react: Callable[[int], object]) -> None:
+        self._selector.register(source, _READ, react)
+
+    def send(self, key: int, message: Mapping[str, Any]) -> None:
+        """Send a message to the holder of a slave."""
+        channel = self._channels.get(key)
+        if channel is None:
+            return
+        try:
+            channel.send(message)
+        except OSError as error:
+            _log.warning("cannot send to slave %d: %s", key, error)
+            return
+        if channel.has_backlog:
+            self._selector.modify(channel, _READ | _WRITE, self._reader(key, channel))
+
+    def _accept(self, listener: socket.socket) -> None:
+        try:
+            connection, _ = listener.accept()
+        except BlockingIOError:
+            return
+        except OSError as error:
+            _log.error("no slave can connect: %s", error.strerror)
+            self._turn_away(listener)
+            return
+        connection.setblocking(False)
+        channel = Channel(connection)
+        self._register(channel, lambda _mask: self._greet(channel))
+
+    def _turn_away(self, listener: socket.socket) -> None:
+        """Refuse who waits with the descriptor kept for this: else select would return for ever."""
+        os.close(self._spare)
+        try:
+            listener.accept()[0].close()
+        except OSError as error:
+            _log.error("cannot even refuse it: %s", error.strerror)
+        finally:
+            self._spare = os.open(os.devnull, os.O_RDONLY)
+
+    def _greet(self, channel: Channel) -> None:
+        """Take the first message of a connection: a hello, or what a slave that was left holds."""
+        messages = self._received(channel)
+        if messages is None:
+            self._hang_up(channel)
+            return
+        if not messages:
+            return
+        first, *others = messages
+        key = self._admit(channel, first)
+        if key is None:
+            _log.warning("a connection that is no slave of ours was refused")
+            self._hang_up(channel)
+            return
+        for message in others:
+            self._handle(ev.HolderSaid(key, message))
+
+    def _admit(self, channel: Channel, first: Mapping[str, Any]) -> int | None:
+        """Let a slave in; return its key, None when it is none."""
+        key: Any = first.get("hello")
+        pid: Any = first.get("pid")
+        if first.get("protocol") != PROTOCOL or not isinstance(pid, int):
+            return None
+        if self._nursery.expects(key, pid) and key not in self._channels:
+            self._take_in(key, channel)
+            self._handle(ev.SlaveForked(key, pid))
+            self._handle(ev.SlaveReady(key))
+            return int(key)
+        if not isinstance(first.get("found"), str) or peer_of(channel.socket) != pid:
+            return None
+        self._find_fosters()
+        self._found[pid] = channel
+        self._handle(
+            ev.SlaveFound(pid, first["found"], first.get("components"), first.get("wires"))
+        )
+        is_refused = self._found.pop(pid, None) is not None
+        return None if is_refused else next(k for k, c in self._channels.items() if c is channel)
+
+    def _take_in(self, key: int, channel: Channel) -> None:
+        self._channels[key] = channel
+        self._selector.modify(channel, _READ, self._reader(key, channel))
+
+    def adopt(self, key: int, pid: int) -> None:
+        """Keep the line of a slave that was found, under its key."""
+        channel = self._found.pop(pid)
+        self.drop(key)  # the line that it had before
+        self._take_in(key, channel)
+        pidfd = self._nursery.adopt(key, pid)
+        if pidfd is not None:
+            self._watch(key, pidfd)
+        self.check_settled()
+
+    def _watch(self, key: int, pidfd: int) -> None:
+        """Hear of the end of a slave whose parent is gone from its pidfd."""
+        self._register(pidfd, lambda _mask: self._vanished(key, pidfd))
+
+    def _vanished(self, key: int, pidfd: int) -> None:
+        self._selector.unregister(pidfd)
+        event = self._nursery.lost(key)
+        if event is not None:
+            self._handle(event)
+
+    # what earlier managers left
+
+    @property
+    def deadline(self) -> float | None:
+        """When to `check_settled` at the latest, monotonic [s]."""
+        return self._settle_by if self._settled is not None else None
+
+    def settle(self, settled: Callable[[], object]) -> None:
+        """Call `settled` when the slaves of earlier managers are back, or their time is up."""
+        self._settled = settled
+        self._settle_by = time.monotonic() + SETTLE_S
+        self._find_fosters()
+        self.check_settled()
+
+    def _find_fosters(self) -> None:
+        for foster in self._nursery.fosters.find():
+            self._register(foster, partial(self._hear_foster, foster))
+            self._heard_foster(foster)
+
+    def _hear_foster(self, foster: Channel, _mask: int) -> None:
+        self._heard_foster(foster)
+
+    def _heard_foster(self, foster: Channel) -> None:
+        events = self._nursery.heard(foster)
+        if events is None:
+            self._selector.unregister(foster)
+            for key, pidfd in self._nursery.orphans():
+                self._watch(key, pidfd)
+        for event in events or ():
+            self._handle(event)
+        self.check_settled()
+
+    def check_settled(self) -> None:
+        """See whether all that was left is back, or its time is up."""
+        is_time_up = time.monotonic() >= self._settle_by
+        settled = self._settled
+        if settled is not None and (is_time_up or not self._nursery.fosters.missing):
+            self._settled = None
+            settled()
+
+    def _reader(self, key: int, channel: Channel) -> Callable[[int], object]:
+        return lambda mask: self._exchange(key, channel, mask)
+
+    def _exchange(self, key: int, channel: Channel, mask: int) -> None:
+        if self._channels.get(key) is not channel:
+            return  # its slave's end was heard of just before
+        if mask & _WRITE:
+            self._flush(key, channel)
+        if not mask & _READ:
+            return
+        messages = self._received(channel)
+        if messages is None:
+            self.drop(key)
+            return
+        for message in messages:
+            self._handle(ev.HolderSaid(key, message))
+
+    def _flush(self, key: int, channel: Channel) -> None:
+        try:
+            channel.flush()
+        except OSError as error:
+            _log.warning("cannot send to slave %d: %s", key, error)
+            channel.forget_backlog()
+        if not channel.has_backlog:
+            self._selector.modify(channel, _READ, self._reader(key, channel))
+
+    def _received(self, channel: Channel) -> list[Mapping[str, Any]] | None:
+        try:
+            return channel.receive()
+        except (Malformed, OSError) as error:
+            _log.warning("a slave's connection is broken: %s", error)
+            return None
+
+    def drop(self, key: int) -> None:
+        """Close the connection of a slave that ended; a child of it may hold the other end."""
+        channel = self._channels.pop(key, None)
+        if channel is not None:
+            self._hang_up(channel)
+
+    def _hang_up(self, channel: Channel) -> None:
+        self._selector.unregister(channel)
+        channel.close()
+
+    def _heard_nursery(self) -> None:
+        events = self._nursery.receive()
+        if events is None:
+            self._selector.unregister(self._nursery)
+            events = self._nursery.restart()
+            self._register(self._nursery, lambda _mask: self._heard_nursery())
+        for event in events:
+            self._handle(event)
+
+
+def peer_of(connection: socket.socket) -> int:
+    """Return the pid of the process at the other end of a unix socket."""
+    credentials = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size)
+    pid: int = _PEER.unpack(credentials)[0]
+    return pid

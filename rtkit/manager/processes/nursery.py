@@ -1,0 +1,238 @@
+"""The manager's side of the zygote: asks for slaves, knows their processes, hears of their end.
+
+The manager is subreaper: when the zygote dies its slaves become the manager's own children, so
+that their end is still told with its reason. A zygote that died is started again by exec.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from typing import Any
+
+from rtkit.link.streams import remove_socket
+from rtkit.manager.core import events as ev
+from rtkit.manager.processes.fosters import Fosters
+from rtkit.manager.processes.leftovers import end_children, end_sessions, reap_orphans
+from rtkit.manager.processes.watchman import beats_path, stack_path
+from rtkit.manager.processes.wire import Channel
+from rtkit.manager.processes.zygote import ENDS, STOPS, reason
+
+_SWEEP_S = 0.1
+"""How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
+
+_log = logging.getLogger(__name__)
+_PR_SET_CHILD_SUBREAPER = 36
+_ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
+
+
+def become_subreaper() -> None:
+    """Have orphans of this process's descendants become its children."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0):
+        raise OSError(ctypes.get_errno(), "cannot become subreaper")
+
+
+class Nursery:
+    """Where slaves are born; for `selectors` it is the socket to the zygote.
+
+    Attributes:
+        sweep_at: When `sweep` is due, monotonic [s]; None while nothing is to be swept.
+    """
+
+    def __init__(self, settings: Mapping[str, Any]) -> None:
+        self._settings = dict(settings)
+        self._pids: dict[int, int] = {}
+        self._keys: dict[int, int] = {}
+        self._pidfds: dict[int, int] = {}
+        self._asked: dict[int, str] = {}
+        self._adopted: set[int] = set()
+        self._over: set[int] = set()
+        self.sweep_at: float | None = None
+        self.fosters = Fosters(self._settings["zygote"])
+        self._channel, self._zygote = self._start()
+
+    def fileno(self) -> int:
+        """Return the descriptor of the socket to the zygote."""
+        return self._channel.fileno()
+
+    @property
+    def data_pattern(self) -> str:
+        """Path of slaves' data sockets, ``%p`` for the pid."""
+        return str(self._settings["data"])
+
+    def fork(self, key: int, name: str) -> None:
+        """Ask for a slave; when the zygote is just ending, `restart` tells that it failed."""
+        self._asked[key] = name
+        try:
+            self._channel.send({"key": key, "name": name, **self._settings})
+        except OSError as error:
+            _log.warning("cannot ask for slave %s: %s", name, error)
+
+    def expects(self, key: object, pid: object) -> bool:
+        """Whether a slave that says hello with this key and pid is one that was asked for."""
+        if not isinstance(key, int) or not isinstance(pid, int):
+            return False
+        if key in self._asked:
+            self._born(key, pid)
+        return self._pids.get(key) == pid
+
+    def adopt(self, key: int, pid: int) -> int | None:
+        """Take a slave in that an earlier manager left.
+
+        Returns:
+            Its pidfd if nobody else would tell its end; it turns readable then.
+        """
+        if self._pids.get(key) == pid:
+            return None
+        self._enter(key, pid)
+        self._adopted.add(key)
+        self.fosters.found(pid)
+        return None if self.fosters.has(pid) else self._pidfds.get(key)
+
+    def lost(self, key: int) -> ev.Event | None:
+        """Return the end of an adopted slave of which only its pidfd told."""
+        pid = self._pids.get(key)
+        return None if pid is None else self._ended(pid, "exit status unknown")
+
+    def heard(self, foster: Channel) -> list[ev.Event] | None:
+        """Return what an earlier manager's zygote reports; None when it ended."""
+        messages = self.fosters.receive(foster)
+        if messages is None:
+            return None
+        events = (self._event(message) for message in messages)
+        return [event for event in events if event is not None]
+
+    def orphans(self) -> list[tuple[int, int]]:
+        """Return key and pidfd of the slaves whose end neither zygote nor kernel will tell us."""
+        return [
+            (key, self._pidfds[key])
+            for key, pid in self._pids.items()
+            if key in self._adopted and key in self._pidfds and not self.fosters.has(pid)
+        ]
+
+    def signal(self, key: int, number: signal.Signals) -> None:
+        """Send a signal to a slave; through its pidfd, so never to a stranger of the same pid."""
+        pidfd = self._pidfds.get(key)
+        if pidfd is None:
+            return
+        try:
+            signal.pidfd_send_signal(pidfd, number)
+        except ProcessLookupError:
+            _log.debug("slave %d has ended already", key)
+
+    def receive(self) -> list[ev.Event] | None:
+        """Return what the zygote reports; None when it ended, and `restart` is due."""
+        messages = self._channel.receive()
+        if messages is None:
+            return None
+        self._channel.flush()
+        events = (self._event(message) for message in messages)
+        return [event for event in events if event is not None]
+
+    def restart(self) -> list[ev.Event]:
+        """Start another zygote; return the failures of what the old one had not done yet."""
+        _log.error("the zygote ended; another is started")
+        self._channel.close()
+        self._channel, self._zygote = self._start()
+        failed = list(self._asked)
+        self._asked.clear()
+        return [ev.SlaveFailed(key, "the zygote ended") for key in failed]
+
+    def reap(self) -> Iterator[ev.Event]:
+        """Yield what happened to slaves that have become children of the manager itself."""
+        for pid in (self._zygote, *self._keys):
+            try:
+                report = os.waitid(os.P_PID, pid, _OPTIONS)
+            except ChildProcessError:
+                continue  # it is still the zygote's
+            event = self._event_of(report) if report is not None else None
+            if event is not None:
+                yield event
+        for pid in reap_orphans({self._zygote, *self._keys}):
+            self._remove_files(pid)
+
+    def sweep(self) -> None:
+        """End what the slaves that ended lately have left behind."""
+        if self._over:
+            over, self._over, self.sweep_at = self._over, set(), None
+            end_sessions(over)
+
+    def close(self) -> None:
+        """End the zygotes, and whatever components started and left behind."""
+        self.sweep()
+        self._channel.close()
+        self.fosters.close()
+        end_children()
+
+    def _event(self, message: Mapping[str, Any]) -> ev.Event | None:
+        if "forked" in message:
+            self._born(message["forked"], message["pid"])
+            return ev.SlaveForked(message["forked"], message["pid"])
+        if "failed" in message:
+            self._asked.pop(message["failed"], None)
+            return ev.SlaveFailed(message["failed"], message["reason"])
+        if "ended" in message:
+            return self._ended(message["ended"], message["reason"])
+        key = self._keys.get(message.get("halted", 0))
+        return None if key is None else ev.SlaveHalted(key, message["is_halted"])
+
+    def _event_of(self, report: os.waitid_result) -> ev.Event | None:
+        if report.si_code in ENDS:
+            return self._ended(report.si_pid, reason(report))
+        key = self._keys.get(report.si_pid)
+        return None if key is None else ev.SlaveHalted(key, report.si_code in STOPS)
+
+    def _born(self, key: int, pid: int) -> None:
+        if self._asked.pop(key, None) is not None:
+            self._enter(key, pid)
+
+    def _enter(self, key: int, pid: int) -> None:
+        self._pids[key] = pid
+        self._keys[pid] = key
+        try:
+            self._pidfds[key] = os.pidfd_open(pid)
+        except ProcessLookupError:
+            _log.debug("slave %d ended before it was known", key)
+
+    def _ended(self, pid: int, why: str) -> ev.Event | None:
+        key = self._keys.pop(pid, None)
+        self.fosters.ended(pid)
+        self._remove_files(pid)
+        if key is None:
+            return None
+        self._adopted.discard(key)
+        del self._pids[key]
+        pidfd = self._pidfds.pop(key, None)
+        if pidfd is not None:
+            os.close(pidfd)
+        self._over.add(pid)
+        if self.sweep_at is None:
+            self.sweep_at = time.monotonic() + _SWEEP_S
+        return ev.SlaveEnded(key, why)
+
+    def _remove_files(self, pid: int) -> None:
+        """Remove what a process that was killed could not remove itself."""
+        pattern = self.data_pattern
+        remove_socket(pattern.replace("%p", str(pid)))
+        for path in (beats_path(pattern, pid), stack_path(pattern, pid)):
+            with suppress(FileNotFoundError):
+                os.unlink(path)
+
+    def _start(self) -> tuple[Channel, int]:
+        ours, theirs = socket.socketpair()
+        theirs.set_inheritable(True)
+        module = ["-P", "-m", "rtkit.manager.processes.zygote"]
+        arguments = [sys.executable, *module, str(theirs.fileno()), self._settings["zygote"]]
+        pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
+        theirs.close()
+        ours.setblocking(False)
+        return Channel(ours), pid

@@ -1,0 +1,171 @@
+"""The fork server: imports what slaves need, opens nothing, forks on request.
+
+It is started by exec before the manager opens any session, has one thread, and tells the manager
+what the kernel reports of its children: exit, stop, continue. It outlives the manager as long as
+it has children, so that the next one hears of their end too.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import importlib
+import os
+import selectors
+import signal
+import socket
+import sys
+from typing import NoReturn
+
+from rtkit.manager.core.events import Message
+from rtkit.manager.processes import slave
+from rtkit.manager.processes.wire import Channel
+
+_OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
+STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
+ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
+_AT_LEISURE = ("rtkit.component.geometry",)
+"""What most components import and what takes long: had in memory once nobody asks for a slave."""
+
+
+class Zygote:
+    """Serves one manager after the other; ends when it has neither a manager nor children.
+
+    Between two managers it keeps the reports of its children, and listens at a path of its own.
+    """
+
+    def __init__(self, channel: Channel, path: str) -> None:
+        self._channel: Channel | None = channel
+        self._path = path
+        self._listener: socket.socket | None = None
+        self._children: set[int] = set()
+        self._reports: list[Message] = []
+        self._selector = selectors.DefaultSelector()
+        self._wake, self._wake_write = os.pipe()
+        for descriptor in (self._wake, self._wake_write):
+            os.set_blocking(descriptor, False)
+        self._selector.register(channel, selectors.EVENT_READ, self._hear)
+        self._selector.register(self._wake, selectors.EVENT_READ, self._reap)
+
+    def run(self) -> None:
+        """Work until there is nothing left to do."""
+        signal.signal(signal.SIGCHLD, lambda *_: None)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
+        gc.freeze()
+        later = list(_AT_LEISURE)
+        while self._channel is not None or self._children:
+            ready = self._selector.select(0 if later else None)
+            if not ready and later:
+                importlib.import_module(later.pop())
+                gc.freeze()
+            for key, _ in ready:
+                key.data()
+        self._unlisten()
+
+    def _hear(self) -> None:
+        channel = self._channel
+        messages = channel.receive() if channel is not None else None
+        if channel is not None and messages is None:
+            self._selector.unregister(channel)
+            channel.close()
+            self._channel = None
+            if self._children:
+                self._listen()
+        for message in messages or ():
+            self._fork(message)
+
+    def _listen(self) -> None:
+        self._listener = listener = socket.socket(socket.AF_UNIX)
+        listener.bind(self._path)
+        listener.listen(1)
+        self._selector.register(listener, selectors.EVENT_READ, self._accept)
+
+    def _accept(self) -> None:
+        if self._listener is None:
+            return
+        connection, _ = self._listener.accept()
+        self._unlisten()
+        self._channel = Channel(connection)
+        self._selector.register(self._channel, selectors.EVENT_READ, self._hear)
+        self._tell({"children": sorted(self._children), "zygote": os.getpid()})
+        kept, self._reports = self._reports, []
+        for report in kept:
+            self._tell(report)
+
+    def _unlisten(self) -> None:
+        if self._listener is not None:
+            self._selector.unregister(self._listener)
+            self._listener.close()
+            self._listener = None
+            os.unlink(self._path)
+
+    def _tell(self, message: Message) -> None:
+        """Report to the manager, or keep it for the next one; `_hear` notices that it is gone."""
+        if self._channel is None:
+            self._reports.append(message)
+            return
+        with contextlib.suppress(OSError):
+            self._channel.send(message)
+
+    def _fork(self, message: Message) -> None:
+        key = message["key"]
+        try:
+            pid = os.fork()
+        except OSError as error:
+            self._tell({"failed": key, "reason": f"cannot fork: {error.strerror}"})
+            return
+        if pid:
+            self._children.add(pid)
+            self._tell({"forked": key, "pid": pid})
+        else:
+            self._become_slave(key, message)
+
+    def _become_slave(self, key: int, message: Message) -> NoReturn:
+        try:
+            signal.set_wakeup_fd(-1)
+            signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+            os.setsid()
+            if self._channel is not None:
+                self._channel.close()
+            for descriptor in (self._selector.fileno(), self._wake, self._wake_write):
+                os.close(descriptor)
+            slave.run(key, message["name"].replace("%p", str(os.getpid())), message)
+        except BaseException:
+            sys.excepthook(*sys.exc_info())  # the only place left to tell it: the log on stderr
+            os._exit(1)
+        os._exit(0)
+
+    def _reap(self) -> None:
+        os.read(self._wake, 4096)
+        while True:
+            try:
+                report = os.waitid(os.P_ALL, 0, _OPTIONS)
+            except ChildProcessError:
+                return
+            if report is None:
+                return
+            if report.si_code in ENDS:
+                self._children.discard(report.si_pid)
+                self._tell({"ended": report.si_pid, "reason": reason(report)})
+            else:
+                self._tell({"halted": report.si_pid, "is_halted": report.si_code in STOPS})
+
+
+def main() -> None:
+    """Serve the socket of that descriptor; later managers find it at the path of its pid."""
+    os.setsid()
+    path = sys.argv[2].replace("%p", str(os.getpid()))
+    Zygote(Channel(socket.socket(fileno=int(sys.argv[1]))), path).run()
+    os._exit(0)
+
+
+def reason(report: os.waitid_result) -> str:
+    """Return how a process ended: ``signal 9`` or ``exit status 3``."""
+    if report.si_code == os.CLD_EXITED:
+        return f"exit status {report.si_status}"
+    return f"signal {report.si_status}"
+
+
+if __name__ == "__main__":
+    main()

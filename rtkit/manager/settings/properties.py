@@ -1,0 +1,324 @@
+"""The properties of a manager: which there are, what they mean, when a change takes effect.
+
+The keys are those of ``rtc.conf``. Names with ``corba.`` are the old ones of those with ``net.``;
+each is shown under the name by which it was given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import NamedTuple
+
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.manager.settings import formats, values
+from rtkit.rtc.address import parse_address
+
+LIVE = "live"
+START = "start"
+FIXED = "read-only"
+NONE = "no effect"
+"""When a change takes effect: at once, at the next start, never, or it is only kept."""
+
+LEVELS = ("SILENT", "FATAL", "ERROR", "WARN", "INFO", "DEBUG", "TRACE", "VERBOSE", "PARANOID")
+INHERITED = ("exec_cxt.", "execution_contexts", "ec.", "logger.", "naming.", "os.", "sdo.", "port.")
+"""What components inherit begins with one of these."""
+
+_TRUE = ("YES", "TRUE", "ON", "1")
+_FALSE = ("NO", "FALSE", "OFF", "0")
+_OLD = {"corba.endpoint": "net.endpoints", "manager.corba_servant": "manager.net_servant"}
+_CLOSE_ENOUGH = 0.6
+
+
+class Property(NamedTuple):
+    """A key that is known.
+
+    Attributes:
+        kind: ``text``, ``list``, ``number``, ``boolean`` or ``level``.
+        when: When a change takes effect.
+        meaning: One line for the manual page.
+    """
+
+    key: str
+    default: str
+    kind: str
+    when: str
+    meaning: str
+
+
+def _properties() -> Iterator[Property]:
+    for line in _TABLE.strip().splitlines():
+        key, default, kind, when, meaning = (cell.strip() for cell in line.split("|", 4))
+        yield Property(key, default, kind, _WHEN[when], meaning)
+
+
+_WHEN = {"live": LIVE, "start": START, "fixed": FIXED, "-": NONE}
+_TABLE = """
+config.version | | text | - | version of the configuration file
+openrtm.name | rtkit | text | fixed | the implementation
+openrtm.version | | text | fixed | its version
+manager.name | manager | text | start | id in direct addresses, corbaloc::host:port/ID
+manager.instance_name | | text | start | name in the tree; the name given to rtmgr start comes first
+manager.naming_formats | %h.host_cxt/%n.mgr | text | - | the manager shows at /localhost/NAME.mgr
+manager.is_master | YES | boolean | start | NO: registers with net.master_manager as its slave
+manager.net_servant | YES | boolean | start | NO: no front door (as -a)
+manager.update_master_manager.enable | YES | boolean | start | register again and again
+manager.update_master_manager.interval | 10.0 | number | start | how often [s]
+manager.components.naming_policy | process_unique | text | - | names are unique in the manager
+manager.components.precreate | | list | start | create strings of components to make at start
+manager.components.preconnect | | list | start | connections: A.out?port=B.in&dataflow_type=push
+manager.components.preactivation | | list | start | instances to activate
+manager.modules.load_path | | list | live | folders of modules; by default the one of the start
+manager.modules.Python.load_paths | | list | live | more of them
+manager.modules.preload | | list | start | modules to load: FILE (InitFunc)
+manager.preload.modules | | list | start | modules to load before those
+manager.modules.abs_path_allowed | YES | boolean | live | modules by absolute path
+manager.modules.search_auto | YES | boolean | live | look for the modules of types
+manager.modules.download_allowed | NO | boolean | - | nothing is ever downloaded
+manager.modules.init_func_suffix | Init | text | - | init function behind the file's name
+manager.modules.init_func_prefix | | text | - | init function before the file's name
+manager.modules.config_path | | list | - | folders of configuration files
+manager.supported_languages | Python | list | fixed | languages of components
+manager.cpu_affinity | | list | live | processors that manager and slaves may use
+manager.shutdown_on_nortcs | YES | boolean | live | a slave ends with its last component
+manager.shutdown_auto | YES | boolean | - | as before; there is no periodic check
+manager.auto_shutdown_duration | 10 | number | - | [s]
+manager.termination_waittime | 2 | number | live | grace of slaves between TERM and KILL [s]
+manager.local_service.modules | | list | - | plug-ins of the manager
+manager.local_service.enabled_services | ALL | list | - |
+net.endpoints | all | list | start | front door: [localhost]:PORT, all for 2810, none for none
+net.nameservers | localhost | list | - | there is no name server; the manager keeps the names
+net.master_manager | localhost:2810 | text | start | master to register with if is_master is NO
+net.args | | text | - | arguments of the transport
+net.id | | text | - | kind of the transport
+net.alternate_iiop_addresses | | list | - | further addresses
+net.endpoint_property | | text | - | which addresses are told
+net.nameserver.replace_endpoint | NO | boolean | - | which addresses are told
+net.nameservice.replace_endpoint | NO | boolean | - | which addresses are told
+net.update_master_manager.enable | YES | boolean | - | as manager.update_master_manager.enable
+net.update_master_manager.interval | 10.0 | number | - | [s]
+naming.enable | YES | boolean | live | register names of components
+naming.type | corba | list | - | the manager itself registers them
+naming.formats | %n.rtc | list | live | names of components: %n %t %m %v %V %c %h %M %p
+naming.update.enable | YES | boolean | - | names never get lost
+naming.update.interval | 10.0 | number | - | [s]
+naming.update.rebind | NO | boolean | - |
+exec_cxt.periodic.type | PeriodicExecutionContext | text | live | type of the context
+exec_cxt.periodic.rate | 1000 | number | live | its rate [Hz]; only if given, else the type's own
+exec_cxt.sync_transition | YES | boolean | live | wait until a transition is done
+exec_cxt.sync_activation | | boolean | live | the same for activation only
+exec_cxt.sync_deactivation | | boolean | live | for deactivation only
+exec_cxt.sync_reset | | boolean | live | for reset only
+exec_cxt.transition_timeout | | number | live | how long at most [s]; by default as the command says
+exec_cxt.activation_timeout | | number | live | the same for activation only [s]
+exec_cxt.deactivation_timeout | | number | live | for deactivation only [s]
+exec_cxt.reset_timeout | | number | live | for reset only [s]
+exec_cxt.cpu_affinity | | list | - | processors of a context
+execution_contexts | | list | live | contexts of components: TYPE(NAME),...
+logger.enable | YES | boolean | live | NO: nothing is logged
+logger.file_name | | list | start | further log files, stdout or stderr; %p is the pid
+logger.log_level | INFO | level | live | SILENT FATAL ERROR WARN INFO DEBUG TRACE VERBOSE PARANOID
+logger.date_format | %b %d %H:%M:%S | text | start | of logger.file_name
+logger.clock_type | system | text | - |
+logger.escape_sequence_enable | NO | boolean | - |
+logger.plugins | | list | - | log forwarding
+timer.enable | YES | boolean | - | nothing is polled
+timer.tick | 0.1 | number | - | [s]
+sdo.service.provider.enabled_services | ALL | list | - |
+sdo.service.consumer.enabled_services | ALL | list | - |
+rtkit.start.strict | NO | boolean | start | YES: a failure while starting ends the manager
+"""
+_PATTERNS = (
+    Property("manager.modules.*.load_paths", "", "list", NONE, "of other languages"),
+    Property("manager.modules.*.suffixes", "", "list", NONE, "suffixes of module files"),
+    Property("manager.modules.*.manager_cmd", "", "text", NONE, "slaves are forked"),
+    Property("manager.modules.*.profile_cmd", "", "text", NONE, "modules are read, not run"),
+    Property("manager.local_service.*", "", "text", NONE, "plug-ins of the manager"),
+    Property("logger.logstream.*", "", "text", NONE, "log forwarding"),
+    Property("ec.*", "", "text", LIVE, "ec.TYPE.KEY, ec.NAME.KEY: of execution contexts"),
+    Property("port.*", "", "text", LIVE, "defaults of ports"),
+    Property("sdo.*", "", "text", NONE, "SDO services"),
+    Property("os.*", "", "text", NONE, "operating system"),
+    Property("*.*.config_file", "", "text", LIVE, "CATEGORY.TYPE or .INSTANCE: more properties"),
+)
+_READERS: Mapping[str, Callable[[str], object]] = {
+    "manager.cpu_affinity": values.processors,
+    "manager.modules.preload": values.modules,
+    "manager.preload.modules": values.modules,
+    "net.master_manager": parse_address,
+    "naming.formats": formats.check,
+    "net.endpoints": values.endpoint,
+}
+KNOWN: Mapping[str, Property] = {each.key: each for each in _properties()}
+
+
+def canonical(key: str) -> str:
+    """Return the present name of a key: ``net.…`` for ``corba.…``."""
+    if key in _OLD:
+        return _OLD[key]
+    rest = key.removeprefix("corba.")
+    return f"net.{rest}" if rest != key else key
+
+
+def find(key: str) -> Property | None:
+    """Return what is known of a key, by its present or old name."""
+    name = canonical(key)
+    known = KNOWN.get(name)
+    if known is not None:
+        return known
+    return next((each for each in _PATTERNS if _fits(each.key, name)), None)
+
+
+def nearest(key: str) -> str:
+    """Return the known key that looks most like this one; empty when none does."""
+    from difflib import get_close_matches
+
+    old = [f"corba.{name.removeprefix('net.')}" for name in KNOWN if name.startswith("net.")]
+    return next(iter(get_close_matches(key, [*KNOWN, *old, *_OLD], 1, _CLOSE_ENOUGH)), "")
+
+
+def unknown(key: str) -> str:
+    """Return what to tell of a key that is not known."""
+    hint = nearest(key)
+    return f"unknown property: {key}" + (f" (did you mean {hint}?)" if hint else "")
+
+
+def check(key: str, value: str) -> str:
+    """Return a value as it is kept: trimmed, booleans as YES or NO.
+
+    Raises:
+        Malformed: It is not of the kind that the key has.
+    """
+    text = value.strip()
+    known = find(key)
+    if known is None or not text:
+        return text
+    if any(ord(c) < 32 or ord(c) == 127 for c in text):
+        raise Malformed(f"{key}: has control characters: {text!r}")
+    if known.kind == "boolean":
+        word = text.upper()
+        if word not in _TRUE + _FALSE:
+            raise Malformed(f"{key}: neither YES nor NO: {text}")
+        return "YES" if word in _TRUE else "NO"
+    if known.kind == "number":
+        return _number(key, text)
+    if known.kind == "level" and text.upper() not in LEVELS:
+        raise Malformed(f"{key}: no log level: {text} (one of {' '.join(LEVELS)})")
+    reader = _READERS.get(known.key)
+    if reader is not None:
+        try:
+            reader(text)
+        except RtkitError as error:
+            raise type(error)(f"{key}: {error}") from None
+    return text.upper() if known.kind == "level" else text
+
+
+class Settings:
+    """The properties that were given to a manager, over the defaults of all that there are."""
+
+    def __init__(self, given: Mapping[str, str] | None = None) -> None:
+        self._values: dict[str, str] = {}
+        self._spellings: dict[str, str] = {}
+        for key, value in (given or {}).items():
+            self.take(key, value)
+
+    def copy(self) -> Settings:
+        """Return the same, to go back to."""
+        other = Settings()
+        other._values, other._spellings = dict(self._values), dict(self._spellings)
+        return other
+
+    def put_back(self, key: str, before: Settings) -> None:
+        """Give one property the value that it had."""
+        name = canonical(key)
+        for own, others in ((self._values, before._values), (self._spellings, before._spellings)):
+            own.pop(name, None)
+            if name in others:
+                own[name] = others[name]
+
+    def take(self, key: str, value: str) -> None:
+        """Note a value, also of an unknown key.
+
+        Raises:
+            Malformed: It is not of the kind that the key has.
+        """
+        name = canonical(key)
+        self._values[name] = check(key, value)
+        self._spellings[name] = key
+
+    def change(self, key: str, value: str) -> None:
+        """Change a property of a manager that runs.
+
+        Raises:
+            NotFound: No such property; names the one that looks most like it.
+            Refused: It cannot be changed while the manager runs; tells why.
+            Malformed: The value is not of its kind.
+        """
+        known = find(key)
+        if known is None:
+            raise NotFound(unknown(key))
+        if known.when == FIXED:
+            raise Refused(f"read-only property: {key}")
+        if known.when == START:
+            raise Refused(
+                f"{key} takes effect only at start: give it in rtc.conf or to rtmgr start -o"
+            )
+        self.take(key, value)
+
+    def is_given(self, key: str) -> bool:
+        """Whether somebody gave it a value."""
+        return bool(self._values.get(key))
+
+    def text(self, key: str) -> str:
+        """Return a value, the default if nobody gave one."""
+        given = self._values.get(key)
+        return KNOWN[key].default if given is None and key in KNOWN else given or ""
+
+    def flag(self, key: str) -> bool:
+        """Return a boolean."""
+        return self.text(key) == "YES"
+
+    def number(self, key: str) -> float:
+        """Return a number, 0 if there is none."""
+        return float(self.text(key) or 0)
+
+    def items(self, key: str) -> tuple[str, ...]:
+        """Return the items of a comma list."""
+        return tuple(item for item in map(str.strip, self.text(key).split(",")) if item)
+
+    def below(self, *prefixes: str) -> dict[str, str]:
+        """Return what was given with keys that begin with one of these."""
+        return {k: v for k, v in self._values.items() if k.startswith(prefixes) and v}
+
+    def table(self) -> dict[str, str]:
+        """Return all properties with their values, each under the name by which it was given."""
+        keys: Iterable[str] = dict.fromkeys([*KNOWN, *self._values])
+        return {self._spellings.get(key, key): self.text(key) for key in keys}
+
+    def lookup(self, key: str) -> str | None:
+        """Return the value of a property by its present or old name, None if there is none."""
+        name = canonical(key)
+        return self.text(name) if name in KNOWN or name in self._values else None
+
+
+def _number(key: str, text: str) -> str:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value < float("inf"):
+        raise Malformed(f"{key}: not a number of 0 or more: {text}")
+    if value == 0 and key.endswith(".rate"):
+        raise Malformed(f"{key}: a rate is above 0 [Hz]: {text}")
+    return text
+
+
+def _fits(pattern: str, key: str) -> bool:
+    """Whether a key is of a pattern; the last star stands for any number of elements."""
+    wanted, parts = pattern.split("."), key.split(".")
+    if wanted[-1] == "*":
+        if len(parts) < len(wanted):
+            return False
+        parts = parts[: len(wanted)]
+    return len(wanted) == len(parts) and all(
+        want in ("*", part) and part for want, part in zip(wanted, parts, strict=True)
+    )
