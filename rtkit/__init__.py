@@ -10,17 +10,25 @@ from typing import TYPE_CHECKING, Any
 __all__ = ["Tree", "__version__", "connect"]
 
 if TYPE_CHECKING:
-    from rtkit.tree.client import Tree, connect
+    from rtkit.tree.client import Tree
+    from rtkit.tree.connect import connect
     from rtkit.version import __version__
 
 
+_HOMES = {
+    "Tree": "rtkit.tree.client",
+    "__version__": "rtkit.version",
+    "connect": "rtkit.tree.connect",
+}
+
+
 def __getattr__(name: str) -> Any:
-    if name in ("Tree", "connect"):
-        from rtkit.tree import client
+    if name not in _HOMES:
+        raise AttributeError(f"module 'rtkit' has no attribute {name!r}")
+    from importlib import import_module
 
-        return getattr(client, name)
-    if name == "__version__":
-        from rtkit.version import __version__
+    return getattr(import_module(_HOMES[name]), name)
 
-        return __version__
-    raise AttributeError(f"module 'rtkit' has no attribute {name!r}")
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

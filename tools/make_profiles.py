@@ -16,7 +16,7 @@ from rtkit.component.callbacks import Callbacks
 from rtkit.component.contexts import kind_named
 from rtkit.component.describe import describe
 from rtkit.component.fsm import EVENT_NAME, FsmComponent
-from rtkit.component.parameter import kind_of
+from rtkit.component.kinds import kind_of
 from rtkit.component.typenames import scoped_name
 from rtkit.deployment import actions as act
 from rtkit.deployment.capture import Heading, capture

@@ -52,7 +52,7 @@ class App:
     def tree(self) -> Tree:
         """The connection to the manager, made at first use."""
         if self._tree is None:
-            from rtkit.tree.client import connect
+            from rtkit.tree.connect import connect
 
             self._tree = connect(self._place or "", self.timeout_s)
         return self._tree
@@ -85,16 +85,16 @@ class App:
         Raises:
             Unreachable: None answers there, or another one than is meant.
         """
-        from rtkit.tree import direct
+        from rtkit.tree.connect import connect_near, slave_at
 
         if self._tree is None:
             self._place = str(address)
-            self._tree, slave = direct.connect_near(address, self.timeout_s)
+            self._tree, slave = connect_near(address, self.timeout_s)
             return self._tree, slave
         asked = self._tree.manager
         if address.id not in ("", asked):
             raise Unreachable(f"manager {address.id!r} is not the one asked: {asked!r}")
-        return self._tree, direct.slave_at(address, asked)
+        return self._tree, slave_at(address, asked)
 
     def path(self, typed: str) -> Path:
         """Read a path as typed, relative to the working directory in the tree.

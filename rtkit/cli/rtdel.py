@@ -51,7 +51,7 @@ def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:
 
 def _remove_zombies(app: App) -> None:
     """Remove the zombies of every manager that is known; one that is silent holds up no other."""
-    from rtkit.tree.client import connect
+    from rtkit.tree.connect import connect
 
     failures = _remove(app.tree, _all_zombies(app.tree.listing()))
     for name in app.others():

@@ -9,7 +9,8 @@ from rtkit.component.callbacks import Callbacks, Failure, attempt
 from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import PERIODIC, wanted_contexts
-from rtkit.component.parameter import Parameter, kind_of
+from rtkit.component.kinds import kind_of
+from rtkit.component.parameter import Parameter
 from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from rtkit.component.parameter import Kind, Value, kind_of
+from rtkit.component.kinds import Kind, Value, kind_of
 from rtkit.errors import Malformed, NotFound, Refused
 
 DEFAULT = "default"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtkit.component.parameter import read_float
+from rtkit.component.kinds import read_float
 from rtkit.component.period import check_rate
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import ExecutionKind

@@ -1,120 +1,21 @@
-"""Configuration parameters: their kinds as text, and the descriptor that authors declare."""
+"""Configuration parameters: the descriptor that authors declare on a component class."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast, overload
 
-from rtkit.errors import Malformed
+from rtkit.component.kinds import Value, kind_of
 
 if TYPE_CHECKING:
-    from rtkit.component.base import Component
+    from rtkit.component.config import Configuration
 
-Value = bool | int | float | str | tuple[float, ...] | tuple[int, ...]
 T = TypeVar("T")
 
-_TRUE = ("true", "yes", "on", "1")
-_FALSE = ("false", "no", "off", "0")
-_INTEGER = re.compile(r"[+-]?[0-9]{1,400}")
-_BRACKETS = {"(": ")", "[": "]", "{": "}"}
 
+class Configured(Protocol):
+    """What has the values of its parameters in configuration sets."""
 
-class Kind(NamedTuple):
-    """How values of one kind are read from text and written as text."""
-
-    name: str
-    read: Callable[[str], Any]
-    write: Callable[[Any], str]
-
-
-def read_bool(text: str) -> bool:
-    """Read ``true yes on 1`` or ``false no off 0``, in any case.
-
-    Raises:
-        Malformed: Neither.
-    """
-    word = text.strip().lower()
-    if word in _TRUE:
-        return True
-    if word in _FALSE:
-        return False
-    raise Malformed(f"not a truth value: {text!r}")
-
-
-def read_int(text: str) -> int:
-    """Read a decimal integer.
-
-    Raises:
-        Malformed: Anything else.
-    """
-    if not _INTEGER.fullmatch(text.strip()):
-        raise Malformed(f"not an integer: {text!r}")
-    return int(text)
-
-
-def read_float(text: str) -> float:
-    """Read a decimal number, ``inf`` or ``nan``.
-
-    Raises:
-        Malformed: Anything else.
-    """
-    try:
-        if "_" in text or not text.isascii():
-            raise ValueError
-        return float(text)
-    except ValueError:
-        raise Malformed(f"not a number: {text!r}") from None
-
-
-def read_text(text: str) -> str:
-    """Return the text as it is."""
-    return text
-
-
-def elements(text: str) -> list[str]:
-    """Return the texts of a vector's elements: commas or blanks between, brackets or none."""
-    inner = text.strip()
-    if inner and _BRACKETS.get(inner[0]) == inner[-1:]:
-        inner = inner[1:-1].strip()
-    return inner.split("," if "," in inner else None)
-
-
-def _vector(item: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
-    return lambda text: tuple(map(item, elements(text)))
-
-
-def _write_bool(value: bool) -> str:
-    return "true" if value else "false"
-
-
-def _write_vector(value: tuple[float, ...]) -> str:
-    return ",".join(repr(item) for item in value)
-
-
-_KINDS = {
-    bool: Kind("bool", read_bool, _write_bool),
-    int: Kind("int", read_int, str),
-    float: Kind("double", read_float, repr),
-    str: Kind("string", read_text, str),
-}
-_INTEGERS = Kind("vector<int>", _vector(read_int), _write_vector)
-_NUMBERS = Kind("vector<double>", _vector(read_float), _write_vector)
-
-
-def kind_of(default: Value) -> Kind:
-    """Return the kind of a parameter by its default value.
-
-    Raises:
-        Malformed: A value of a type that a parameter cannot have.
-    """
-    known = _KINDS.get(type(default))
-    if known is not None:
-        return known
-    if isinstance(default, tuple) and all(type(item) in (int, float) for item in default):
-        whole = bool(default) and all(type(item) is int for item in default)
-        return _INTEGERS if whole else _NUMBERS
-    raise Malformed(f"a configuration parameter cannot be a {type(default).__name__}: {default!r}")
+    configuration: Configuration
 
 
 class Parameter(Generic[T]):
@@ -161,14 +62,14 @@ class Parameter(Generic[T]):
     def __get__(self, component: None, owner: type) -> Parameter[T]: ...
 
     @overload
-    def __get__(self, component: Component, owner: type) -> T: ...
+    def __get__(self, component: Configured, owner: type) -> T: ...
 
-    def __get__(self, component: Component | None, owner: type) -> Parameter[T] | T:
+    def __get__(self, component: Configured | None, owner: type) -> Parameter[T] | T:
         if component is None:
             return self
         return cast(T, component.configuration.values[self.name])
 
-    def __set__(self, component: Component, value: T) -> None:
+    def __set__(self, component: Configured, value: T) -> None:
         raise AttributeError(
             f"{self.name} is a configuration parameter: change it in a configuration set"
         )

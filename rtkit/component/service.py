@@ -32,8 +32,8 @@ from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
 from rtkit.component.interface import Interface, Method
 from rtkit.component.invocation import Served, Target
+from rtkit.component.kinds import read_float
 from rtkit.component.options import DEFAULT_TIMEOUT_S
-from rtkit.component.parameter import read_float
 from rtkit.component.port import Port
 from rtkit.errors import Malformed, NotFound, Refused, Unreachable
 from rtkit.rtc.enums import Polarity, PortType

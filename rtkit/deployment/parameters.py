@@ -44,7 +44,7 @@ def _type(declared: str) -> tuple[str, bool]:
 
 
 def _wrong_type(base: str, is_vector: bool, text: str) -> str:
-    from rtkit.component.parameter import elements, read_bool, read_float, read_int
+    from rtkit.component.kinds import elements, read_bool, read_float, read_int
 
     read: Callable[[str], object]
     if base in _INTEGERS:
@@ -64,7 +64,7 @@ def _wrong_type(base: str, is_vector: bool, text: str) -> str:
 
 
 def _violates(rule: str, text: str, is_list: bool) -> bool:
-    from rtkit.component.parameter import elements
+    from rtkit.component.kinds import elements
     from rtkit.profile.constraint_text import parse_constraint
     from rtkit.profile.constraint_value import allows
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import TracebackType
@@ -12,7 +11,6 @@ from rtkit.deployment.listing import Listing, listing_from_text
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
 from rtkit.link.base import Link
-from rtkit.link.places import manager_socket, owner
 from rtkit.tree.api import ByPath
 
 if TYPE_CHECKING:
@@ -194,35 +192,6 @@ class Tree(ByPath):
             yield
         except Unreachable as error:
             raise Unreachable(f"{self.manager} on {self.host}: {error}") from error
-
-
-def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
-    """Connect to a manager of this host, by default the one named ``manager``.
-
-    `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``.
-
-    Raises:
-        Unreachable: It does not run, or does not answer within `timeout_s` [s].
-    """
-    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
-
-    name = manager or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
-    if ":" in name:
-        from rtkit.rtc.address import parse_address
-        from rtkit.tree.direct import connect_at
-
-        return connect_at(parse_address(name), timeout_s)
-    path = manager_socket(name)
-    not_running = f"manager {name!r} is not running (start it with: rtmgr start)"
-    if not os.path.exists(path):
-        raise Unreachable(not_running)
-    try:
-        session = open_client(unix_endpoint(path), bounded(timeout_s))
-    except Unreachable as error:
-        if owner(name) is None:
-            raise Unreachable(not_running) from error
-        raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
-    return Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
 
 
 def bounded(timeout_s: float) -> float:

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 from rtkit.errors import Unreachable
 from rtkit.link import places
-from rtkit.tree.client import bounded, connect
+from rtkit.tree.client import bounded
+from rtkit.tree.connect import connect
 
 
 class Status(NamedTuple):

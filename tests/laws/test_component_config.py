@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from rtkit.component.config import Configuration
-from rtkit.component.parameter import kind_of
+from rtkit.component.kinds import kind_of
 from rtkit.component.typenames import is_same_type, scoped_name
 from rtkit.errors import NotFound, Refused
 

@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 
-from rtkit.tree.client import Tree, connect
+from rtkit.tree.client import Tree
+from rtkit.tree.connect import connect
 
 MANAGER = "/localhost/manager.mgr"
 SYSTEM = """

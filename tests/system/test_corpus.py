@@ -12,7 +12,7 @@ import pytest
 
 from rtkit.deployment.stated import Stated, stated
 from rtkit.profile.read import read_rts
-from rtkit.tree.client import connect
+from rtkit.tree.connect import connect
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 FOLDER = os.path.join(os.path.dirname(ROOT), "shared", "corpus", "rts")

@@ -19,7 +19,8 @@ from rtkit.errors import Unreachable
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree import managers
-from rtkit.tree.client import Tree, connect
+from rtkit.tree.client import Tree
+from rtkit.tree.connect import connect
 
 BOUND_S = 60.0
 """Bound on what comes soon; no test waits for it [s]."""

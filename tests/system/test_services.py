@@ -15,7 +15,8 @@ from rtkit.errors import Refused, RtkitError
 from rtkit.resources import resource
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
-from rtkit.tree.client import Tree, connect
+from rtkit.tree.client import Tree
+from rtkit.tree.connect import connect
 
 FILE = resource("profiles", "systems", "my-service.xml")
 PEERS = """

@@ -135,7 +135,7 @@ def test_the_time_out_reaches_the_connection(monkeypatch: pytest.MonkeyPatch) ->
         asked["timeout_s"] = timeout_s
         raise Unreachable("nobody")
 
-    monkeypatch.setattr("rtkit.tree.client.connect", connect)
+    monkeypatch.setattr("rtkit.tree.connect.connect", connect)
     from rtkit.cli.rtls import main
 
     assert main(["--timeout", "2.5"]) == 1

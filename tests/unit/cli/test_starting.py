@@ -162,7 +162,7 @@ def test_a_graph_needs_no_manager(
     def connect(**_: object) -> None:
         raise Unreachable("manager 'manager' is not running")
 
-    monkeypatch.setattr("rtkit.tree.client.connect", connect)
+    monkeypatch.setattr("rtkit.tree.connect.connect", connect)
     assert rtstart.main(["--plan", file(*FOUR_KINDS)]) == 0
     out, err = capsys.readouterr()
     assert err == ""

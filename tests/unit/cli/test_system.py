@@ -116,7 +116,7 @@ def absent(monkeypatch):
     def connect(*_, **__):
         raise Unreachable("manager 'manager' is not running")
 
-    monkeypatch.setattr("rtkit.tree.client.connect", connect)
+    monkeypatch.setattr("rtkit.tree.connect.connect", connect)
 
 
 def executing(verb, *turns):

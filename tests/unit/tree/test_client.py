@@ -10,7 +10,8 @@ import pytest
 from rtkit.errors import Malformed, NotFound, Unreachable
 from rtkit.link.inproc import InprocLink
 from rtkit.property.exchange import Reply
-from rtkit.tree.client import Tree, connect
+from rtkit.tree.client import Tree
+from rtkit.tree.connect import connect
 
 
 def tree_that_answers(text: str, error: str = "") -> Tree:

@@ -1,13 +1,44 @@
-"""Connects to a manager by its address: through its front door, with the secret of this user."""
+"""Finds a manager: by its name on this host, or by the address of its front door."""
 
 from __future__ import annotations
 
 import os
+from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
-from rtkit.rtc.address import DEFAULT_ID, DEFAULT_PORT, Address
-from rtkit.rtc.names import is_local_host
-from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded, connect
+from rtkit.link.places import manager_socket, owner
+from rtkit.tree.client import DEFAULT_MANAGER, DEFAULT_TIMEOUT_S, Tree, bounded
+
+if TYPE_CHECKING:
+    from rtkit.rtc.address import Address
+
+
+def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
+    """Connect to a manager of this host, by default the one named ``manager``.
+
+    `manager` may also be an address, ``localhost:2811`` or ``corbaloc::localhost:2811``.
+
+    Raises:
+        Unreachable: It does not run, or does not answer within `timeout_s` [s].
+    """
+    from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
+
+    name = manager or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    if ":" in name:
+        from rtkit.rtc.address import parse_address
+
+        return connect_at(parse_address(name), timeout_s)
+    path = manager_socket(name)
+    not_running = f"manager {name!r} is not running (start it with: rtmgr start)"
+    if not os.path.exists(path):
+        raise Unreachable(not_running)
+    try:
+        session = open_client(unix_endpoint(path), bounded(timeout_s))
+    except Unreachable as error:
+        if owner(name) is None:
+            raise Unreachable(not_running) from error
+        raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
+    return Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
 
 
 def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
@@ -19,6 +50,7 @@ def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     """
     from rtkit.link import door, secret
     from rtkit.link.zenoh import ZenohLink
+    from rtkit.rtc.names import is_local_host
 
     if not is_local_host(address.host, os.uname().nodename):
         raise Unreachable(f"managers of other hosts cannot be reached yet: {address}")
@@ -45,6 +77,8 @@ def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tupl
     Raises:
         Unreachable: There is no such manager.
     """
+    from rtkit.rtc.address import DEFAULT_ID
+
     name = address.id or DEFAULT_ID
     try:
         return connect_at(address, timeout_s), ""
@@ -58,4 +92,6 @@ def connect_near(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> tupl
 
 def slave_at(address: Address, manager: str) -> str:
     """Return the slave of a manager that an address stands for, "" for the manager itself."""
+    from rtkit.rtc.address import DEFAULT_PORT
+
     return "" if address.port == DEFAULT_PORT else f"{manager}_{address.port}"
