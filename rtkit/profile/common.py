@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 P = TypeVar("P")
@@ -47,10 +47,22 @@ NO_FOREIGN = Foreign()
 
 @dataclass(frozen=True, slots=True, order=True)
 class Note:
-    """One thing that was repaired or is worth knowing, with the line it was found at."""
+    """One thing that was repaired, is wrong or is worth knowing, with the line it was found at.
+
+    Attributes:
+        path: XPath of the element or attribute in the document as it was read, with the usual
+            prefixes; empty where there is none.
+        rule: Which rule of `rtkit.profile.rules` it is about.
+        found: What stands there; None where nothing does.
+        allowed: What may stand there, in words.
+    """
 
     line: int
     text: str
+    path: str = ""
+    rule: str = field(default="", compare=False)
+    found: str | None = field(default=None, compare=False)
+    allowed: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)

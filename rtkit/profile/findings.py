@@ -7,6 +7,7 @@ from typing import Any
 
 from rtkit.errors import InvalidDocument
 from rtkit.profile.common import Note
+from rtkit.profile.places import Places
 
 _SHOWN = 50
 _TOO_MANY = 1000
@@ -21,9 +22,10 @@ class InvalidProfile(InvalidDocument):
 
     def __init__(self, source: str, problems: Iterable[Note]) -> None:
         self.problems = tuple(dict.fromkeys(sorted(problems)))
-        shown = [f"{source}:{note.line}: {note.text}" for note in self.problems[:_SHOWN]]
-        if len(self.problems) > _SHOWN:
-            shown.append(f"{source}: … and {len(self.problems) - _SHOWN} more problems")
+        told = dict.fromkeys((note.line, note.text) for note in self.problems)
+        shown = [f"{source}:{line}: {text}" for line, text in list(told)[:_SHOWN]]
+        if len(told) > _SHOWN:
+            shown.append(f"{source}: … and {len(told) - _SHOWN} more problems")
         super().__init__("\n".join(shown))
 
 
@@ -43,26 +45,51 @@ class Findings:
         self.remarks: list[Note] = []
         self.errors: list[Note] = []
         self._said: set[str] = set()
+        self._places = Places()
 
-    def repaired(self, element: Any, text: str) -> None:
-        """Record a deviation that was put right."""
-        self.repairs.append(Note(element.sourceline or 0, text))
+    def repaired(self, element: Any, rule: str, text: str, **details: str | None) -> None:
+        """Record a deviation that was put right; call it before anything is moved."""
+        self.repairs.append(self._note(element, rule, text, **details))
 
-    def remark(self, element: Any, text: str) -> None:
+    def remark(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record, once, something that is allowed but worth knowing."""
         if text not in self._said:
             self._said.add(text)
-            self.remarks.append(Note(element.sourceline or 0, text))
+            self.remarks.append(self._note(element, rule, text, **details))
 
-    def wrong(self, element: Any, text: str) -> None:
+    def wrong(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record an error that no mode forgives.
 
         Raises:
             InvalidProfile: There are so many that looking further is of no use.
         """
-        self.errors.append(Note(element.sourceline or 0, text))
+        self.errors.append(self._note(element, rule, text, **details))
         if len(self.errors) > _TOO_MANY:
             raise InvalidProfile(self.source, self.errors)
+
+    def _note(
+        self,
+        element: Any,
+        rule: str,
+        text: str,
+        *,
+        at: str | None = None,
+        seen: str | None = None,
+        allowed: str | None = None,
+    ) -> Note:
+        """Make a note; `at` is the attribute that it is about, `seen` what stands there."""
+        path = self._places.path(element, at)
+        return Note(element.sourceline or 0, text, path, rule, seen, allowed or "")
+
+    def add(self, parent: Any, tag: str, like: Any) -> Any:
+        """Append an element that is not in the document: its line and place are those of `like`."""
+        self._places.keep(parent)
+        made = parent.makeelement(tag)
+        parent.append(made)
+        if like.sourceline:
+            made.sourceline = like.sourceline
+        self._places.share(made, like)
+        return made
 
     def namespaces(self, element: Any) -> dict[str | None, str]:
         """Return the prefixes in force at `element`."""

@@ -27,7 +27,7 @@ _HINTS = ("schemaLocation", "noNamespaceSchemaLocation")
 def normalise(element: Any, spec: Spec, found: Findings, depth: int = 1) -> None:
     """Repair `element` and what is below it in place."""
     if depth > MAX_DEPTH:
-        found.wrong(element, f"elements are nested deeper than {MAX_DEPTH}")
+        found.wrong(element, "too-deep", f"elements are nested deeper than {MAX_DEPTH}")
         return
     if spec.rule is not None:
         spec.rule(element, found)
@@ -52,7 +52,8 @@ def _attributes(element: Any, spec: Spec, found: Findings) -> None:
             continue
         required += is_required
     if len(odd) > _MAX_ATTRIBUTES:
-        found.wrong(element, f"{len(odd)} unknown attributes on {short(element.tag)}")
+        text = f"{len(odd)} unknown attributes on {short(element.tag)}"
+        found.wrong(element, "too-many-attributes", text, allowed=f"at most {_MAX_ATTRIBUTES}")
         return
     for name, value in odd:
         required += _odd_attribute(element, spec, name, value, found)
@@ -66,12 +67,14 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
     """Repair a value; return whether the attribute is there afterwards."""
     text = value.strip()
     better = value
+    details = {"at": attribute.name, "seen": value, "allowed": attribute.allowed}
     if attribute.kind == WORD:
         better = attribute.respellings.get(text.lower(), value)
     elif not text and not (attribute.required and attribute.supply is None):
-        del element.attrib[attribute.name]
         if not attribute.required:
-            found.repaired(element, f"empty {short(attribute.name)} taken as absent")
+            said = f"empty {short(attribute.name)} taken as absent"
+            found.repaired(element, "empty-value", said, **details)
+        del element.attrib[attribute.name]
         return False
     elif attribute.kind == FLAG:
         better = text.lower()
@@ -84,44 +87,53 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
         better = better if DATE_FORM.fullmatch(better) else value
     if better != value:
         element.set(attribute.name, better)
-        found.repaired(element, f"{short(attribute.name)} {value!r} taken as {better!r}")
+        said = f"{short(attribute.name)} {value!r} taken as {better!r}"
+        found.repaired(element, "respelled-value", said, **details)
     if attribute.check is not None and not attribute.check(better):
         name = short(attribute.name)
-        found.wrong(element, f"{name} is {value!r}; allowed: {attribute.allowed}")
+        said = f"{name} is {value!r}; allowed: {attribute.allowed}"
+        found.wrong(element, "bad-value", said, **details)
     return True
 
 
 def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findings) -> int:
     """Deal with an attribute that is not in the table; return 1 if it stood for a required one."""
     namespace, local = split(name)
+    details = {"at": name, "seen": value}
     if namespace == XSI:
         del element.attrib[name]
         if local not in _HINTS:
-            found.repaired(element, f"{short(name)} dropped")
+            found.repaired(element, "xml-attribute", f"{short(name)} dropped", **details)
         return 0
     if _is_wrong_xml(namespace, local, value):
         del element.attrib[name]
-        found.repaired(element, f"{short(name)} {value!r} dropped")
+        found.repaired(element, "xml-attribute", f"{short(name)} {value!r} dropped", **details)
         return 0
     if namespace in _OUR_NAMESPACES:
         meant = spec.attribute_by_local.get(local)
         if meant is not None and element.get(meant) is None:
             del element.attrib[name]
             element.set(meant, value)
-            found.repaired(element, f"{short(name)} taken as {short(meant)}")
+            said = f"{short(name)} taken as {short(meant)}"
+            found.repaired(
+                element, "attribute-name", said, at=name, seen=short(name), allowed=short(meant)
+            )
             attribute = spec.known[meant]
             if attribute.check is not None and not attribute.check(value):
                 return int(_respell(element, attribute, value, found) and attribute.required)
             return int(attribute.required)
         if namespace in _CLOSED:
             del element.attrib[name]
-            found.repaired(element, f"unknown attribute {short(name)} dropped")
+            said = f"unknown attribute {short(name)} dropped"
+            allowed = ", ".join(short(item.name) for item in spec.attributes)
+            found.repaired(element, "unknown-attribute", said, **details, allowed=allowed)
             return 0
     if spec.keeps_foreign:
-        found.remark(element, f"foreign attribute {short(name)} kept")
+        found.remark(element, "foreign-kept", f"foreign attribute {short(name)} kept", **details)
     else:
         del element.attrib[name]
-        found.repaired(element, f"foreign attribute {short(name)} dropped")
+        said = f"foreign attribute {short(name)} dropped"
+        found.repaired(element, "foreign-dropped", said, **details)
     return 0
 
 
@@ -139,18 +151,21 @@ def _supply(element: Any, spec: Spec, found: Findings) -> None:
             continue
         supply = attribute.supply
         if supply is None:
-            found.wrong(element, f"{short(element.tag)} has no {short(attribute.name)}")
+            said = f"{short(element.tag)} has no {short(attribute.name)}"
+            found.wrong(element, "missing-attribute", said, allowed=attribute.allowed)
             continue
         value = supply if isinstance(supply, str) else supply(element)
         element.set(attribute.name, value)
-        found.repaired(element, f"{short(attribute.name)} is absent: taken as {value!r}")
+        said = f"{short(attribute.name)} is absent: taken as {value!r}"
+        found.repaired(element, "absent-attribute", said, allowed=attribute.allowed)
 
 
 def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
     if spec.xsi_type is None or spec.xsi_type_text is None:
         if seen is not None:
             del element.attrib[XSI_TYPE]
-            found.repaired(element, f"xsi:type {seen!r} dropped")
+            said = f"xsi:type {seen!r} dropped"
+            found.repaired(element, "xsi-type", said, at=XSI_TYPE, seen=seen)
         return
     if seen is not None:
         prefix, _, local = seen.strip().rpartition(":")
@@ -160,9 +175,13 @@ def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
                 if found.scope is not None:
                     found.good_types.add((seen, spec))
                 return
-        found.repaired(element, f"unknown xsi:type {seen!r} taken as {spec.xsi_type_text!r}")
+        said = f"unknown xsi:type {seen!r} taken as {spec.xsi_type_text!r}"
+        found.repaired(
+            element, "xsi-type", said, at=XSI_TYPE, seen=seen, allowed=spec.xsi_type_text
+        )
     else:
-        found.repaired(element, f"xsi:type is absent: taken as {spec.xsi_type_text!r}")
+        said = f"xsi:type is absent: taken as {spec.xsi_type_text!r}"
+        found.repaired(element, "xsi-type", said, allowed=spec.xsi_type_text)
     set_type(element, spec.xsi_type_text)
 
 
@@ -196,31 +215,40 @@ def _children(element: Any, spec: Spec, found: Findings, depth: int) -> None:
         last = rank
         counts[expected.field] = count = counts.get(expected.field, 0) + 1
         if count > 1 and not expected.is_many:
-            found.wrong(item, f"second {short(item.tag)}; at most one is allowed")
+            said = f"second {short(item.tag)}; at most one is allowed"
+            found.wrong(item, "repeated-element", said, seen=str(count), allowed="at most one")
         if expected.spec is None:
             _text(item, found)
         else:
             normalise(item, expected.spec, found, depth + 1)
     if is_disordered:
         _sort(element, spec)
-        found.repaired(element, f"children of {short(element.tag)} put in order")
+        said = f"children of {short(element.tag)} put in order"
+        allowed = ", ".join(dict.fromkeys(short(item.name) for item in spec.children))
+        found.repaired(element, "element-order", said, allowed=f"in this order: {allowed}")
     for field, least in spec.needs.items():
         if counts.get(field, 0) < least:
             names = " | ".join(short(item.name) for item in spec.children if item.field == field)
-            found.wrong(element, f"{short(element.tag)} needs at least {least} of: {names}")
+            said = f"{short(element.tag)} needs at least {least} of: {names}"
+            seen = str(counts.get(field, 0))
+            found.wrong(element, "missing-element", said, seen=seen, allowed=f"at least {least}")
 
 
 def _no_text(element: Any, text: str | None, found: Findings) -> None:
     if text is not None and not text.isspace():
-        found.wrong(element, f"{short(element.tag)} may not hold text: {text.strip()[:40]!r}")
+        said = f"{short(element.tag)} may not hold text: {text.strip()[:40]!r}"
+        found.wrong(element, "text-content", said, seen=text.strip(), allowed="elements only")
 
 
 def _text(item: Any, found: Findings) -> None:
-    for name in list(item.attrib):
+    for name, value in item.items():
         del item.attrib[name]
-        found.repaired(item, f"unknown attribute {short(name)} dropped")
+        said = f"unknown attribute {short(name)} dropped"
+        found.repaired(item, "unknown-attribute", said, at=name, seen=value, allowed="none")
     if len(item):
-        found.wrong(item, f"{short(item.tag)} may hold text only, not {short(item[0].tag)}")
+        inside = short(item[0].tag)
+        said = f"{short(item.tag)} may hold text only, not {inside}"
+        found.wrong(item, "text-content", said, seen=inside, allowed="text only")
 
 
 def _sort(element: Any, spec: Spec) -> None:
@@ -235,34 +263,40 @@ def _odd_child(
     if namespace in _OUR_NAMESPACES:
         meant = spec.child_by_local.get(local)
         if meant is not None:
-            found.repaired(item, f"{short(item.tag)} taken as {short(meant)}")
+            said = f"{short(item.tag)} taken as {short(meant)}"
+            found.repaired(item, "element-name", said, seen=short(item.tag), allowed=short(meant))
             item.tag = meant
             return spec.index[meant]
         if namespace in _CLOSED:
-            found.repaired(item, f"unknown element {short(item.tag)} dropped")
+            said = f"unknown element {short(item.tag)} dropped"
+            allowed = ", ".join(dict.fromkeys(short(each.name) for each in spec.children))
+            found.repaired(item, "unknown-element", said, seen=short(item.tag), allowed=allowed)
             element.remove(item)
             return None
+    seen = short(item.tag)
     if not spec.keeps_foreign:
-        found.repaired(item, f"foreign element {short(item.tag)} dropped")
+        found.repaired(item, "foreign-dropped", f"foreign element {seen} dropped", seen=seen)
         element.remove(item)
         return None
-    found.remark(item, f"foreign element {short(item.tag)} kept")
+    found.remark(item, "foreign-kept", f"foreign element {seen} kept", seen=seen)
     _clean_foreign(item, found, depth + 1)
     return None
 
 
 def _clean_foreign(item: Any, found: Findings, depth: int) -> None:
     if depth > MAX_DEPTH:
-        found.wrong(item, f"elements are nested deeper than {MAX_DEPTH}")
+        found.wrong(item, "too-deep", f"elements are nested deeper than {MAX_DEPTH}")
         return
     if len(item.attrib) > _MAX_ATTRIBUTES:
-        found.wrong(item, f"{len(item.attrib)} attributes on {short(item.tag)}")
+        text = f"{len(item.attrib)} attributes on {short(item.tag)}"
+        found.wrong(item, "too-many-attributes", text, allowed=f"at most {_MAX_ATTRIBUTES}")
         return
     for name, value in item.items():
         namespace, local = split(name)
         if namespace == XSI or _is_wrong_xml(namespace, local, value):
             del item.attrib[name]
             if local not in _HINTS:
-                found.repaired(item, f"{short(name)} of a foreign element dropped")
+                said = f"{short(name)} of a foreign element dropped"
+                found.repaired(item, "xml-attribute", said, at=name, seen=value)
     for below in item:
         _clean_foreign(below, found, depth + 1)

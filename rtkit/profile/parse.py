@@ -16,6 +16,7 @@ MAX_BYTES = 12 * 2**20
 _MAX_TAGS = 150_000
 _MAX_EQUALS = 300_000
 _MAX_NAMESPACES = 1_000
+_LARGE = "too-large"
 _BEFORE_ROOT = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)
 _DOCTYPE = re.compile(rb"<!DOCTYPE\s*([^\s\[>]*)")
 
@@ -43,7 +44,8 @@ def parse(data: bytes, source: str) -> Any:
     except etree.XMLSyntaxError as error:
         line = error.lineno or 1
         why = str(error.msg).removesuffix(f" (<string>, line {error.lineno})")
-        raise InvalidProfile(source, [Note(line, f"not well-formed: {_one_line(why)}")]) from error
+        text = f"not well-formed: {_one_line(why)}"
+        raise InvalidProfile(source, [Note(line, text, rule="not-well-formed")]) from error
     doctype = root.getroottree().docinfo
     if doctype.internalDTD is not None:
         raise _doctype_problem(source, 1, doctype.root_name)
@@ -57,12 +59,14 @@ def _one_line(text: str) -> str:
 def _refuse_size(data: bytes, source: str) -> None:
     if len(data) > MAX_BYTES:
         raise InvalidProfile(
-            source, [Note(1, f"{len(data)} bytes; a profile has at most {MAX_BYTES}")]
+            source,
+            [Note(1, f"{len(data)} bytes; a profile has at most {MAX_BYTES}", rule=_LARGE)],
         )
     is_full = data.count(b"<") > _MAX_TAGS or data.count(b"=") > _MAX_EQUALS
     if is_full or data.count(b"xmlns") > _MAX_NAMESPACES:
         raise InvalidProfile(
-            source, [Note(1, "more tags, attributes or namespaces than a profile can have")]
+            source,
+            [Note(1, "more tags, attributes or namespaces than a profile can have", rule=_LARGE)],
         )
 
 
@@ -81,5 +85,14 @@ def _refuse_doctype(data: bytes, source: str) -> None:
 def _doctype_problem(source: str, line: int, name: str | None) -> InvalidProfile:
     shown = "".join(c for c in (name or "")[:40] if c.isprintable())
     return InvalidProfile(
-        source, [Note(line, f"DOCTYPE {shown} is not allowed: a profile declares no entities")]
+        source,
+        [
+            Note(
+                line,
+                f"DOCTYPE {shown} is not allowed: a profile declares no entities",
+                rule="doctype",
+                found=shown,
+                allowed="no DOCTYPE",
+            )
+        ],
     )

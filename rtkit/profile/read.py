@@ -66,7 +66,7 @@ def profile_kind(data: bytes, source: str = STDIN) -> str:
         if root.tag == clark(tag):
             return kind
     text = f"root is {short(root.tag)}; a profile's is rts:RtsProfile or rtc:RtcProfile"
-    raise InvalidProfile(source, [Note(root.sourceline or 1, text)])
+    raise InvalidProfile(source, [Note(root.sourceline or 1, text, rule="wrong-root")])
 
 
 def _rts() -> tuple[Spec, str, str, _Check]:
@@ -93,7 +93,7 @@ def _normalised(data: bytes, source: str, spec: Spec, tag: str, check: _Check) -
     if root.tag != clark(tag):
         namespace, local = split(clark(tag))
         text = f"root is {short(root.tag)}; it must be {local} of namespace {namespace}"
-        raise InvalidProfile(source, [Note(root.sourceline or 1, text)])
+        raise InvalidProfile(source, [Note(root.sourceline or 1, text, rule="wrong-root")])
     is_flat = data.count(b"xmlns") == len(root.nsmap)
     found = Findings(source, dict(root.nsmap) if is_flat else None)
     normalise(root, spec, found)

@@ -39,16 +39,19 @@ def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
             continue
         first = components.setdefault(key, component)
         if not key[1].strip():
-            found.wrong(component, "component without a name: rts:instanceName is empty")
+            said = "component without a name: rts:instanceName is empty"
+            found.wrong(component, "component-name", said, at=_INSTANCE, seen=key[1])
         elif first is not component:
             found.wrong(
                 component,
+                "repeated-component",
                 f"component {key[1]} ({key[0]}) is listed twice; "
                 f"it is first listed on line {first.sourceline}",
             )
         elif key[1] in instances:
             line = instances[key[1]].sourceline
-            found.remark(component, f"instance name {key[1]} is also used on line {line}")
+            said = f"instance name {key[1]} is also used on line {line}"
+            found.remark(component, "shared-name", said, at=_INSTANCE, seen=key[1])
         instances.setdefault(key[1], component)
     return components
 
@@ -77,7 +80,15 @@ def _other_id(connector: Any, taken: set[str], found: Findings) -> str:
     new = f"{was}_{number}"
     taken.add(new)
     connector.set(_CONNECTOR_ID, new)
-    found.repaired(connector, f"connector id {was!r} is used before: taken as {new!r}")
+    said = f"connector id {was!r} is used before: taken as {new!r}"
+    found.repaired(
+        connector,
+        "repeated-connector",
+        said,
+        at=_CONNECTOR_ID,
+        seen=was,
+        allowed="an id that no other connector has",
+    )
     return new
 
 
@@ -94,9 +105,8 @@ def _end(
         return
     component = components.get(key)
     if component is None:
-        found.wrong(
-            end, f"{short(end.tag)} names component {key[1]} ({key[0]}), which is not listed"
-        )
+        said = f"{short(end.tag)} names component {key[1]} ({key[0]}), which is not listed"
+        found.wrong(end, "unknown-component", said, seen=key[1], allowed=_names(components))
         return
     if key not in ports:
         ports[key] = {
@@ -121,13 +131,14 @@ def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Finding
             "port.port_type": "DataOutPort" if is_source else "DataInPort",
             "dataport.data_type": connector.get(clark("rts:dataType")) or "",
         }
-    made = add(component, short(tag), {"rts:name": name}, end)
+    made = add(found, component, short(tag), {"rts:name": name}, end)
     set_type(made, "rtsExt:dataport_ext" if "Data" in tag else "rtsExt:serviceport_ext")
     for key, value in properties.items():
         if value:
-            add(made, "rtsExt:Properties", {"rtsExt:name": key, "rtsExt:value": value})
+            add(found, made, "rtsExt:Properties", {"rtsExt:name": key, "rtsExt:value": value})
     _place(component, made)
-    found.repaired(end, f"port {name} of {end.get(_INSTANCE)} is named by a connector only: added")
+    said = f"port {name} of {end.get(_INSTANCE)} is named by a connector only: added"
+    found.repaired(end, "unlisted-port", said, at=_PORT_NAME, seen=name)
 
 
 def _place(component: Any, made: Any) -> None:
@@ -151,10 +162,14 @@ def _others(root: Any, components: dict[tuple[str, str], Any], found: Findings) 
         known = by_instance.get(instance, [])
         if len(known) == 1:
             item.set(_COMPONENT_ID, known[0])
-            found.repaired(item, f"rts:componentId {component_id!r} taken as {known[0]!r}")
+            said = f"rts:componentId {component_id!r} taken as {known[0]!r}"
+            details = {"at": _COMPONENT_ID, "seen": component_id, "allowed": known[0]}
+            found.repaired(item, "component-id", said, **details)
         else:
-            found.wrong(
-                item,
-                f"{short(item.tag)} names component {instance} ({component_id}), "
-                "which is not listed",
-            )
+            tag = short(item.tag)
+            said = f"{tag} names component {instance} ({component_id}), which is not listed"
+            found.wrong(item, "unknown-component", said, seen=instance, allowed=_names(components))
+
+
+def _names(components: dict[tuple[str, str], Any]) -> str:
+    return ", ".join(f"{instance} ({id})" for id, instance in components)

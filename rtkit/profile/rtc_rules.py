@@ -55,7 +55,9 @@ def basic_info(info: Any, found: Findings) -> None:
     nearest = get_close_matches(value.upper().strip(), ACTIVITY_TYPES, 1, 0.7)
     if nearest:
         info.set(name, nearest[0])
-        found.repaired(info, f"rtc:activityType {value!r} taken as {nearest[0]!r}")
+        said = f"rtc:activityType {value!r} taken as {nearest[0]!r}"
+        allowed = ", ".join(ACTIVITY_TYPES)
+        found.repaired(info, "respelled-value", said, at=name, seen=value, allowed=allowed)
 
 
 def fragment_configuration(configuration: Any, found: Findings) -> None:
@@ -66,13 +68,16 @@ def fragment_configuration(configuration: Any, found: Findings) -> None:
     for local in ("name", "type"):
         if _loose(configuration, local) is None:
             configuration.set(clark(f"rtc:{local}"), "")
-            found.repaired(configuration, f"rtc:{local} is absent: taken as ''")
+            said = f"rtc:{local} is absent: taken as ''"
+            found.repaired(configuration, "absent-attribute", said, allowed="any text")
 
 
 def only_one(negation: Any, found: Findings) -> None:
     """Refuse the negation of several constraints: nobody can tell what it means."""
-    if len(negation.findall(clark("rtc:Constraint"))) > 1:
-        found.wrong(negation, "rtc:Not holds more than one rtc:Constraint")
+    count = len(negation.findall(clark("rtc:Constraint")))
+    if count > 1:
+        said = "rtc:Not holds more than one rtc:Constraint"
+        found.wrong(negation, "repeated-element", said, seen=str(count), allowed="one")
 
 
 def nested_language(language: Any, found: Findings) -> None:
@@ -81,40 +86,43 @@ def nested_language(language: Any, found: Findings) -> None:
         kind = _LANGUAGES.get(split(item.tag)[1])
         if kind is None:
             continue
+        said = f"{short(item.tag)} taken as rtc:kind {kind!r}"
+        found.repaired(item, "old-form", said, seen=short(item.tag), allowed="rtc:kind")
         language.remove(item)
         if _loose(language, "kind") is None:
             language.set(clark("rtc:kind"), kind)
-        found.repaired(language, f"{short(item.tag)} taken as rtc:kind {kind!r}")
         facts = [(split(name)[1], value) for name, value in item.items()]
         facts += [(split(below.tag)[1], _said(below)) for below in item]
         if facts:
-            _target(language, facts)
+            _target(language, facts, found)
 
 
 def _said(element: Any) -> str:
     return (element.text or "").strip() or _loose(element, "name") or ""
 
 
-def _target(language: Any, facts: list[tuple[str, str]]) -> None:
-    target = add(language, "rtcExt:targets", {})
+def _target(language: Any, facts: list[tuple[str, str]], found: Findings) -> None:
+    target = add(found, language, "rtcExt:targets", {})
     for local, value in facts:
         if local == "os":
             target.set(clark("rtcExt:os"), value)
         elif local == "arch":
-            add(target, "rtcExt:cpus", {}).text = value
+            add(found, target, "rtcExt:cpus", {}).text = value
         elif local in ("library", "libraries"):
-            add(target, "rtcExt:libraries", {"rtcExt:name": value})
+            add(found, target, "rtcExt:libraries", {"rtcExt:name": value})
 
 
 def check_names(root: Any, found: Findings) -> None:
     """Tell of a fragment and of port names used twice."""
     missing = [name for name in ("rtc:BasicInfo", "rtc:Actions") if root.find(clark(name)) is None]
     if missing:
-        found.repaired(root, f"a fragment: no {' and no '.join(missing)}")
+        said = f"a fragment: no {' and no '.join(missing)}"
+        found.repaired(root, "fragment", said, allowed="one rtc:BasicInfo, one rtc:Actions")
     seen: dict[str, int] = {}
     for port in root.iterchildren(clark("rtc:DataPorts"), clark("rtc:ServicePorts")):
         name = port.get(clark("rtc:name"))
         if name in seen:
-            found.remark(port, f"port name {name} is also used on line {seen[name]}")
+            said = f"port name {name} is also used on line {seen[name]}"
+            found.remark(port, "shared-name", said, at=clark("rtc:name"), seen=name)
         elif name is not None:
             seen[name] = port.sourceline

@@ -56,19 +56,21 @@ def precondition(condition: Any, found: Findings) -> None:
     wait = condition.find(clark("rts:WaitTime"))
     preceding = condition.find(clark("rts:Preceding"))
     if wait is not None and preceding is not None:
-        found.wrong(condition, "rts:WaitTime and rts:Preceding: one of them is allowed")
+        said = "rts:WaitTime and rts:Preceding: one of them is allowed"
+        found.wrong(condition, "condition", said, seen="both", allowed="one of them")
     elif wait is None and preceding is None:
-        found.repaired(condition, "target without WaitTime or Preceding: waits 0 ms")
-        condition.insert(0, add(condition, "rts:WaitTime", {"rts:waitTime": "0"}))
+        said = "target without WaitTime or Preceding: waits 0 ms"
+        found.repaired(condition, "condition", said, allowed="one of them")
+        condition.insert(0, add(found, condition, "rts:WaitTime", {"rts:waitTime": "0"}))
 
 
-def add(parent: Any, tag: str, attributes: dict[str, str], like: Any = None) -> Any:
+def add(
+    found: Findings, parent: Any, tag: str, attributes: dict[str, str], like: Any = None
+) -> Any:
     """Append an element that bears the line number of `like`, or of its parent."""
-    made = parent.makeelement(clark(tag), {clark(k): v for k, v in attributes.items()})
-    line = (parent if like is None else like).sourceline
-    parent.append(made)
-    if line:
-        made.sourceline = line
+    made = found.add(parent, clark(tag), parent if like is None else like)
+    for name, value in attributes.items():
+        made.set(clark(name), value)
     return made
 
 
@@ -84,14 +86,15 @@ def version_0_1(root: Any, found: Findings) -> None:
         ):
             for port in component.findall(clark(f"rts:{kind}s")):
                 for connector in port.findall(clark(f"rts:{kind}Connectors")):
-                    _lift_connector(root, component, port, connector, (source, target))
-                    found.repaired(connector, f"{kind}Connectors moved out of its port")
+                    said = f"{kind}Connectors moved out of its port"
+                    found.repaired(connector, "old-form", said, allowed="below the root")
+                    _lift_connector(root, component, port, connector, (source, target), found)
         _lift_orders(root, component, found)
     _add_unlisted(root, components, found)
 
 
 def _lift_connector(
-    root: Any, component: Any, port: Any, connector: Any, ends: tuple[str, str]
+    root: Any, component: Any, port: Any, connector: Any, ends: tuple[str, str], found: Findings
 ) -> None:
     source = connector.find(clark(f"rts:{ends[0]}"))
     if source is None:
@@ -101,16 +104,18 @@ def _lift_connector(
             "rts:portName": port.get(clark("rts:name")),
         }
         known = {name: value for name, value in values.items() if value is not None}
-        connector.insert(0, add(connector, f"rts:{ends[0]}", known))
+        connector.insert(0, add(found, connector, f"rts:{ends[0]}", known))
     root.append(connector)
 
 
 def _lift_orders(root: Any, component: Any, found: Findings) -> None:
     for name in _ORDERS:
         for nested in component.findall(clark(f"rts:{name}")):
+            said = f"{name} moved out of its component"
+            found.repaired(nested, "old-form", said, allowed="below the root")
             order = root.find(clark(f"rts:{name}"))
             if order is None:
-                order = add(root, f"rts:{name}", {}, nested)
+                order = add(found, root, f"rts:{name}", {}, nested)
             steps = [nested] if nested.get(clark("rts:sequence")) else list(nested)
             for step in steps:
                 step.tag = clark("rts:targets")
@@ -120,11 +125,10 @@ def _lift_orders(root: Any, component: Any, found: Findings) -> None:
                         "rts:instanceName": component.get(clark("rts:instanceName"), ""),
                         "rts:id": "0",
                     }
-                    add(step, "rts:TargetComponent", target)
+                    add(found, step, "rts:TargetComponent", target)
                 order.append(step)
             if nested.getparent() is component:
                 component.remove(nested)
-            found.repaired(order, f"{name} moved out of its component")
 
 
 def _add_unlisted(root: Any, components: list[Any], found: Findings) -> None:
@@ -137,6 +141,7 @@ def _add_unlisted(root: Any, components: list[Any], found: Findings) -> None:
                 continue
             listed.add(name)
             made = add(
+                found,
                 root,
                 "rts:Components",
                 {
@@ -149,4 +154,5 @@ def _add_unlisted(root: Any, components: list[Any], found: Findings) -> None:
             )
             after.addnext(made)
             after = made
-            found.repaired(end, f"component {name} is named by a connector only: added")
+            said = f"component {name} is named by a connector only: added"
+            found.repaired(end, "unlisted-component", said, at=clark(_REF[1]), seen=name)

@@ -11,6 +11,7 @@ from rtkit.profile.xmlnames import shorten
 from rtkit.resources import resource
 
 RTC, RTS = "RtcProfile.xsd", "RtsProfile.xsd"
+SCHEMA_RULE = "schema"
 _MOST = 100
 
 
@@ -35,7 +36,13 @@ def violations(root: Any, schema_name: str) -> list[Note]:
     if schema.validate(root):
         return []
     return [
-        Note(entry.line, " ".join(shorten(entry.message).split())) for entry in schema.error_log
+        Note(
+            entry.line,
+            " ".join(shorten(entry.message).split()),
+            " ".join(str(entry.path).split()),
+            SCHEMA_RULE,
+        )
+        for entry in schema.error_log
     ]
 
 

@@ -1,0 +1,42 @@
+"""The rules that findings are about; their ids are stable, so that checks can be told by them."""
+
+from __future__ import annotations
+
+RULES: dict[str, str] = {
+    "absent-attribute": "A required attribute that is absent is taken as its usual value",
+    "attribute-name": "An attribute of another namespace or spelling is taken as the one meant",
+    "bad-value": "A value is none of those that its attribute may have",
+    "component-id": "A reference gives another component id than the instance has",
+    "component-name": "A component has no instance name",
+    "condition": "A target waits for exactly one of WaitTime and Preceding",
+    "doctype": "A profile may not have a document type declaration",
+    "element-name": "An element of another namespace or spelling is taken as the one meant",
+    "element-order": "The children of an element stand in another order than the schema's",
+    "empty-value": "An empty value of an attribute that is no text is taken as absent",
+    "foreign-dropped": "Content of another namespace stands where it cannot be kept",
+    "foreign-kept": "Content of another namespace is kept as it is",
+    "fragment": "A component profile without BasicInfo or Actions is a fragment",
+    "missing-attribute": "A required attribute is absent, and nothing can stand for it",
+    "missing-element": "An element has too few of the children that it needs",
+    "not-well-formed": "The document cannot be parsed",
+    "old-form": "The form of an old version is brought to the present one",
+    "repeated-component": "A component is listed twice",
+    "repeated-connector": "A connector has the id of another one",
+    "repeated-element": "An element is there more often than it may be",
+    "respelled-value": "A value in an old or wrong spelling is taken as the one meant",
+    "schema": "The schema objects",
+    "shared-name": "A name is used for several things",
+    "text-content": "Text stands where elements belong, or elements where text belongs",
+    "too-deep": "Elements are nested deeper than any profile needs",
+    "too-large": "The document is larger than any profile can be",
+    "too-many-attributes": "An element has more attributes than any profile needs",
+    "unknown-attribute": "An attribute that no version of the format has is dropped",
+    "unknown-component": "A component is named that is not listed",
+    "unknown-element": "An element that no version of the format has is dropped",
+    "unlisted-component": "A component that only a connector names is added",
+    "unlisted-port": "A port that only a connector names is added",
+    "wrong-root": "The root element is not that of a profile",
+    "xml-attribute": "An attribute of XML itself or of schema instances is dropped",
+    "xsi-type": "The type of an element is absent, unknown or out of place",
+}
+"""What each rule is about, by its id."""
