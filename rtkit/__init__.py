@@ -5,15 +5,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-__all__ = ["Tree", "__version__", "connect"]
-
+# Spelt out, because typing costs more to import than all that a command does before its own
+# imports, and until it has done that a Ctrl-C shows a traceback.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from rtkit.tree.client import Tree
     from rtkit.tree.connect import connect
     from rtkit.version import __version__
 
+__all__ = ["Tree", "__version__", "connect"]
 
 _HOMES = {
     "Tree": "rtkit.tree.client",
@@ -31,4 +33,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__} - {"TYPE_CHECKING", "annotations"})

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import _signal  # type: ignore[import-not-found]
+import sys
+
 COMMANDS: dict[str, str] = {
     "act": "rtact",
     "cat": "rtcat",
@@ -27,6 +30,21 @@ COMMANDS: dict[str, str] = {
     "teardown": "rtteardown",
 }
 """Verb of the unified tool to the file, console script and man page of the command."""
+
+
+def _put_off_interrupts() -> None:
+    """Have Ctrl-C end one of our scripts without a traceback while it still imports.
+
+    The module `signal` itself takes as long to import as all that comes before this. What imports
+    a command to call it is not touched.
+    """
+    script = sys.argv[0].rpartition("/")[2] if sys.argv else ""
+    is_ours = script == "rtkit" or script in COMMANDS.values()
+    if is_ours and _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:
+        _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
+
+
+_put_off_interrupts()
 
 
 def main() -> int:

@@ -6,8 +6,6 @@ of the unified tool (``rtkit ls``) and a function: ``main(["-l"], tree=some_tree
 
 from __future__ import annotations
 
-import atexit
-import gc
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -15,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rtkit.cli import _process
 from rtkit.cli._out import printable
 from rtkit.errors import BUG_EXIT, Malformed, Partial, Refused, RtkitError, Unreachable
 
@@ -25,8 +24,6 @@ if TYPE_CHECKING:
     from rtkit.tree.view import Node
 
 DEFAULT_TIMEOUT_S = 10.0
-INTERRUPTED = 130
-BROKEN_PIPE = 141
 _SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
@@ -183,10 +180,21 @@ class Main:
         Without arguments this is the console script: those of the process are taken.
         """
         if argv is None:
-            prepare_process()
-        typed = name or (os.path.basename(sys.argv[0]) if argv is None else self.name)
-        app = App(typed, tree)
-        return _run(self.command, app, list(sys.argv[1:] if argv is None else argv))
+            return self.as_script(sys.argv[1:], os.path.basename(sys.argv[0]))
+        return _run(self.command, App(name or self.name, tree), list(argv))
+
+    def as_script(self, arguments: Sequence[str], name: str) -> int:
+        """Run as what this process is there for; does not return when it is interrupted."""
+        _process.prepare()
+        try:
+            _process.hear_interrupts()
+            status = _run(self.command, App(name), list(arguments))
+            _process.ignore_interrupts()
+        except KeyboardInterrupt:
+            status = _process.INTERRUPTED
+        if status == _process.INTERRUPTED:
+            _process.die_interrupted()
+        return status
 
 
 def command(name: str, **settings: Any) -> Callable[[Callable[..., int | None]], Main]:
@@ -201,18 +209,6 @@ def command(name: str, **settings: Any) -> Callable[[Callable[..., int | None]],
         return Main(name, made)
 
     return decorate
-
-
-def prepare_process() -> None:
-    """Make stdout fit to write to, characters that its encoding lacks as escapes; end quickly."""
-    # Else the interpreter ends with a search for cycles, a sixth of the time of a whole rtls.
-    atexit.register(gc.freeze)
-    if sys.stdout is None:
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - lives as long as the process
-    for stream in (sys.stdout, sys.stderr):
-        reconfigure = getattr(stream, "reconfigure", None)
-        if reconfigure is not None:
-            reconfigure(errors="backslashreplace")
 
 
 def _common_options() -> list[click.Option]:
@@ -268,16 +264,22 @@ def _show_version(context: click.Context, _parameter: click.Parameter, value: bo
 
 def _run(command: click.Command, app: App, arguments: list[str]) -> int:
     try:
+        return _guarded(command, app, arguments)
+    except KeyboardInterrupt as error:
+        app.fail(f"interrupted; {error}" if str(error) else "interrupted")
+        return _process.INTERRUPTED
+
+
+def _guarded(command: click.Command, app: App, arguments: list[str]) -> int:
+    try:
         try:
             status = _invoke(command, app, arguments)
         finally:
             app.close()
         sys.stdout.flush()
     except BrokenPipeError:
-        leave_pipe()
-        return BROKEN_PIPE
-    except KeyboardInterrupt as error:
-        return _interrupted(app, str(error))
+        _process.leave_pipe()
+        return _process.BROKEN_PIPE
     except Exception as error:
         return _failed(command, app, error)
     return status
@@ -320,20 +322,3 @@ def _show(app: App, error: RtkitError) -> None:
             app.fail(str(failure))
     if str(error):
         app.fail(str(error))
-
-
-def _interrupted(app: App, told: str) -> int:
-    import signal
-    import threading
-
-    if threading.current_thread() is threading.main_thread():
-        # Whoever presses Ctrl-C again wants out now, not a traceback.
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-    app.fail(f"interrupted; {told}" if told else "interrupted")
-    return INTERRUPTED
-
-
-def leave_pipe() -> None:
-    """Forget what is still to be written: nobody reads it, and at exit it would fail aloud."""
-    with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), sys.stdout.fileno())

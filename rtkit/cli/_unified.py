@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from rtkit.cli import COMMANDS
 
 if TYPE_CHECKING:
+    from rtkit.cli._app import Main
     from rtkit.tree.client import Tree
 
 SUMMARIES: dict[str, str] = {
@@ -62,12 +63,10 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
     module = COMMANDS.get(verb) or (verb if verb in COMMANDS.values() else None)
     if module is None:
         return _unknown(name, verb)
+    main: Main = importlib.import_module(f"rtkit.cli.{module}").main
     if argv is None:
-        from rtkit.cli._app import prepare_process
-
-        prepare_process()
-    main = importlib.import_module(f"rtkit.cli.{module}").main
-    return int(main(arguments[1:], tree=tree, name=f"{name} {verb}"))
+        return main.as_script(arguments[1:], f"{name} {verb}")
+    return main(arguments[1:], tree=tree, name=f"{name} {verb}")
 
 
 def _shell_init(name: str, arguments: Sequence[str]) -> int:
@@ -110,7 +109,7 @@ def _print(text: str) -> int:
     try:
         print(text, flush=True)
     except BrokenPipeError:
-        from rtkit.cli._app import BROKEN_PIPE, leave_pipe
+        from rtkit.cli._process import BROKEN_PIPE, leave_pipe
 
         leave_pipe()
         return BROKEN_PIPE

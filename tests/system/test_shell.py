@@ -273,7 +273,7 @@ def test_a_stopped_manager_is_told_in_time_and_a_wait_for_it_can_be_broken_off(
         command = manager.command("rtls --timeout 600")
         command[2] = script
         manager.command = lambda _: command
-        assert manager.run("rtls") == (130, "", "rtls: interrupted\n")
+        assert manager.run("rtls") == (-signal.SIGINT, "", "rtls: interrupted\n")
     finally:
         del manager.__dict__["command"]
         os.kill(pid, signal.SIGCONT)

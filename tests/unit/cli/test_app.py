@@ -98,11 +98,11 @@ def test_a_file_that_cannot_be_read_is_no_bug(capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().err == "rtfail: Permission denied: /etc/x\n"
 
 
-@pytest.mark.usefixtures("interrupts")
 def test_an_interrupt_is_one_line_and_130(capsys: pytest.CaptureFixture[str]) -> None:
+    before = signal.getsignal(signal.SIGINT)
     assert failing(KeyboardInterrupt())([]) == 130
     assert capsys.readouterr() == ("", "rtfail: interrupted\n")
-    assert signal.getsignal(signal.SIGINT) is signal.SIG_DFL
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_wrong_arguments_show_the_usage(capsys: pytest.CaptureFixture[str]) -> None:
@@ -215,6 +215,7 @@ def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert done.stderr.startswith(b"rtfull: No space left on device\n")
 
 
+@pytest.mark.usefixtures("interrupts")
 def test_characters_that_the_output_lacks_are_escaped(monkeypatch: pytest.MonkeyPatch) -> None:
     ascii_only = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     monkeypatch.setattr(sys, "stdout", ascii_only)
