@@ -34,12 +34,14 @@ class App:
         name: What the user typed to get here, the prefix of every message.
         timeout_s: Bound on every call [s].
         is_verbose: Tell progress on stderr, and tracebacks.
+        form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
     """
 
     def __init__(self, name: str, tree: Tree | None = None) -> None:
         self.name = name
         self.timeout_s = DEFAULT_TIMEOUT_S
         self.is_verbose = False
+        self.form: str | None = None
         self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
         self._tree = tree
         self._is_own_tree = tree is None

@@ -49,14 +49,13 @@ def _loaded(snapshot: Snapshot) -> Iterator[tuple[str, KnownType]]:
 
 
 def _described() -> Iterator[tuple[str, KnownType]]:
-    from rtkit.profile.read import read_rtc
+    from rtkit.profile.read import read_bytes, read_rtc
     from rtkit.profile.words import property_value
 
     for path in _files():
         try:
-            with open(path, "rb") as stream:
-                profile = read_rtc(stream.read(), path).profile
-        except (OSError, RtkitError):
+            profile = read_rtc(read_bytes(path), path).profile
+        except RtkitError:
             # A folder of profiles may hold documents of another kind.
             continue
         info = profile.basic_info
@@ -70,6 +69,7 @@ def _described() -> Iterator[tuple[str, KnownType]]:
 
 
 def _files() -> Iterator[str]:
+    from rtkit.profile.forms import form_of_name
     from rtkit.resources import resource
 
     folders = [f for f in os.environ.get(SEARCH_PATH, "").split(os.pathsep) if f]
@@ -78,4 +78,4 @@ def _files() -> Iterator[str]:
             names = sorted(os.listdir(folder))
         except OSError:
             continue
-        yield from (os.path.join(folder, name) for name in names if name.endswith(".xml"))
+        yield from (os.path.join(folder, name) for name in names if form_of_name(name))

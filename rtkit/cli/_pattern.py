@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Malformed, NotFound
+from rtkit.errors import Malformed
 from rtkit.profile.words import property_value
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
@@ -23,14 +23,9 @@ def read_pattern(file: str) -> ComponentPattern:
         NotFound: There is no such file.
         InvalidDocument: It is no RTC profile.
     """
-    from rtkit.profile.read import read_rtc
+    from rtkit.profile.read import read_bytes, read_rtc
 
-    try:
-        with open(file, "rb") as stream:
-            data = stream.read()
-    except OSError as error:
-        raise NotFound(f"cannot read {file}: {error.strerror}") from error
-    return pattern_of(read_rtc(data, file).profile)
+    return pattern_of(read_rtc(read_bytes(file), file).profile)
 
 
 def pattern_of(profile: RtcProfile) -> ComponentPattern:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli._app import App, WrongArguments
-from rtkit.errors import Malformed, NotFound, Unreachable, UsageProblem
+from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
@@ -24,9 +24,9 @@ STDIN = "-"
 
 def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options and the argument that every system command has."""
-    decorators = [
+    decorators: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
         click.option("--dry-run", is_flag=True, help="Print what would be done, and do nothing."),
-        click.option("-x", "--xml", is_flag=True, expose_value=False, help="Read XML (default)."),
+        form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml"),
         click.option("--strict", is_flag=True, help="Refuse a profile that would need repair."),
         click.option(
             "--map",
@@ -42,6 +42,30 @@ def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
     return function
 
 
+def form_options(verb: str, default: str, *forms: str) -> Callable[..., Any]:
+    """Add an option for each form that a profile may have; the last one given sets `App.form`."""
+
+    def choose(context: click.Context, parameter: click.Parameter, value: bool) -> None:
+        if value:
+            context.obj.form = parameter.name
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        for form in forms:
+            names = ("--json",) if form == "json" else (f"-{form[0]}", f"--{form}")
+            option = click.option(
+                *names,
+                form,
+                is_flag=True,
+                expose_value=False,
+                callback=choose,
+                help=f"{verb} {form.upper()}{default if form == 'xml' else ''}.",
+            )
+            function = option(function)
+        return function
+
+    return decorate
+
+
 def read_profile(app: App, files: tuple[str, ...], *, strict: bool) -> RtsProfile:
     """Read the system profile that was named, or stdin; tell repairs when verbose.
 
@@ -49,25 +73,19 @@ def read_profile(app: App, files: tuple[str, ...], *, strict: bool) -> RtsProfil
         NotFound: The file cannot be read.
         InvalidDocument: It is no system profile.
     """
-    from rtkit.profile.read import read_rts
+    from rtkit.profile.parse import MAX_BYTES
+    from rtkit.profile.read import read_bytes, read_rts
 
     if len(files) > 1:
         raise WrongArguments
     source = files[0] if files else STDIN
-    reading = read_rts(_bytes(source), "<stdin>" if source == STDIN else source, strict=strict)
+    if source == STDIN:
+        reading = read_rts(sys.stdin.buffer.read(MAX_BYTES + 1), form=app.form, strict=strict)
+    else:
+        reading = read_rts(read_bytes(source), source, form=app.form, strict=strict)
     for note in reading.notes:
         app.tell(f"{source}:{note.line}: {note.text}")
     return reading.profile
-
-
-def _bytes(source: str) -> bytes:
-    if source == STDIN:
-        return sys.stdin.buffer.read()
-    try:
-        with open(source, "rb") as stream:
-            return stream.read()
-    except OSError as error:
-        raise NotFound(f"cannot read {source}: {error.strerror}") from error
 
 
 def host_map(mapped: tuple[str, ...]) -> dict[str, str]:

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 @click.option("-v", "--system-version", default="0", help="Version of the system.")
 @click.option("-e", "--vendor", default="Me", help="Who made the system.")
 @click.option("-o", "--output", default=_system.STDIN, metavar="FILE", help="Where to write it.")
-@click.option("-x", "--xml", is_flag=True, expose_value=False, help="Write XML (default).")
+@_system.form_options(
+    "Write", "; without one of these, as the name of FILE ends, else XML", "json", "yaml", "xml"
+)
 @click.option("--all", "takes_all", is_flag=True, help="Also components without connections.")
 @click.argument("servers", nargs=-1, metavar="[SERVER]...")
 def main(
@@ -41,7 +43,8 @@ def main(
     from datetime import datetime
 
     from rtkit.deployment.capture import Heading, capture
-    from rtkit.profile.write import write_rts
+    from rtkit.profile.forms import XML, form_of_name
+    from rtkit.profile.write import write_profile
 
     for text in (abstract, name, system_version, vendor):
         _system.check_text(text)
@@ -50,8 +53,8 @@ def main(
     heading = Heading(date, name, system_version, vendor, abstract)
     hosts = [_host(server, snapshot) for server in servers]
     _tell_gaps(app, snapshot)
-    data = write_rts(capture(snapshot, heading, takes_all=takes_all, hosts=hosts))
-    _write(data, output)
+    profile = capture(snapshot, heading, takes_all=takes_all, hosts=hosts)
+    _write(write_profile(profile, app.form or form_of_name(output) or XML), output)
 
 
 def _host(server: str, snapshot: Snapshot) -> str:

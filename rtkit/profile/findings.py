@@ -63,7 +63,18 @@ class Findings:
         Raises:
             InvalidProfile: There are so many that looking further is of no use.
         """
-        self.errors.append(self._note(element, rule, text, **details))
+        self._add_error(self._note(element, rule, text, **details))
+
+    def wrong_at(self, line: int, rule: str, text: str) -> None:
+        """Record an error for which there is no element, only a line.
+
+        Raises:
+            InvalidProfile: There are so many that looking further is of no use.
+        """
+        self._add_error(Note(line, text, rule=rule))
+
+    def _add_error(self, note: Note) -> None:
+        self.errors.append(note)
         if len(self.errors) > _TOO_MANY:
             raise InvalidProfile(self.source, self.errors)
 

@@ -29,7 +29,8 @@ def parse(data: bytes, source: str) -> Any:
     """
     from lxml import etree
 
-    _refuse_size(data, source)
+    refuse_size(data, source)
+    _refuse_many(data, source)
     _refuse_doctype(data, source)
     parser = etree.XMLParser(
         resolve_entities=False,
@@ -56,12 +57,20 @@ def _one_line(text: str) -> str:
     return " ".join(text.split())
 
 
-def _refuse_size(data: bytes, source: str) -> None:
+def refuse_size(data: bytes, source: str) -> None:
+    """Refuse what is larger than any profile.
+
+    Raises:
+        InvalidProfile: It is.
+    """
     if len(data) > MAX_BYTES:
         raise InvalidProfile(
             source,
-            [Note(1, f"{len(data)} bytes; a profile has at most {MAX_BYTES}", rule=_LARGE)],
+            [Note(1, f"more than {MAX_BYTES} bytes; no profile is so large", rule=_LARGE)],
         )
+
+
+def _refuse_many(data: bytes, source: str) -> None:
     is_full = data.count(b"<") > _MAX_TAGS or data.count(b"=") > _MAX_EQUALS
     if is_full or data.count(b"xmlns") > _MAX_NAMESPACES:
         raise InvalidProfile(

@@ -1,4 +1,4 @@
-"""Read profiles: parse, normalise, validate, build.
+"""Read profiles: parse, normalise, validate, build; from XML, YAML or JSON.
 
 What can be put right is put right and noted, unless `strict` asks for an error instead.
 """
@@ -6,10 +6,12 @@ What can be put right is put right and noted, unless `strict` asks for an error 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rtkit.errors import NotFound
 from rtkit.profile.common import Note, Reading
 from rtkit.profile.findings import Findings, InvalidProfile
+from rtkit.profile.forms import XML, YAML, check_form, form_of
 from rtkit.profile.spec import Spec
 from rtkit.profile.xmlnames import clark, short, split
 
@@ -18,111 +20,241 @@ if TYPE_CHECKING:
     from rtkit.profile.rts_model import RtsProfile
 
 STDIN = "<stdin>"
+KINDS = ("rtc", "rts")
+_DECLARED = r"(<\?xml[^>]*?)\s+encoding\s*=\s*(\"[^\"]*\"|'[^']*')"
 
-_Check = Callable[[Any, Findings], None]
-_Violations = Callable[[Any, str], list[Note]]
+
+def read_profile(
+    data: bytes | str,
+    source: str = STDIN,
+    *,
+    form: str | None = None,
+    kind: str | None = None,
+    strict: bool = False,
+) -> Reading[RtcProfile] | Reading[RtsProfile]:
+    """Read a profile of either kind in any form.
+
+    Args:
+        data: The document.
+        source: Names it in messages; its ending tells the form where the content does not.
+        form: One of `rtkit.profile.forms.FORMS`; None finds out.
+        kind: ``rtc`` or ``rts``, if only that will do.
+        strict: Refuse what would need repair.
+
+    Raises:
+        InvalidProfile: All that is wrong with it, by line.
+        Malformed: There is no such form.
+    """
+    reading: Reading[RtcProfile] | Reading[RtsProfile] = _read(data, source, form, kind, strict)
+    return reading
 
 
-def read_rts(data: bytes, source: str = STDIN, *, strict: bool = False) -> Reading[RtsProfile]:
-    """Read an RTS profile; `source` names it in messages.
+def read_file(
+    path: str, *, form: str | None = None, kind: str | None = None, strict: bool = False
+) -> Reading[RtcProfile] | Reading[RtsProfile]:
+    """Read the profile in a file, as `read_profile` does.
+
+    Raises:
+        NotFound: The file cannot be read.
+        InvalidProfile: All that is wrong with it, by line.
+        Malformed: There is no such form.
+    """
+    return read_profile(read_bytes(path), path, form=form, kind=kind, strict=strict)
+
+
+def read_rts(
+    data: bytes | str, source: str = STDIN, *, form: str | None = None, strict: bool = False
+) -> Reading[RtsProfile]:
+    """Read an RTS profile in any form; `source` names it in messages.
 
     Raises:
         InvalidProfile: All that is wrong with it, by line.
     """
-    reading: Reading[RtsProfile] = _read(data, source, strict, *_rts())
+    reading: Reading[RtsProfile] = _read(data, source, form, "rts", strict)
     return reading
 
 
-def read_rtc(data: bytes, source: str = STDIN, *, strict: bool = False) -> Reading[RtcProfile]:
-    """Read an RTC profile; `source` names it in messages.
+def read_rtc(
+    data: bytes | str, source: str = STDIN, *, form: str | None = None, strict: bool = False
+) -> Reading[RtcProfile]:
+    """Read an RTC profile in any form; `source` names it in messages.
 
     Raises:
         InvalidProfile: All that is wrong with it, by line.
     """
-    reading: Reading[RtcProfile] = _read(data, source, strict, *_rtc())
+    reading: Reading[RtcProfile] = _read(data, source, form, "rtc", strict)
     return reading
 
 
-def explain_rts(data: bytes, source: str = STDIN) -> tuple[Note, ...]:
+def read_bytes(path: str) -> bytes:
+    """Return the content of a file, of a larger one than any profile only the beginning.
+
+    Raises:
+        NotFound: The file cannot be read.
+    """
+    from rtkit.profile.parse import MAX_BYTES
+
+    try:
+        with open(path, "rb") as stream:
+            return stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise NotFound(f"cannot read {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise NotFound(f"cannot read {path!r}: {error}") from error
+
+
+def explain_rts(
+    data: bytes | str, source: str = STDIN, *, form: str | None = None
+) -> tuple[Note, ...]:
     """Tell in full what is wrong with an RTS profile; slow."""
-    return _explain(data, source, *_rts())
+    return explain(data, source, form=form, kind="rts")
 
 
-def explain_rtc(data: bytes, source: str = STDIN) -> tuple[Note, ...]:
+def explain_rtc(
+    data: bytes | str, source: str = STDIN, *, form: str | None = None
+) -> tuple[Note, ...]:
     """Tell in full what is wrong with an RTC profile; slow."""
-    return _explain(data, source, *_rtc())
+    return explain(data, source, form=form, kind="rtc")
 
 
-def profile_kind(data: bytes, source: str = STDIN) -> str:
+def explain(
+    data: bytes | str, source: str = STDIN, *, form: str | None = None, kind: str | None = None
+) -> tuple[Note, ...]:
+    """Tell in full what is wrong with a profile, with element paths and reasons; slow."""
+    from rtkit.profile.validate import explained_violations
+
+    try:
+        root, found, grammar = _normalised(data, source, form, kind)
+    except InvalidProfile as error:
+        return error.problems
+    return tuple(sorted(found.errors + explained_violations(root, grammar.schema)))
+
+
+def profile_kind(data: bytes | str, source: str = STDIN, *, form: str | None = None) -> str:
     """Tell whether a document is an ``rts`` or an ``rtc`` profile, by its root.
 
     Raises:
         InvalidProfile: It is neither.
     """
-    from rtkit.profile.parse import parse
-
-    root = parse(data, source)
-    for kind, tag in (("rts", "rts:RtsProfile"), ("rtc", "rtc:RtcProfile")):
-        if root.tag == clark(tag):
-            return kind
-    text = f"root is {short(root.tag)}; a profile's is rts:RtsProfile or rtc:RtcProfile"
-    raise InvalidProfile(source, [Note(root.sourceline or 1, text, rule="wrong-root")])
+    return _opened(data, source, form, None)[0]
 
 
-def _rts() -> tuple[Spec, str, str, _Check]:
-    from rtkit.profile.references import check_references
-    from rtkit.profile.rts_spec import RTS_PROFILE
-    from rtkit.profile.validate import RTS
+class _Grammar(NamedTuple):
+    """What is to be known of a kind of profile."""
 
-    return RTS_PROFILE, "rts:RtsProfile", RTS, check_references
+    spec: Spec
+    schema: str
+    check: Callable[[Any, Findings], None]
 
 
-def _rtc() -> tuple[Spec, str, str, _Check]:
+def _grammar(kind: str) -> _Grammar:
+    if kind == "rts":
+        from rtkit.profile.references import check_references
+        from rtkit.profile.rts_spec import RTS_PROFILE
+        from rtkit.profile.validate import RTS
+
+        return _Grammar(RTS_PROFILE, RTS, check_references)
     from rtkit.profile.rtc_rules import check_names
     from rtkit.profile.rtc_spec import RTC_PROFILE
     from rtkit.profile.validate import RTC
 
-    return RTC_PROFILE, "rtc:RtcProfile", RTC, check_names
+    return _Grammar(RTC_PROFILE, RTC, check_names)
 
 
-def _normalised(data: bytes, source: str, spec: Spec, tag: str, check: _Check) -> Any:
-    from rtkit.profile.normalise import normalise
+def _opened(
+    data: bytes | str, source: str, form: str | None, kind: str | None
+) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
+    """Return the kind of a document, and how to get its elements."""
+    from rtkit.profile.parse import refuse_size
+
+    if isinstance(data, str):
+        data = _encoded(data)
+    if form is not None:
+        check_form(form)
+    refuse_size(data, source)
+    form = form or form_of(data, source)
+    return (_opened_xml if form == XML else _opened_tree)(data, source, form, kind)
+
+
+def _opened_xml(
+    data: bytes, source: str, form: str, kind: str | None
+) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
     from rtkit.profile.parse import parse
 
     root = parse(data, source)
-    if root.tag != clark(tag):
-        namespace, local = split(clark(tag))
-        text = f"root is {short(root.tag)}; it must be {local} of namespace {namespace}"
+    tags = {clark(f"{each}:{each.capitalize()}Profile"): each for each in KINDS}
+    found = tags.get(root.tag)
+    if found is None or kind not in (None, found):
+        text = f"root is {short(root.tag)}; a profile's is rts:RtsProfile or rtc:RtcProfile"
+        if kind is not None:
+            tag = clark(f"{kind}:{kind.capitalize()}Profile")
+            namespace, local = split(tag)
+            text = f"root is {short(root.tag)}; it must be {local} of namespace {namespace}"
         raise InvalidProfile(source, [Note(root.sourceline or 1, text, rule="wrong-root")])
-    is_flat = data.count(b"xmlns") == len(root.nsmap)
-    found = Findings(source, dict(root.nsmap) if is_flat else None)
-    normalise(root, spec, found)
-    check(root, found)
-    return root, found
+
+    def elements(_: Spec) -> tuple[Any, Findings]:
+        is_flat = data.count(b"xmlns") == len(root.nsmap)
+        return root, Findings(source, dict(root.nsmap) if is_flat else None)
+
+    return found, elements
 
 
-def _read(
-    data: bytes, source: str, strict: bool, spec: Spec, tag: str, schema: str, check: _Check
-) -> Any:
+def _opened_tree(
+    data: bytes, source: str, form: str, kind: str | None
+) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
+    from rtkit.profile.nodes import decoded, refused
+    from rtkit.profile.tree_form import ROOTS
+    from rtkit.profile.tree_read import elements_of, root_of
+
+    if form == YAML:
+        from rtkit.profile.yaml_text import read_yaml as reader
+    else:
+        from rtkit.profile.json_text import read_json as reader
+    found, key, body = root_of(reader(decoded(data, source), source), source)
+    if kind not in (None, found):
+        why = f"the root is {key.text}; it must be {ROOTS[kind or found]}"
+        raise refused(source, key.line, "wrong-root", why)
+
+    def elements(spec: Spec) -> tuple[Any, Findings]:
+        findings = Findings(source)
+        root = elements_of(body, key.line, found, spec, findings)
+        findings.scope = dict(root.nsmap)
+        return root, findings
+
+    return found, elements
+
+
+def _encoded(text: str) -> bytes:
+    """Return a text as UTF-8, without an encoding that an XML declaration names."""
+    import re
+
+    text = text.removeprefix("\ufeff")
+    if text.startswith("<?xml"):
+        text = re.sub(_DECLARED, r"\1", text, count=1)
+    return text.encode("utf-8", "surrogatepass")
+
+
+def _normalised(
+    data: bytes | str, source: str, form: str | None, kind: str | None
+) -> tuple[Any, Findings, _Grammar]:
+    from rtkit.profile.normalise import normalise
+
+    kind, elements = _opened(data, source, form, kind)
+    grammar = _grammar(kind)
+    root, found = elements(grammar.spec)
+    normalise(root, grammar.spec, found)
+    grammar.check(root, found)
+    return root, found, grammar
+
+
+def _read(data: bytes | str, source: str, form: str | None, kind: str | None, strict: bool) -> Any:
     from rtkit.profile.build import build
     from rtkit.profile.validate import violations
 
-    root, found = _normalised(data, source, spec, tag, check)
-    problems = found.errors or violations(root, schema)
+    root, found, grammar = _normalised(data, source, form, kind)
+    problems = found.errors or violations(root, grammar.schema)
     if strict:
         problems = problems + found.repairs
     if problems:
         raise InvalidProfile(source, problems)
-    return Reading(build(root, spec), tuple(sorted(found.repairs + found.remarks)))
-
-
-def _explain(
-    data: bytes, source: str, spec: Spec, tag: str, schema: str, check: _Check
-) -> tuple[Note, ...]:
-    from rtkit.profile.validate import explained_violations
-
-    try:
-        root, found = _normalised(data, source, spec, tag, check)
-    except InvalidProfile as error:
-        return error.problems
-    return tuple(sorted(found.errors + explained_violations(root, schema)))
+    return Reading(build(root, grammar.spec), tuple(sorted(found.repairs + found.remarks)))

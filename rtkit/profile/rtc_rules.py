@@ -10,11 +10,11 @@ from rtkit.profile.xmlnames import XSI, clark, short, split
 
 ACTIVITY_TYPES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 _LANGUAGES = {
-    "Cxx": "C++",
-    "Python": "Python",
-    "Java": "Java",
-    "Csharp": "C#",
-    "Ruby": "Ruby",
+    "cxx": "C++",
+    "python": "Python",
+    "java": "Java",
+    "csharp": "C#",
+    "ruby": "Ruby",
 }
 
 
@@ -83,7 +83,7 @@ def only_one(negation: Any, found: Findings) -> None:
 def nested_language(language: Any, found: Findings) -> None:
     """Bring the language element of version 0.1, one child per language, to the present form."""
     for item in list(language):
-        kind = _LANGUAGES.get(split(item.tag)[1])
+        kind = _LANGUAGES.get(split(item.tag)[1].lower())
         if kind is None:
             continue
         said = f"{short(item.tag)} taken as rtc:kind {kind!r}"

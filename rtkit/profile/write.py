@@ -1,4 +1,4 @@
-"""Write profiles in their strict XML form, always the same bytes for the same model."""
+"""Write profiles, always the same bytes for the same model: the strict form of XML, YAML, JSON."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.errors import Malformed
 from rtkit.profile.common import Foreign, ForeignElement
+from rtkit.profile.forms import XML as XML_FORM
+from rtkit.profile.forms import YAML as YAML_FORM
+from rtkit.profile.forms import check_form
 from rtkit.profile.spec import FLAG, REAL, WHOLE, WHOLE_FORM, Attr, Child, Spec, is_real
-from rtkit.profile.xmlnames import NAMESPACES, XML, short, split
+from rtkit.profile.xmlnames import NAMESPACES, XML, clark, short, split
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
@@ -55,6 +58,70 @@ def write_rtc(profile: RtcProfile) -> bytes:
     return _Writer(prefixes).document(profile, RTC_PROFILE, "rtc:RtcProfile")
 
 
+def write_profile(profile: RtcProfile | RtsProfile, form: str = XML_FORM) -> bytes:
+    """Write a profile of either kind in a form of `rtkit.profile.forms.FORMS`.
+
+    Raises:
+        Malformed: There is no such form, a text holds a character that XML cannot carry, or a
+            number is not finite.
+    """
+    from rtkit.profile.rts_model import RtsProfile
+
+    check_form(form)
+    if form == XML_FORM:
+        return write_rts(profile) if isinstance(profile, RtsProfile) else write_rtc(profile)
+    data = plain_profile(profile)
+    if form == YAML_FORM:
+        from rtkit.profile.yaml_text import write_yaml as write
+    else:
+        from rtkit.profile.json_text import write_json as write
+    return write(data).encode("utf-8")
+
+
+def plain_profile(profile: RtcProfile | RtsProfile) -> dict[str, Any]:
+    """Return a profile as the plain data that its YAML and JSON forms hold.
+
+    Raises:
+        Malformed: A text holds a character that XML cannot carry, or a number is not finite.
+    """
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.profile.tree_form import ROOTS
+    from rtkit.profile.tree_write import plain
+
+    if isinstance(profile, RtsProfile):
+        from rtkit.profile.rts_spec import RTS_PROFILE
+
+        return {ROOTS["rts"]: plain(profile, RTS_PROFILE, clark("rts:RtsProfile"))}
+    from rtkit.profile.rtc_spec import RTC_PROFILE
+
+    return {ROOTS["rtc"]: plain(profile, RTC_PROFILE, clark("rtc:RtcProfile"))}
+
+
+def check_text(text: str) -> str:
+    """Return `text` if XML can carry it.
+
+    Raises:
+        Malformed: It has a character that XML cannot carry.
+    """
+    bad = _ILLEGAL.search(text)
+    if bad:
+        around = text[max(0, bad.start() - 20) : bad.start()]
+        raise Malformed(f"character {bad[0]!r} after {around!r} cannot be written to XML")
+    return text
+
+
+def checked_name(name: str) -> str:
+    """Return ``{namespace}local`` if XML can have such a name.
+
+    Raises:
+        Malformed: It cannot.
+    """
+    local = split(name)[1]
+    if not _LOCAL_NAME.fullmatch(local):
+        raise Malformed(f"{local!r} is not an XML name")
+    return check_text(name)
+
+
 class _Writer:
     """One document in the making; foreign namespaces get prefixes as they are met."""
 
@@ -70,11 +137,7 @@ class _Writer:
             for uri, prefix in self._prefixes.items()
         )
         text = f"{_DECLARATION}<{tag}{declared}{head}{''.join(self._out[1:])}"
-        bad = _ILLEGAL.search(text)
-        if bad:
-            around = text[max(0, bad.start() - 20) : bad.start()]
-            raise Malformed(f"character {bad[0]!r} after {around!r} cannot be written to XML")
-        return text.encode("utf-8")
+        return check_text(text).encode("utf-8")
 
     def _element(self, value: Any, spec: Spec, tag: str, indent: str) -> None:
         foreign: Foreign | None = value.foreign if spec.keeps_foreign else None
@@ -84,14 +147,14 @@ class _Writer:
         for item in spec.attributes:
             field = getattr(value, item.field)
             if field is not None:
-                text = _format(item, field).translate(_VALUE_ESCAPES)
+                text = format_value(item, field).translate(_VALUE_ESCAPES)
                 parts.append(f' {short(item.name)}="{text}"')
         if foreign is not None:
             parts += [self._foreign_attribute(*pair) for pair in foreign.attributes]
         start = len(self._out)
         self._out.append("".join(parts))
         inner = indent + _INDENT
-        for child in _in_order(spec, value):
+        for child in in_order(spec, value):
             self._child(child, value if spec.wraps else getattr(value, child.field), inner)
         if foreign is not None:
             for element in foreign.elements:
@@ -134,9 +197,7 @@ class _Writer:
         return f"<{head}>{lines}\n{indent}</{name}>"
 
     def _name(self, name: str) -> str:
-        namespace, local = split(name)
-        if not _LOCAL_NAME.fullmatch(local):
-            raise Malformed(f"{local!r} is not an XML name")
+        namespace, local = split(checked_name(name))
         if not namespace:
             return local
         if namespace == XML:
@@ -145,7 +206,7 @@ class _Writer:
         return f"{prefix}:{local}"
 
 
-def _in_order(spec: Spec, value: Any) -> tuple[Child, ...]:
+def in_order(spec: Spec, value: Any) -> tuple[Child, ...]:
     """Return the children to write; of the alternatives of one field, the one that fits."""
     return tuple(child for child in spec.children if _fits(child, value))
 
@@ -157,7 +218,12 @@ def _fits(child: Child, value: Any) -> bool:
     return bool(getattr(getattr(value, child.field), tag_field) == split(child.name)[1])
 
 
-def _format(item: Attr, value: Any) -> str:
+def format_value(item: Attr, value: Any) -> str:
+    """Return the text of an attribute's value.
+
+    Raises:
+        Malformed: It is a number that no reader would take.
+    """
     if item.kind == FLAG:
         return "true" if value else "false"
     if item.kind == REAL:

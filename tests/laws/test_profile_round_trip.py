@@ -13,7 +13,8 @@ from lxml import etree
 
 from rtkit.profile import constraint_model as c
 from rtkit.profile.common import NO_FOREIGN, Foreign, ForeignElement
-from rtkit.profile.read import read_rtc, read_rts
+from rtkit.profile.forms import FORMS
+from rtkit.profile.read import read_profile, read_rtc, read_rts
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.rtc_spec import COMPARISONS, RTC_PROFILE
 from rtkit.profile.rts_model import (
@@ -27,7 +28,7 @@ from rtkit.profile.rts_model import (
 from rtkit.profile.rts_spec import RTS_PROFILE
 from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Spec
 from rtkit.profile.words import normal_data_type, strip_instance
-from rtkit.profile.write import write_rtc, write_rts
+from rtkit.profile.write import write_profile, write_rtc, write_rts
 from rtkit.resources import resource
 
 TEXTS = st.text(
@@ -240,6 +241,24 @@ def test_a_component_comes_back_equal(profile: RtcProfile) -> None:
     assert_valid_by_both(written, "RtcProfile.xsd")
     assert read_rtc(written).profile == profile
     assert write_rtc(read_rtc(written).profile) == written
+
+
+@given(SYSTEMS | COMPONENTS)
+@settings(deadline=None, max_examples=100)
+def test_every_form_holds_the_same(profile: RtsProfile | RtcProfile) -> None:
+    for form in FORMS:
+        written = write_profile(profile, form)
+        assert read_profile(written, form=form).profile == profile
+        assert read_profile(written).profile == profile, "the form is found out"
+
+
+@given(SYSTEMS | COMPONENTS, st.permutations(FORMS))
+@settings(deadline=None, max_examples=50)
+def test_every_form_becomes_every_other(profile: RtsProfile | RtcProfile, forms: list[str]) -> None:
+    there = profile
+    for form in (*forms, forms[0]):
+        there = read_profile(write_profile(there, form), form=form).profile
+    assert write_profile(there, forms[0]) == write_profile(profile, forms[0])
 
 
 @given(NAMES, NAMES)

@@ -161,7 +161,7 @@ def test_bad_command_lines(run, name, file, tmp_path):
     status, out, err = run(name, "a", "b")
     assert (status, out) == (1, "")
     assert err.startswith(f"Usage: {name}")
-    assert run(name, "-y", "a")[0] == 2
+    assert run(name, "--json5", "a")[0] == 2
     assert run(name, "no-such-file") == (
         1,
         "",
@@ -446,7 +446,7 @@ def test_cryo_options(run, file):
     assert property_value(sink.properties, "rtkit.create") == "Sink?manager_name=s&" + (
         "instance_name=Sink0"
     )
-    assert run("rtcryo", "-y")[0] == 2
+    assert run("rtcryo", "--json5")[0] == 2
     assert run("rtcryo", "-a", "a\x01b")[0] == 1
 
 

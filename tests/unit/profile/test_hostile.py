@@ -125,7 +125,7 @@ def test_nested_constraints_are_bounded() -> None:
 
 
 def test_too_large() -> None:
-    refused(b" " * (MAX_BYTES + 1), f"a profile has at most {MAX_BYTES}")
+    refused(b" " * (MAX_BYTES + 1), f"more than {MAX_BYTES} bytes")
 
 
 def test_too_many_tags() -> None:

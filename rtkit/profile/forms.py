@@ -1,0 +1,52 @@
+"""The forms that a profile is written in, and how to tell which one a document has."""
+
+from __future__ import annotations
+
+import re
+
+from rtkit.errors import Malformed
+
+XML, YAML, JSON = "xml", "yaml", "json"
+FORMS = (XML, YAML, JSON)
+_ENDINGS = {".xml": XML, ".yaml": YAML, ".yml": YAML, ".json": JSON}
+_MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
+_LOOKED_AT = 4096
+_YAML_ROOT = re.compile(rb"^(---\s+)?\s*[\"']?[Rr]t[cs]Profile[\"']?\s*:", re.MULTILINE)
+
+
+def check_form(form: str) -> None:
+    """Check the name of a form.
+
+    Raises:
+        Malformed: There is no such form.
+    """
+    if form not in FORMS:
+        raise Malformed(f"no such form: {form}; there are {', '.join(FORMS)}")
+
+
+def form_of_name(name: str) -> str | None:
+    """Return the form that the ending of a file's name tells.
+
+    >>> form_of_name("system.yml"), form_of_name("<stdin>")
+    ('yaml', None)
+    """
+    for ending, form in _ENDINGS.items():
+        if name.lower().endswith(ending):
+            return form
+    return None
+
+
+def form_of(data: bytes, name: str = "") -> str:
+    """Tell the form of a document by how it begins, else by the ending of its name, else XML."""
+    head = data[:_LOOKED_AT]
+    for mark in _MARKS:
+        head = head.removeprefix(mark)
+    head = head.replace(b"\0", b"").lstrip()
+    told = form_of_name(name)
+    if head.startswith(b"<"):
+        return XML
+    if head.startswith(b"{"):
+        return told if told == YAML else JSON
+    if told is not None:
+        return told
+    return YAML if _YAML_ROOT.search(head) else XML

@@ -1,0 +1,231 @@
+"""From the tree of a YAML or JSON document to the elements that every profile is checked as."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rtkit.profile.findings import Findings
+from rtkit.profile.nodes import Items, Node, Table, Text, refused
+from rtkit.profile.rts_model import Condition
+from rtkit.profile.spec import DATE, FLAG, Attr, Child, Spec
+from rtkit.profile.tree_form import (
+    CONDITION,
+    DATE_PARTS,
+    FOREIGN_ATTRIBUTES,
+    FOREIGN_ELEMENTS,
+    FOREIGN_PARTS,
+    ROOTS,
+    date_text,
+    name_of,
+)
+from rtkit.profile.xmlnames import NAMESPACES, XSI_TYPE, clark, short
+
+_CHARACTER = "bad-character"
+_TRUE, _FALSE = ("true", "yes", "on", "y"), ("false", "no", "off", "n")
+PREFIXES = {"rtc": ("rtc", "rtcDoc", "rtcExt", "xsi"), "rts": ("rts", "rtsExt", "xsi")}
+
+
+def root_of(node: Node, source: str) -> tuple[str, Text, Node]:
+    """Return the kind of profile that a document is, its root's key, and what is under it.
+
+    Raises:
+        InvalidProfile: It is no profile.
+    """
+    wanted = " or ".join(ROOTS.values())
+    if not isinstance(node, Table) or len(node.items) != 1:
+        raise refused(source, node.line, "wrong-root", f"the root is a table of one key, {wanted}")
+    ((key, body),) = node.items
+    for kind, root in ROOTS.items():
+        if key.text[:1].lower() + key.text[1:] == root:
+            return kind, key, body
+    why = f"the root is {key.text[:80]!r}; a profile's is {wanted}"
+    raise refused(source, key.line, "wrong-root", why)
+
+
+def elements_of(body: Node, line: int, kind: str, spec: Spec, found: Findings) -> Any:
+    """Return the root element for what is under the root's key."""
+    from lxml import etree
+
+    prefixes = {prefix: NAMESPACES[prefix] for prefix in PREFIXES[kind]}
+    root: Any = etree.Element(clark(f"{kind}:{kind.capitalize()}Profile"), nsmap=prefixes)
+    root.sourceline = line
+    _Filler(found).fill(root, body, spec)
+    return root
+
+
+class _Filler:
+    """Fills elements from tables; what is wrong goes to the findings, with its line."""
+
+    def __init__(self, found: Findings) -> None:
+        self._found = found
+
+    def fill(self, element: Any, body: Node, spec: Spec) -> None:
+        if isinstance(body, Text) and body.is_null:
+            return
+        if not isinstance(body, Table):
+            self._wrong(body, f"{short(element.tag)} is a table of its parts")
+            return
+        parts: list[tuple[int, Child, Node]] = []
+        others: list[tuple[Text, Node]] = []
+        for key, value in _parts(body, spec):
+            local = key.text.rpartition("::")[2]
+            attribute = spec.known.get(spec.attribute_by_local.get(local, ""))
+            ranked = _child_of(spec, local)
+            if attribute is not None and (ranked is None or isinstance(value, Text)):
+                self._set(element, attribute, value)
+            elif ranked is not None:
+                parts.append((*ranked, value))
+            else:
+                others.append((key, value))
+        # The order of keys means nothing, that of elements does.
+        for _, part, value in sorted(parts, key=lambda each: each[0]):
+            self._children(element, part, value)
+        for key, value in others:
+            if key.text in (FOREIGN_ATTRIBUTES, FOREIGN_ELEMENTS):
+                self._foreign(element, key, value)
+            else:
+                self._keep(element, key, value)
+
+    def _children(self, element: Any, part: Child, value: Node) -> None:
+        is_unit = part.spec is not None and not part.spec.attributes and not part.spec.children
+        if isinstance(value, Text) and value.is_null and not is_unit:
+            return
+        for item in value.items if isinstance(value, Items) else (value,):
+            made = self._made(element, part.name, item)
+            if part.spec is None:
+                self._text(made, item)
+                continue
+            if part.spec.xsi_type_text is not None:
+                made.set(XSI_TYPE, part.spec.xsi_type_text)
+            self.fill(made, item, part.spec)
+
+    def _set(self, element: Any, attribute: Attr, value: Node) -> None:
+        if attribute.kind == DATE and isinstance(value, Table):
+            self._put(element, attribute.name, self._date(value), value)
+            return
+        if not isinstance(value, Text):
+            self._wrong(value, f"{short(attribute.name)} is one value")
+            return
+        if value.is_null:
+            return
+        text = value.text
+        if attribute.kind == FLAG and text.lower() in (*_TRUE, *_FALSE):
+            text = "true" if text.lower() in _TRUE else "false"
+        self._put(element, attribute.name, text, value)
+
+    def _date(self, value: Table) -> str:
+        parts = {key.text: part.text for key, part in value.items if isinstance(part, Text)}
+        text = date_text(parts) if parts.keys() <= set(DATE_PARTS) else None
+        if text is None or len(parts) != len(value.items):
+            self._wrong(value, f"a date has numbers for: {', '.join(DATE_PARTS)}", "bad-value")
+        return text or ""
+
+    def _keep(self, element: Any, key: Text, value: Node) -> None:
+        """Keep a key that no table knows, for the checks of every profile to judge."""
+        name = name_of(key.text, element.tag)
+        if name is None:
+            self._wrong(key, f"no part of a profile: {key.text[:80]!r}", "unknown-key")
+        elif isinstance(value, Text):
+            if not value.is_null:
+                self._put(element, name, value.text, value)
+        else:
+            for item in value.items if isinstance(value, Items) else (value,):
+                made = self._made(element, name, item)
+                if made is None:
+                    continue
+                if isinstance(item, Table):
+                    for inner, below in item.items:
+                        self._keep(made, inner, below)
+                else:
+                    self._text(made, item)
+
+    def _foreign(self, element: Any, key: Text, value: Node) -> None:
+        if key.text == FOREIGN_ATTRIBUTES:
+            self._foreign_attributes(element, value)
+            return
+        for item in value.items if isinstance(value, Items) else (value,):
+            self._foreign_element(element, item)
+
+    def _foreign_attributes(self, element: Any, value: Node) -> None:
+        if not isinstance(value, Table):
+            self._wrong(value, "foreign attributes are a table of name and text")
+            return
+        for name, text in value.items:
+            if isinstance(text, Text):
+                self._put(element, name.text, text.text, name)
+            else:
+                self._wrong(text, f"{name.text[:80]!r} is one value")
+
+    def _foreign_element(self, parent: Any, node: Node) -> None:
+        parts = {key.text: value for key, value in node.items} if isinstance(node, Table) else {}
+        name = parts.get("name")
+        if not isinstance(name, Text) or not parts.keys() <= set(FOREIGN_PARTS):
+            self._wrong(node, f"a foreign element is a table of: {', '.join(FOREIGN_PARTS)}")
+            return
+        made = self._made(parent, name.text, node)
+        if made is None:
+            return
+        if "attributes" in parts:
+            self._foreign_attributes(made, parts["attributes"])
+        if "text" in parts:
+            self._text(made, parts["text"])
+        if "tail" in parts:
+            self._text(made, parts["tail"], is_tail=True)
+        below = parts.get("children", Items(node.line, ()))
+        for item in below.items if isinstance(below, Items) else (below,):
+            self._foreign_element(made, item)
+
+    def _made(self, parent: Any, name: str, node: Node) -> Any:
+        """Append an element that bears the line of `node`; None if the name cannot be."""
+        from lxml import etree
+
+        try:
+            made: Any = etree.SubElement(parent, name)
+        except ValueError:
+            self._wrong(node, f"not the name of an element: {name[:80]!r}", _CHARACTER)
+            return None
+        made.sourceline = node.line
+        return made
+
+    def _text(self, element: Any, value: Node, *, is_tail: bool = False) -> None:
+        if not isinstance(value, Text):
+            self._wrong(value, f"{short(element.tag)} is text")
+            return
+        try:
+            if is_tail:
+                element.tail = value.text
+            else:
+                element.text = "" if value.is_null else value.text
+        except ValueError:
+            self._wrong(
+                value, f"{short(element.tag)} has a character that no profile can hold", _CHARACTER
+            )
+
+    def _put(self, element: Any, name: str, text: str, node: Node) -> None:
+        try:
+            element.set(name, text)
+        except ValueError:
+            told = short(name)[:80]
+            why = f"{told} has a name or a character that no profile can hold"
+            self._wrong(node, why, _CHARACTER)
+
+    def _wrong(self, node: Node, why: str, rule: str = "tree-shape") -> None:
+        self._found.wrong_at(node.line, rule, why)
+
+
+def _parts(body: Table, spec: Spec) -> Iterator[tuple[Text, Node]]:
+    """Yield the keys of a table; what a target waits for is one level further down."""
+    for key, value in body.items:
+        if spec.make is Condition and key.text == CONDITION and isinstance(value, Table):
+            yield from value.items
+        else:
+            yield key, value
+
+
+def _child_of(spec: Spec, local: str) -> tuple[int, Child] | None:
+    """Return the place among the children that a key names, and what it is."""
+    for name in (local, local[:1].upper() + local[1:]):
+        if name in spec.child_by_local:
+            return spec.index[spec.child_by_local[name]]
+    return None
