@@ -52,7 +52,8 @@ def capture(
     What a connected composite is made of counts as connected too, and the composite of a member;
     likewise whom its execution contexts drive, and who drives it.
 
-    With `hosts` only components registered below one of these. Zombies are left out.
+    With `hosts` only components registered below one of these. Zombies are left out, and so are
+    guests: what a data tool shows for a while is no part of the system.
     """
     chosen = _chosen(snapshot, takes_all, tuple(hosts))
     names = {c.instance: c for c in chosen}
@@ -77,10 +78,11 @@ def _chosen(
 ) -> tuple[ComponentFacts, ...]:
     wired = {end.instance for wire in snapshot.connectors for end in wire.ports}
     wired = _with_composites(snapshot, wired)
+    guests = {process.name for process in snapshot.processes if process.is_guest}
     chosen = [
         c
         for c in snapshot.components
-        if not c.zombie
+        if not (c.zombie or c.process in guests)
         and (takes_all or c.instance in wired)
         and (not hosts or any(name.partition("/")[0] in hosts for name in _names(c, snapshot)))
     ]

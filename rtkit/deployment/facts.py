@@ -76,11 +76,12 @@ class ComponentFacts:
 
 @dataclass(frozen=True, slots=True)
 class ProcessFacts:
-    """The manager or a slave.
+    """The manager, a slave or a guest.
 
     Attributes:
         state: ``starting``, ``up``, ``stopped`` or ``lost``.
         reason: Why it is lost or stopped.
+        is_guest: It came by itself, as a data tool does, with components of its own.
     """
 
     name: str
@@ -88,6 +89,7 @@ class ProcessFacts:
     pid: int
     state: str
     reason: str = ""
+    is_guest: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -137,7 +137,7 @@ class FakeShell:
         match instruction:
             case ev.SpawnSlave(key, name):
                 self.spawned[name] = key
-            case ev.AdoptSlave(key, pid):
+            case ev.AdoptSlave(key, pid, _):
                 self.adopted[pid] = key
             case ev.SendToHolder(key, message):
                 assert self.state.processes[key].is_ready, f"{message} to a lost process"
@@ -194,6 +194,11 @@ class FakeShell:
         """Have a slave of an earlier manager say what it holds; return its key."""
         held = [{**facts(each), "names": [f"localhost/{each}.rtc"]} for each in instances]
         self.feed(ev.SlaveFound(pid, name, held, [encode(each) for each in wires]))
+        return self.adopted[pid]
+
+    def visit(self, pid: int, name: str, instances: Sequence[str]) -> int:
+        """Have a guest say what it holds; return its key."""
+        self.feed(ev.SlaveFound(pid, name, [facts(each) for each in instances], [], is_guest=True))
         return self.adopted[pid]
 
     def end(self, key: int, reason: str = "signal 9") -> None:

@@ -174,6 +174,9 @@ class Loop:
         process = self._core.state.processes.get(event.key)
         if process is None or not process.is_alive or not process.is_wanted:
             return event
+        if process.is_guest:
+            _log.info("guest %s left", process.name)
+            return event
         words = last_words(self._core.state.name, process.name, process.pid)
         known = replace(event, reason=words.reason(event.reason), last=words.text)
         said = f"; its last words: {known.last}" if known.last else ""
@@ -186,6 +189,8 @@ class Loop:
         if state.components and now >= self._tidy_at:
             self._tidy_at = now + TIDY_S
             for process in state.processes.values():
+                if process.is_guest:
+                    continue
                 cut(places.output_file(state.name, process.name if process.is_slave else ""))
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
@@ -199,9 +204,10 @@ class Loop:
                 answer(reply)
             case ev.SpawnSlave(key, name):
                 self._nursery.fork(key, name)
-            case ev.AdoptSlave(key, pid):
-                self._lines.adopt(key, pid)
-                self._watchman.watch(key, pid)
+            case ev.AdoptSlave(key, pid, is_guest):
+                self._lines.adopt(key, pid, is_guest=is_guest)
+                if not is_guest:
+                    self._watchman.watch(key, pid)
             case ev.SignalSlave(key, number):
                 self._nursery.signal(key, signal.Signals(number))
             case ev.WakeAt(moment):

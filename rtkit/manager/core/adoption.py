@@ -1,4 +1,4 @@
-"""Slaves that outlived their manager: what they say they hold, folded into the next one's state.
+"""Slaves that outlived their manager, and guests: what they say they hold, folded into the state.
 
 They are believed about facts: components with names and origin, connector ends. A connector is
 known again when both its ends are; one whose other end nobody holds any more is cut.
@@ -13,6 +13,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Message
+from rtkit.manager.core.registration import free_names
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.wishes import Pause, Procedure, Tell
 from rtkit.rtc.names import check_instance_name
@@ -64,6 +65,9 @@ def take(state: State, process: Process, holding: Holding) -> list[Message]:
     for instance in state.held_by(process.key):
         if instance not in named:  # it ended while the line was broken
             state.forget(instance)
+    if process.is_guest:
+        for instance in state.held_by(process.key):
+            state.update(instance, names=free_names(state, instance))
     for wire in holding.wires:
         _take_end(state, process, wire)
     return undo

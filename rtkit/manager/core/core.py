@@ -235,17 +235,21 @@ class Core:
             self._out.append(SendToHolder(process.key, configuring.message(self.state)))
 
     def _found(self, event: SlaveFound) -> None:
-        """Believe a slave about what it holds; what contradicts the living, it is to drop."""
+        """Believe a process about what it holds; what contradicts the living, it is to drop."""
         holding = adoption.read(event.name, event.components, event.wires)
         process = adoption.process_of(self.state, event.pid)
         if process is None:
             name = adoption.free_name(self.state, event.name, event.pid)
             process = self._tasks.new_process(name, event.pid)
+            process.is_guest = event.is_guest
         process.state = "up"
-        self._out.append(AdoptSlave(process.key, event.pid))
+        self._out.append(AdoptSlave(process.key, event.pid, process.is_guest))
         self._configure(process)
         for message in adoption.take(self.state, process, holding):
             self._out.append(SendToHolder(process.key, message))
+        if process.is_guest:
+            welcome = {"welcome": self.state.held_by(process.key)}
+            self._out.append(SendToHolder(process.key, welcome))
         process.is_wanted &= not self._is_stopping
         self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
@@ -253,7 +257,7 @@ class Core:
 
     def _end_unwanted(self, process: Process) -> bool:
         """End a slave that came when nobody waited for it any more."""
-        if not process.is_wanted:
+        if not process.is_wanted and process.is_slave:
             self._out.append(SignalSlave(process.key, signal.SIGKILL))
         return not process.is_wanted
 
@@ -271,7 +275,7 @@ class Core:
         for instance in self.state.held_by(process.key):
             for wire in self.state.connectors_of(instance):
                 self._cut(wire)
-            if process.is_wanted:
+            if process.is_wanted and not process.is_guest:
                 self.state.drop_connectors(instance)
                 self.state.update(instance, zombie=process.reason, trouble="")
             else:

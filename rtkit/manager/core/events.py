@@ -75,12 +75,13 @@ class SlaveReady:
 
 @dataclass(frozen=True, slots=True)
 class SlaveFound:
-    """A slave that an earlier manager left said what it holds."""
+    """A slave that an earlier manager left, or a guest, said what it holds."""
 
     pid: int
     name: str
     components: object
     wires: object
+    is_guest: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,10 +150,11 @@ class SpawnSlave:
 
 @dataclass(frozen=True, slots=True)
 class AdoptSlave:
-    """Take a slave that was found as our own, under this key."""
+    """Take a process that was found as one of ours, under this key."""
 
     key: int
     pid: int
+    is_guest: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,8 +28,25 @@ def late_names(state: State, create: CreateString, instance: str) -> tuple[str, 
         Malformed: One has an empty element.
     """
     templates = [each for each in _templates(state, create) if not formats.is_early(each)]
+    names = _expanded(state, templates, instance)
+    check_free(state, names, instance)
+    return names
+
+
+def free_names(state: State, instance: str) -> tuple[str, ...]:
+    """Return the names that the templates give a component that came by itself, if nobody has them.
+
+    Raises:
+        Malformed: A template cannot be read.
+    """
+    create = CreateString(state.components[instance].type.type_name)
+    names = _expanded(state, _templates(state, create), instance)
+    return tuple(name for name in names if state.name_owner(name) in ("", instance))
+
+
+def _expanded(state: State, templates: Iterable[str], instance: str) -> tuple[str, ...]:
     process = state.process_of(instance)
-    names = formats.expand(
+    return formats.expand(
         templates,
         instance=instance,
         host=state.host,
@@ -37,8 +54,6 @@ def late_names(state: State, create: CreateString, instance: str) -> tuple[str, 
         type=state.components[instance].type,
         pid=process.pid if process is not None else 0,
     )
-    check_free(state, names, instance)
-    return names
 
 
 def check_free(state: State, names: Iterable[str], instance: str) -> None:

@@ -15,13 +15,14 @@ NOWHERE = -1
 
 @dataclass(slots=True)
 class Process:
-    """The manager's own process, or a slave.
+    """The manager's own process, a slave, or a guest: one that nobody here started.
 
     Attributes:
         state: ``starting``, ``up``, ``stopped`` or ``lost``.
         reason: Why it is lost.
         last: What it said before it was lost.
         is_wanted: False once it was told to end.
+        is_guest: It came by itself with components of its own and ends by itself.
     """
 
     key: int
@@ -31,11 +32,12 @@ class Process:
     reason: str = ""
     last: str = ""
     is_wanted: bool = True
+    is_guest: bool = False
 
     @property
     def is_slave(self) -> bool:
-        """Whether it is not the manager itself."""
-        return self.key != OWN_PROCESS
+        """Whether the manager started it, and is to end it."""
+        return self.key != OWN_PROCESS and not self.is_guest
 
     @property
     def is_alive(self) -> bool:
@@ -147,7 +149,10 @@ class State:
             (
                 process
                 for process in self.processes.values()
-                if process.name == name and process.is_alive and process.is_wanted
+                if process.name == name
+                and process.is_alive
+                and process.is_wanted
+                and not process.is_guest
             ),
             None,
         )
@@ -215,7 +220,7 @@ class State:
             pid=self.pid,
             version=self.version,
             processes=tuple(
-                ProcessFacts(p.name, p.is_slave, p.pid, p.state, p.reason)
+                ProcessFacts(p.name, p.is_slave, p.pid, p.state, p.reason, p.is_guest)
                 for p in self.processes.values()
             ),
             components=tuple(self.components.values()),

@@ -169,16 +169,24 @@ class Holder:
             for path, init in message.get("modules", ()):
                 self._loader.load(path, init)
             component = self._loader.make(create, partial(complete, message))
-        self._watched(instance, "on_initialize", component.initialize)
-        self._components[instance] = component
+        self.hold(component)
         self._memory[instance] = message.get("kept", {})
-        for context in component.contexts.values():
-            self._drive(component, context)
         if isinstance(component, Composite):
             self._compose(message, component)
             return LATER
         self.tell(component)
         return instance
+
+    def hold(self, component: Component) -> None:
+        """Initialise a component and drive its contexts; only on the thread of `run`.
+
+        Raises:
+            Refused: on_initialize failed.
+        """
+        self._watched(component.instance, "on_initialize", component.initialize)
+        self._components[component.instance] = component
+        for context in component.contexts.values():
+            self._drive(component, context)
 
     def _compose(self, message: Message, composite: Composite) -> None:
         composite.resolve = self.component

@@ -1,6 +1,6 @@
-"""A slave's line to its manager: it hears, tells, and outlives the manager.
+"""The line of a slave, or a guest, to its manager: it hears, tells, and outlives the manager.
 
-When the manager is gone the slave runs on, waits for the next one and tells it what it holds.
+When the manager is gone the process runs on, waits for the next one and tells it what it holds.
 What there is to report meanwhile is dropped: the next manager gets the whole state at once.
 """
 
@@ -12,6 +12,7 @@ import os
 import select
 import signal
 import socket
+import threading
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
@@ -39,15 +40,26 @@ class Hearer(Protocol):
         """Call `tell` with everything that is held."""
 
 
-class Contact:
-    """The line of the slave `name` to whatever manager listens at `path`."""
+class Ending(Protocol):
+    """What tells a contact that its process is to end."""
 
-    def __init__(self, path: str, name: str) -> None:
+    def fileno(self) -> int:
+        """Return the descriptor that turns readable, for selectors."""
+
+    def has_come(self) -> bool:
+        """Whether the end was asked for; what made the descriptor readable is read."""
+
+
+class Contact:
+    """The line of the process `name` to whatever manager listens at `path`, until `ending`."""
+
+    def __init__(self, path: str, name: str, ending: Ending, *, is_guest: bool = False) -> None:
         self._path = path
         self._name = name
+        self._is_guest = is_guest
         self._channel: Channel | None = None
-        self._wake = _catch_term()
-        self._has_term = False
+        self._ending = ending
+        self._is_over = False
 
     @property
     def is_alone(self) -> bool:
@@ -64,6 +76,25 @@ class Contact:
         channel.send({"hello": key, **self._identity()})
         self._channel = channel
 
+    def visit(
+        self, tell_all: Callable[[Callable[[Message], object]], object], timeout_s: float
+    ) -> None:
+        """Come as a guest, with all that is held.
+
+        Raises:
+            OSError: No manager listens, or what is held is not told in time.
+        """
+        channel = _connect(self._path)
+        told = threading.Event()
+
+        def introduce(held: Message) -> None:
+            self._introduce(channel, held)
+            told.set()
+
+        tell_all(introduce)
+        if not told.wait(timeout_s):
+            raise TimeoutError(f"not ready within {timeout_s:g} s")
+
     def send(self, message: Message) -> None:
         """Report to the manager, if there is one."""
         channel = self._channel
@@ -72,19 +103,19 @@ class Contact:
                 channel.send(message)
 
     def listen(self, holder: Hearer) -> None:
-        """Pass on what managers say, one after the other; return when a TERM came."""
+        """Pass on what managers say, one after the other; return when the end was asked for."""
         channel = self._channel
         while channel is not None:
             while self._hear(channel, holder):
                 pass
             channel.close()
-            channel = None if self._has_term else self._seek(holder)
+            channel = None if self._is_over else self._seek(holder)
 
     def _hear(self, channel: Channel, holder: Hearer) -> bool:
-        """Hand the next messages to the holder; False when a TERM came or the manager is gone."""
-        sources: list[Any] = [channel, self._wake]
+        """Hand the next messages to the holder; False at the end, or when the manager is gone."""
+        sources: list[Any] = [channel, self._ending]
         ready: list[object] = select.select(sources, [], [])[0]
-        if self._wake in ready and self._is_term():
+        if self._ending in ready and self._shall_end():
             return False
         if channel not in ready:
             return True
@@ -100,27 +131,28 @@ class Contact:
         return messages is not None
 
     def _seek(self, holder: Hearer) -> Channel | None:
-        """Wait for the next manager and tell it everything; None when a TERM came instead."""
+        """Wait for the next manager and tell it everything; None when the end came instead."""
         _log.warning("the manager is gone; waiting for the next one")
         while True:
             with contextlib.suppress(OSError):
                 channel = _connect(self._path)
                 holder.tell_all(partial(self._introduce, channel))
                 return channel
-            if select.select([self._wake], [], [], _SEEK_S)[0] and self._is_term():
+            if select.select([self._ending], [], [], _SEEK_S)[0] and self._shall_end():
                 return None
 
     def _introduce(self, channel: Channel, held: Message) -> None:
         with contextlib.suppress(OSError):
-            channel.send({"found": self._name, **self._identity(), **held})
+            who = {"found": self._name, "guest": self._is_guest}
+            channel.send({**who, **self._identity(), **held})
             self._channel = channel
 
     def _identity(self) -> dict[str, Any]:
         return {"pid": os.getpid(), "protocol": PROTOCOL}
 
-    def _is_term(self) -> bool:
-        self._has_term |= signal.SIGTERM in os.read(self._wake, 4096)
-        return self._has_term
+    def _shall_end(self) -> bool:
+        self._is_over |= self._ending.has_come()
+        return self._is_over
 
 
 def _connect(path: str) -> Channel:
@@ -133,14 +165,23 @@ def _connect(path: str) -> Channel:
     return Channel(connection)
 
 
-def _catch_term() -> int:
-    """Return a descriptor that turns readable at a TERM, whichever thread the kernel gives it to.
+class Term:
+    """A TERM as an ending: noticed at once, whichever thread the kernel gives it to.
 
     A handler alone would run only when the main thread next leaves a wait of its own.
     """
-    read, write = os.pipe()
-    for descriptor in (read, write):
-        os.set_blocking(descriptor, False)
-    signal.signal(signal.SIGTERM, lambda *_: None)
-    signal.set_wakeup_fd(write, warn_on_full_buffer=False)
-    return read
+
+    def __init__(self) -> None:
+        self._read, write = os.pipe()
+        for descriptor in (self._read, write):
+            os.set_blocking(descriptor, False)
+        signal.signal(signal.SIGTERM, lambda *_: None)
+        signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+
+    def fileno(self) -> int:
+        """Return the descriptor that turns readable at any signal."""
+        return self._read
+
+    def has_come(self) -> bool:
+        """Whether a TERM was among the signals."""
+        return signal.SIGTERM in os.read(self._read, 4096)

@@ -126,9 +126,9 @@ class Lines:
             return None
         self._find_fosters()
         self._found[pid] = channel
-        self._handle(
-            ev.SlaveFound(pid, first["found"], first.get("components"), first.get("wires"))
-        )
+        components, wires = first.get("components"), first.get("wires")
+        is_guest = first.get("guest") is True
+        self._handle(ev.SlaveFound(pid, first["found"], components, wires, is_guest))
         is_refused = self._found.pop(pid, None) is not None
         return None if is_refused else next(k for k, c in self._channels.items() if c is channel)
 
@@ -136,12 +136,12 @@ class Lines:
         self._channels[key] = channel
         self._selector.modify(channel, _READ, self._reader(key, channel))
 
-    def adopt(self, key: int, pid: int) -> None:
-        """Keep the line of a slave that was found, under its key."""
+    def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> None:
+        """Keep the line of a slave that was found, or of a guest, under its key."""
         channel = self._found.pop(pid)
         self.drop(key)  # the line that it had before
         self._take_in(key, channel)
-        pidfd = self._nursery.adopt(key, pid)
+        pidfd = self._nursery.adopt(key, pid, is_guest=is_guest)
         if pidfd is not None:
             self._watch(key, pidfd)
         self.check_settled()

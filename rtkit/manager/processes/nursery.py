@@ -55,6 +55,7 @@ class Nursery:
         self._pidfds: dict[int, int] = {}
         self._asked: dict[int, str] = {}
         self._adopted: set[int] = set()
+        self._guests: set[int] = set()
         self._over: set[int] = set()
         self.sweep_at: float | None = None
         self.fosters = Fosters(self._settings["zygote"])
@@ -85,8 +86,8 @@ class Nursery:
             self._born(key, pid)
         return self._pids.get(key) == pid
 
-    def adopt(self, key: int, pid: int) -> int | None:
-        """Take a slave in that an earlier manager left.
+    def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> int | None:
+        """Take a slave in that an earlier manager left, or a guest.
 
         Returns:
             Its pidfd if nobody else would tell its end; it turns readable then.
@@ -95,6 +96,8 @@ class Nursery:
             return None
         self._enter(key, pid)
         self._adopted.add(key)
+        if is_guest:
+            self._guests.add(pid)
         self.fosters.found(pid)
         return None if self.fosters.has(pid) else self._pidfds.get(key)
 
@@ -214,8 +217,11 @@ class Nursery:
         pidfd = self._pidfds.pop(key, None)
         if pidfd is not None:
             os.close(pidfd)
-        self._over.add(pid)
-        if self.sweep_at is None:
+        if pid in self._guests:
+            self._guests.discard(pid)  # what it leaves behind is not ours to end
+        else:
+            self._over.add(pid)
+        if self._over and self.sweep_at is None:
             self.sweep_at = time.monotonic() + _SWEEP_S
         return ev.SlaveEnded(key, why)
 

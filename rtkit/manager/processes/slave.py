@@ -17,7 +17,7 @@ from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.logs.logs import open_log
 from rtkit.manager.modules.loader import Loader
-from rtkit.manager.processes.contact import Contact
+from rtkit.manager.processes.contact import Contact, Term
 from rtkit.manager.processes.leftovers import MARK, end_sessions
 from rtkit.manager.processes.watchman import STACK_SIGNAL, beats_path, stack_path
 
@@ -42,7 +42,7 @@ def _hold(key: int, name: str, settings: Any) -> None:
     os.environ[MARK] = str(os.getpid())
     with open("/proc/self/comm", "w", encoding="utf-8") as comm:
         comm.write(f"rtkit {name}")
-    contact = Contact(settings["control"], name)
+    contact = Contact(settings["control"], name, Term())
     data = settings["data"].replace("%p", str(os.getpid()))
     beats = Beats(beats_path(settings["data"], os.getpid()))
     stack = open(stack_path(settings["data"], os.getpid()), "w")  # noqa: SIM115 - open for life

@@ -1,0 +1,77 @@
+"""Guests: processes that come by themselves, seen by the core."""
+
+from __future__ import annotations
+
+from rtkit.deployment.actions import Connect, Create, Delete
+from rtkit.deployment.capture import Heading, capture
+from rtkit.manager.core import events as ev
+from rtkit.manager.fake import FakeShell, wire
+
+
+def test_what_a_guest_holds_is_shown_under_the_usual_name() -> None:
+    shell = FakeShell()
+    key = shell.visit(300, "rtprint_300", ["A"])
+    assert shell.state.components["A"].names == ("localhost/A.rtc",)
+    assert (key, {"welcome": ["A"]}) in shell.told
+    process = shell.state.snapshot().processes[-1]
+    assert (process.name, process.is_guest, process.is_slave) == ("rtprint_300", True, False)
+
+
+def test_a_name_that_is_taken_is_not_given_to_a_guest() -> None:
+    shell = FakeShell()
+    shell.make("A")
+    key = shell.visit(300, "rtprint_300", ["A", "B"])
+    assert (key, {"op": "delete", "instance": "A"}) in shell.told
+    assert (key, {"welcome": ["B"]}) in shell.told
+    assert shell.state.holders["A"] == ev.OWN_PROCESS
+
+
+def test_a_guest_leaves_no_zombie_and_no_connector() -> None:
+    shell = FakeShell()
+    other = shell.make("B", "s")
+    key = shell.visit(300, "rtprint_300", ["A"])
+    asked = shell.ask(Connect(wire("w")))
+    shell.serve()
+    assert asked.result.ok
+    shell.end(key)
+    assert set(shell.state.components) == {"B"}
+    assert shell.state.connectors == {}
+    assert key not in shell.state.processes
+    assert (other, {"op": "unlink", "connector_id": "w"}) in shell.told
+
+
+def test_what_a_guest_holds_can_be_ended_from_outside_and_the_guest_is_not() -> None:
+    shell = FakeShell()
+    shell.visit(300, "rtprint_300", ["A"])
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    assert asked.result.ok
+    shell.wait(60)
+    assert shell.signals == []
+
+
+def test_a_stop_ends_components_of_guests_and_sends_guests_no_signal() -> None:
+    shell = FakeShell()
+    key = shell.visit(300, "rtprint_300", ["A"])
+    shell.feed(ev.StopAsked())
+    call = shell.next("delete")
+    assert (call.key, call.message["instance"]) == (key, "A")
+    shell.reply(call)
+    assert shell.signals == []
+    assert shell.is_finished
+
+
+def test_nothing_is_created_in_a_guest() -> None:
+    shell = FakeShell()
+    shell.visit(300, "visitor", ["A"])
+    shell.ask(Create("Type?instance_name=B&manager_name=visitor"))
+    assert "visitor" in shell.spawned
+
+
+def test_a_guest_is_no_part_of_a_captured_system() -> None:
+    shell = FakeShell()
+    shell.make("B")
+    shell.visit(300, "rtprint_300", ["A"])
+    heading = Heading("2026-01-01T00:00:00")
+    profile = capture(shell.state.snapshot(), heading, takes_all=True)
+    assert [component.instance_name for component in profile.components] == ["B"]
