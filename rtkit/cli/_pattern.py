@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Malformed
 from rtkit.profile.words import property_value
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
@@ -70,12 +69,9 @@ def _sets(profile: RtcProfile) -> dict[str, dict[str, str]]:
 
 
 def _constraint(configuration: Configuration) -> str:
-    from rtkit.profile.constraint_text import format_constraint
+    from rtkit.profile.constraint_format import format_constraint
 
-    try:
-        return format_constraint(configuration.constraint) if configuration.constraint else ""
-    except Malformed:
-        return ""  # it has no form that a hint can have
+    return format_constraint(configuration.constraint) if configuration.constraint else ""
 
 
 def _context(profile: RtcProfile) -> ContextPattern:

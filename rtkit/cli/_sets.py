@@ -121,7 +121,7 @@ def check(facts: ComponentFacts, wanted: Sets) -> None:
         NotFound: No such parameter.
         Malformed: A text that the parameter cannot have.
     """
-    from rtkit.deployment.parameters import misfit
+    from rtkit.component.fit import misfit
 
     bad: list[tuple[str, RtkitError]] = []
     for set_id, values in wanted.items():

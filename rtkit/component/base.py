@@ -13,7 +13,7 @@ from rtkit.component.kinds import kind_of
 from rtkit.component.parameter import Parameter
 from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.pattern import ContextPattern
@@ -304,11 +304,18 @@ class Component(Callbacks):
         configuration.update()
 
     def _declare_options(self) -> None:
+        given: dict[str, dict[str, str]] = {}
         for key, value in self.options.items():
             if key.startswith("conf."):
                 set_id, _, name = key.removeprefix("conf.").partition(".")
                 if set_id and name:
-                    self.configuration.declare(set_id, {name: value})
+                    given.setdefault(set_id, {})[name] = value
+        for set_id, values in given.items():
+            self.configuration.declare(set_id, values)
+        for set_id, values in given.items():
+            why = self.configuration.misfits(set_id, values)
+            if why:
+                raise Malformed(f"{self.instance}: conf.{set_id}: {why}")
 
     def keep_failure(self, callback: str, failure: Failure) -> None:
         """Keep why it is in Error, and log it; called by the context that drives it."""

@@ -1,7 +1,8 @@
 """Configuration sets: named sets of text parameters, of which one is active.
 
-Writing a set changes text only. What a component sees changes when a set was activated and its
-execution context comes to the next state update, never in the middle of a cycle.
+Writing a set changes text only, and text that a parameter cannot have is refused. What a
+component sees changes when a set was activated and its execution context comes to the next state
+update, never in the middle of a cycle.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
+from rtkit.component.fit import misfits
 from rtkit.component.kinds import Kind, Value, kind_of
 from rtkit.errors import Malformed, NotFound, Refused
 
@@ -86,11 +88,15 @@ class Configuration:
 
         Raises:
             NotFound: No such set, or no such parameter in it.
+            Malformed: A text that a parameter cannot have; names parameter, text and constraint.
         """
         present = self._find(set_id)
         for name in values:
             if name not in present:
                 raise NotFound(f"No such configuration parameter: {name}")
+        why = self.misfits(set_id, values)
+        if why:
+            raise Malformed(why)
         self._sets[set_id] = {**present, **values}
         for name in values:
             self.changed("parameter_updated", f"{set_id}.{name}")
@@ -101,10 +107,14 @@ class Configuration:
 
         Raises:
             Refused: One of that name exists, or the name is empty.
+            Malformed: A text that a parameter cannot have.
         """
         if not set_id or set_id in self._sets:
             reason = "exists already" if set_id else "needs a name"
             raise Refused(f"configuration set {set_id or repr('')} {reason}")
+        why = self.misfits(set_id, values)
+        if why:
+            raise Malformed(why)
         self._sets[set_id] = dict(values)
         self._added.add(set_id)
         self.changed("set_added", set_id)
@@ -130,11 +140,16 @@ class Configuration:
 
         Raises:
             NotFound: No such set.
-            Refused: The name is empty or begins with an underscore.
+            Refused: The name is empty or begins with an underscore, or the set holds a text that
+                a parameter cannot have.
         """
         if not set_id or set_id.startswith("_"):
             raise Refused(f"configuration set {set_id or repr('')} cannot be activated")
-        self._pending.append((set_id, self._find(set_id)))
+        texts = self._find(set_id)
+        why = self.misfits(set_id, texts)
+        if why:
+            raise Refused(f"configuration set {set_id} cannot be activated: {why}")
+        self._pending.append((set_id, texts))
 
     def update(self) -> bool:
         """Take over a pending activation; return whether there was one.
@@ -168,6 +183,24 @@ class Configuration:
                 f" {kind.write(default)} is used"
             )
             return default
+
+    def misfits(self, set_id: str, values: Mapping[str, str]) -> str:
+        """Return which of these texts the parameters cannot have, and why; empty when all can.
+
+        What a hidden set holds are hints, not values; a default that its author forbids is let be.
+        """
+        if is_hidden(set_id):
+            return ""
+        given = {
+            name: text
+            for name, text in values.items()
+            if name not in self._kinds or text != self._written_default(name)
+        }
+        return misfits(self._sets, given.items()) if given else ""
+
+    def _written_default(self, name: str) -> str:
+        kind, default = self._kinds[name]
+        return kind.write(default)
 
     def _find(self, set_id: str) -> dict[str, str]:
         found = self._sets.get(set_id)

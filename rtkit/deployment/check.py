@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from rtkit.deployment.creation import absence
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, context_of
-from rtkit.deployment.system import System, WantedComponent, WantedConnector
+from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector
 from rtkit.deployment.wiring import address
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 from rtkit.rtc.profiles import PortRef
@@ -139,7 +139,7 @@ def check_lines(system: System, state: str) -> Iterator[str]:
             yield f'Check set "{set_id}" is active on component at path {path}'
     for component in system.components:
         for set_id, values in component.sets.items():
-            for name, value in values.items():
+            for name, value in () if set_id.startswith(HIDDEN) else values.items():
                 yield (
                     f'Check parameter "{name}" in set "{set_id}" on component'
                     f' at path {component.path} is "{value}"'
@@ -183,7 +183,7 @@ def _parameters(component: WantedComponent, facts: ComponentFacts) -> Iterator[D
         present = facts.sets.get(set_id)
         for name, value in values.items():
             found = present.get(name) if present is not None else None
-            if found == value or (found is None and set_id.startswith("__")):
+            if found == value or set_id.startswith(HIDDEN):
                 continue
             where = f"Configuration parameter {name} in set {set_id} on component {component.path}"
             text = f"{where} is incorrect (value: {found})"

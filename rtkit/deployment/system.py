@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 
+HIDDEN = "__"
+"""Configuration sets whose names begin so hold hints about parameters, not their values."""
+
 
 @dataclass(frozen=True, slots=True)
 class KnownType:

@@ -9,7 +9,7 @@ from rtkit.deployment.creation import absence
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import Plan, Step, layer
-from rtkit.deployment.system import System, WantedComponent, WantedConnector
+from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 
@@ -84,7 +84,10 @@ def _parameters(component: WantedComponent, live: Live, pending: Collection[str]
                 f'Set parameter "{name}" in set "{set_id}" on component'
                 f' at path {component.path} to "{value}"'
             )
-            if component.instance in pending:
+            if set_id.startswith(HIDDEN):
+                # Hints that the component gives of itself: a profile keeps them, and no more.
+                yield Step(text, None, holds=True)
+            elif component.instance in pending:
                 made_so = component.pattern is not None
                 action = (
                     None if made_so else SetParameters(component.instance, set_id, {name: value})
@@ -99,9 +102,6 @@ def _parameters(component: WantedComponent, live: Live, pending: Collection[str]
 def _parameter(text: str, facts: ComponentFacts, set_id: str, name: str, value: str) -> Step:
     present = facts.sets.get(set_id)
     if present is None or name not in present:
-        if set_id.startswith("__"):
-            # A hidden set describes parameters to editors: one that lacks it needs no value.
-            return Step(text, None, holds=True)
         what = f"parameter: {name}" if present is not None else f"set: {set_id}"
         return Step(text, None, blocked=f"No such configuration {what} ({facts.instance})")
     if present[name] == value:

@@ -1,13 +1,18 @@
-"""Constraints in one line, as configuration files write them, to and from the model.
+"""Constraints in one line, as configuration files write them, read into the model.
 
-``100`` equal, ``x>1`` ``x<=9`` comparisons, ``1<=x<=9`` between, ``1<x<9`` both, ``(a,b,c)`` one
-of these, ``c1,c2`` one for each element of a vector, ``{k1:c1,k2:c2}`` one for each key. Blanks
-mean nothing.
+``100`` equal, ``x>1`` ``x<=9`` ``x!=3`` comparisons, ``1<=x<=9`` between, ``1<x<9`` both,
+``(a,b,c)`` one of these, ``c1,c2`` one for each element of a vector, ``{k1:c1,k2:c2}`` one for
+each key. Blanks mean nothing. These forms are those of other tools too; the rest of the model
+has forms of rtkit's own: ``not(c)``, ``and(c1,c2)``, ``or(c1,c2)``, ``null()``,
+``like("a*")``, ``like("a%","%","_","!")`` (any text, one character, escape), ``list(c1,…)``
+and ``hash(c1,…)`` where they stand inside others, ``key(k,c)``. A literal in double quotes may
+hold anything, one in single quotes is compared by case too.
 """
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable
+from dataclasses import replace
 
 from rtkit.errors import Malformed
 from rtkit.profile.constraint_model import (
@@ -16,24 +21,30 @@ from rtkit.profile.constraint_model import (
     Constraint,
     ConstraintGroup,
     ConstraintUnit,
+    IsNull,
+    Like,
     Logical,
 )
+from rtkit.profile.constraint_tokens import Token, tokens
 
-_LITERAL = r"[^<>=(){},:\s]+"
-_ONE = re.compile(rf"x(<=|>=|<|>)({_LITERAL})")
-_ONE_TURNED = re.compile(rf"({_LITERAL})(<=|>=|<|>)x")
-_TWO = re.compile(rf"({_LITERAL})(<=|<)x(<=|<)({_LITERAL})")
-_TWO_TURNED = re.compile(rf"({_LITERAL})(>=|>)x(>=|>)({_LITERAL})")
-_KINDS = {
-    "": "propertyIsEqualTo",
-    "<": "propertyIsLessThan",
-    "<=": "propertyIsLessThanOrEqualTo",
-    ">": "propertyIsGreaterThan",
-    ">=": "propertyIsGreaterThanOrEqualTo",
+MAX_DEPTH = 64
+"""Constraints nested deeper than this are malformed."""
+
+SIGNS = {
+    "propertyIsLessThan": "<",
+    "propertyIsLessThanOrEqualTo": "<=",
+    "propertyIsGreaterThan": ">",
+    "propertyIsGreaterThanOrEqualTo": ">=",
+    "propertyIsNotEqualTo": "!=",
 }
-_SIGNS = {kind: sign for sign, kind in _KINDS.items()}
-_TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-_Test = Comparison | Between | Logical
+"""How the kinds of comparisons are written between ``x`` and a literal."""
+
+LIKE_MARKS = ("*", "?", "\\")
+"""Wild card, single character and escape of ``like("…")`` when it names none."""
+
+_KINDS = {sign: kind for kind, sign in SIGNS.items()}
+_TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "!=": "!="}
+_END = Token("end", "")
 
 
 def parse_constraint(text: str) -> Constraint | None:
@@ -42,112 +53,180 @@ def parse_constraint(text: str) -> Constraint | None:
     Raises:
         Malformed: It follows none of the forms.
     """
-    bare = "".join(text.split())
-    if not bare:
-        return None
-    if bare.startswith("{") and bare.endswith("}"):
-        pairs = [part.partition(":") for part in _parts(bare[1:-1], text)]
-        if any(not colon or not key for key, colon, _ in pairs):
-            raise Malformed(f"bad constraint {text!r}: a hash is written {{key1:c1,key2:c2}}")
-        units = tuple(Constraint(ConstraintUnit(_test(c, text), key)) for key, _, c in pairs)
-        return Constraint(ConstraintGroup("ConstraintHashType", units))
-    parts = _parts(bare, text)
-    if len(parts) == 1:
-        return _unit(bare, text)
-    return Constraint(
-        ConstraintGroup("ConstraintListType", tuple(_unit(part, text) for part in parts))
-    )
+    found = tokens(text)
+    return _Parser(found, text).whole() if found else None
 
 
-def _parts(bare: str, text: str) -> list[str]:
-    parts = re.findall(r"(?:[^,(){}]|\([^(){}]*\))+", bare)
-    if ",".join(parts) != bare:
-        raise Malformed(f"bad constraint {text!r}: brackets or commas do not fit")
-    return parts
+class _Parser:
+    def __init__(self, found: list[Token], text: str) -> None:
+        self._tokens = found
+        self._text = text
+        self._place = 0
+        self._depth = 0
+        self._forms: dict[str, Callable[[], Constraint]] = {
+            "not": lambda: _unit(Logical("Not", self._several(1, 1))),
+            "and": lambda: _unit(Logical("And", self._several(2))),
+            "or": lambda: _unit(Logical("Or", self._several(2))),
+            "null": self._null,
+            "like": self._like,
+            "list": lambda: _group("ConstraintListType", self._several(0)),
+            "hash": lambda: _group("ConstraintHashType", self._several(0)),
+            "key": self._keyed,
+        }
+
+    def whole(self) -> Constraint:
+        parts = [self._one()]
+        while self._takes(","):
+            parts.append(self._one())
+        if self._next.kind != "end":
+            raise self._bad(f"{self._next.text!r} belongs nowhere")
+        return parts[0] if len(parts) == 1 else _group("ConstraintListType", tuple(parts))
+
+    @property
+    def _next(self) -> Token:
+        return self._tokens[self._place] if self._place < len(self._tokens) else _END
+
+    def _take(self) -> Token:
+        token = self._next
+        self._place += 1
+        return token
+
+    def _takes(self, mark: str) -> bool:
+        is_there = self._next.kind == "mark" and self._next.text == mark
+        self._place += is_there
+        return is_there
+
+    def _needs(self, mark: str) -> None:
+        if not self._takes(mark):
+            raise self._bad("brackets or commas do not fit")
+
+    def _bad(self, why: str) -> Malformed:
+        return Malformed(f"bad constraint {self._text!r}: {why}")
+
+    def _one(self) -> Constraint:
+        self._depth += 1
+        if self._depth > MAX_DEPTH:
+            raise self._bad(f"nested deeper than {MAX_DEPTH}")
+        made = self._form()
+        self._depth -= 1
+        return made
+
+    def _form(self) -> Constraint:
+        if self._takes("{"):
+            return self._hash()
+        if self._takes("("):
+            return self._enumeration()
+        token = self._next
+        follower = self._tokens[self._place + 1 : self._place + 2]
+        if token.kind == "word" and follower == [Token("mark", "(")]:
+            form = self._forms.get(token.text)
+            if form is None:
+                raise self._bad(f"there is no {token.text}(); there are {', '.join(self._forms)}")
+            self._place += 2
+            made = form()
+            self._needs(")")
+            return made
+        return _unit(self._comparison())
+
+    def _several(self, least: int, most: int | None = None) -> tuple[Constraint, ...]:
+        if self._next == Token("mark", ")"):
+            parts = []
+        else:
+            parts = [self._one()]
+            while self._takes(","):
+                parts.append(self._one())
+        if len(parts) < least or len(parts) > (most or len(parts)):
+            raise self._bad("not() needs one constraint; and(), or() need two or more")
+        return tuple(parts)
+
+    def _hash(self) -> Constraint:
+        parts: list[Constraint] = []
+        while not self._takes("}"):
+            if parts:
+                self._needs(",")
+            key = self._literal("a hash is written {key1:c1,key2:c2}").text
+            if not self._takes(":"):
+                raise self._bad("a hash is written {key1:c1,key2:c2}")
+            parts.append(self._with_key(key, self._one()))
+        return _group("ConstraintHashType", tuple(parts))
+
+    def _keyed(self) -> Constraint:
+        key = self._literal("key() is written key(k,c)").text
+        self._needs(",")
+        return self._with_key(key, self._one())
+
+    def _with_key(self, key: str, part: Constraint) -> Constraint:
+        if not isinstance(part.content, ConstraintUnit) or part.content.key is not None:
+            raise self._bad(f"key {key} is for one test")
+        return Constraint(replace(part.content, key=key))
+
+    def _enumeration(self) -> Constraint:
+        found = [self._literal("(a,b,c) lists values")]
+        while self._takes(","):
+            found.append(self._literal("(a,b,c) lists values"))
+        self._needs(")")
+        units = tuple(_unit(_equal(each)) for each in found)
+        return units[0] if len(units) == 1 else _unit(Logical("Or", units))
+
+    def _null(self) -> Constraint:
+        return _unit(IsNull())
+
+    def _like(self) -> Constraint:
+        why = 'like() is written like("a*") or like("a%","%","_","!")'
+        parts = [self._literal(why).text]
+        while self._takes(","):
+            parts.append(self._literal(why).text)
+        if len(parts) not in (1, 4):
+            raise self._bad(why)
+        pattern, *marks = parts
+        return _unit(Like(pattern, *(marks or LIKE_MARKS)))
+
+    def _literal(self, why: str) -> Token:
+        token = self._take()
+        if not token.is_literal:
+            raise self._bad(why)
+        return token
+
+    def _comparison(self) -> Comparison | Between | Logical:
+        operands = [self._literal("it is none of 100, x>1, 1<=x<9, (a,b), c1,c2, {k:c}")]
+        signs = []
+        while self._next.kind == "sign":
+            signs.append(self._take().text)
+            operands.append(self._literal(f"nothing is behind {signs[-1]}"))
+        if not signs:
+            return _equal(operands[0])
+        if len(signs) == 1 and operands[0].is_variable:
+            return _compare(signs[0], operands[1])
+        if len(signs) == 1 and operands[1].is_variable:
+            return _compare(_TURNED[signs[0]], operands[0])
+        low, middle, high = operands if len(signs) == 2 else (operands[0], operands[1], _END)
+        directions = {sign[0] for sign in signs}
+        if len(signs) != 2 or not middle.is_variable or directions not in ({"<"}, {">"}):
+            raise self._bad("a range is written 1<=x<9")
+        if directions == {">"}:
+            low, high = high, low
+            signs = [_TURNED[sign] for sign in reversed(signs)]
+        return _range(low, signs[0], signs[1], high)
 
 
-def _unit(part: str, text: str) -> Constraint:
-    return Constraint(ConstraintUnit(_test(part, text)))
+def _unit(test: Comparison | Between | Like | IsNull | Logical) -> Constraint:
+    return Constraint(ConstraintUnit(test))
 
 
-def _compare(sign: str, literal: str) -> Comparison:
-    return Comparison(_KINDS[sign], literal)
+def _group(kind: str, parts: tuple[Constraint, ...]) -> Constraint:
+    return Constraint(ConstraintGroup(kind, parts))
 
 
-def _test(part: str, text: str) -> _Test:
-    if part.startswith("(") and part.endswith(")"):
-        literals = part[1:-1].split(",")
-        if not all(re.fullmatch(_LITERAL, literal) for literal in literals):
-            raise Malformed(f"bad constraint {text!r}: {part} lists an unusable value")
-        if len(literals) == 1:
-            return _compare("", literals[0])
-        units = (Constraint(ConstraintUnit(_compare("", literal))) for literal in literals)
-        return Logical("Or", tuple(units))
-    if two := _TWO.fullmatch(part):
-        return _range(*two.groups())
-    if two := _TWO_TURNED.fullmatch(part):
-        high, above, below, low = two.groups()
-        return _range(low, _TURNED[below], _TURNED[above], high)
-    if one := _ONE.fullmatch(part):
-        return _compare(one[1], one[2])
-    if one := _ONE_TURNED.fullmatch(part):
-        return _compare(_TURNED[one[2]], one[1])
-    if re.fullmatch(_LITERAL, part):
-        return _compare("", part)
-    raise Malformed(
-        f"bad constraint {text!r}: {part!r} is none of 100, x>1, 1<=x<9, (a,b), c1,c2, {{k:c}}"
-    )
+def _equal(value: Token) -> Comparison:
+    return Comparison("propertyIsEqualTo", value.text, value.is_exact)
 
 
-def _range(low: str, above: str, below: str, high: str) -> Between | Logical:
+def _compare(sign: str, value: Token) -> Comparison:
+    return Comparison(_KINDS[sign], value.text, value.is_exact)
+
+
+def _range(low: Token, above: str, below: str, high: Token) -> Between | Logical:
     if above == below == "<=":
-        return Between(low, high)
+        return Between(low.text, high.text)
     ends = (_compare(_TURNED[above], low), _compare(below, high))
-    return Logical("And", tuple(Constraint(ConstraintUnit(end)) for end in ends))
-
-
-def format_constraint(constraint: Constraint) -> str:
-    """Write a constraint in one line.
-
-    Raises:
-        Malformed: It has no such form, as Not, Like or nested groups.
-    """
-    content = constraint.content
-    if isinstance(content, ConstraintUnit):
-        return _format_test(content.test)
-    units = [part.content for part in content.constraints]
-    if any(not isinstance(unit, ConstraintUnit) for unit in units):
-        raise Malformed("a constraint of groups within groups has no one-line form")
-    texts = [
-        (unit.key, _format_test(unit.test)) for unit in units if isinstance(unit, ConstraintUnit)
-    ]
-    if content.kind == "ConstraintListType":
-        return ",".join(text for _, text in texts)
-    return "{" + ",".join(f"{key or ''}:{text}" for key, text in texts) + "}"
-
-
-def _format_test(test: object) -> str:
-    if isinstance(test, Between):
-        return f"{test.lower_boundary}<=x<={test.upper_boundary}"
-    if isinstance(test, Comparison) and test.kind in _SIGNS:
-        sign = _SIGNS[test.kind]
-        return f"x{sign}{test.literal}" if sign else test.literal
-    if isinstance(test, Logical):
-        inside = _comparisons(test)
-        if test.kind == "Or" and all(sign == "" for sign, _ in inside) and inside:
-            return "(" + ",".join(literal for _, literal in inside) + ")"
-        signs = [sign for sign, _ in inside]
-        if test.kind == "And" and len(signs) == 2 and signs[0][:1] == ">" and signs[1][:1] == "<":
-            return f"{inside[0][1]}{_TURNED[signs[0]]}x{signs[1]}{inside[1][1]}"
-    raise Malformed(f"a constraint with {getattr(test, 'kind', test)} has no one-line form")
-
-
-def _comparisons(test: Logical) -> list[tuple[str, str]]:
-    found = []
-    for part in test.constraints:
-        unit = part.content
-        inner = unit.test if isinstance(unit, ConstraintUnit) else None
-        if not isinstance(inner, Comparison) or inner.kind not in _SIGNS:
-            raise Malformed(f"a constraint with {test.kind} of other tests has no one-line form")
-        found.append((_SIGNS[inner.kind], inner.literal))
-    return found
+    return Logical("And", tuple(_unit(end) for end in ends))

@@ -1,96 +1,193 @@
-"""Whether values satisfy constraints. Values and literals are text; numbers compare as numbers."""
+"""Whether values satisfy constraints. Values and literals are text; numbers compare as numbers.
+
+A test that no value of the parameter's kind could ever meet or miss says nothing: a bound that
+is no number, a word where numbers are wanted (authors write remarks there). What says nothing
+is left out of what is around it.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from rtkit.profile.constraint_model import (
     Between,
     Comparison,
     Constraint,
     ConstraintGroup,
+    ConstraintUnit,
     IsNull,
     Like,
     Logical,
 )
 
 _Test = Comparison | Between | Like | IsNull | Logical
-_Order = Callable[[float, float], bool]
+_Number = int | float
+_Order = Callable[[_Number, _Number], bool]
 _ORDERS: dict[str, _Order] = {
-    "propertyIsLessThan": float.__lt__,
-    "propertyIsLessThanOrEqualTo": float.__le__,
-    "propertyIsGreaterThan": float.__gt__,
-    "propertyIsGreaterThanOrEqualTo": float.__ge__,
+    "propertyIsLessThan": lambda value, bound: value < bound,
+    "propertyIsLessThanOrEqualTo": lambda value, bound: value <= bound,
+    "propertyIsGreaterThan": lambda value, bound: value > bound,
+    "propertyIsGreaterThanOrEqualTo": lambda value, bound: value >= bound,
 }
+_LEAST = _ORDERS["propertyIsGreaterThanOrEqualTo"]
+_MOST = _ORDERS["propertyIsLessThanOrEqualTo"]
+_EQUAL = "propertyIsEqualTo"
+_TRUTHS = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
+_SPELLINGS = {**_TRUTHS, "1": True, "0": False}
+_INTEGER = re.compile(r"\s*[+-]?[0-9]{1,400}\s*", re.ASCII)
 
 
-def allows(constraint: Constraint, value: str | Sequence[str]) -> bool:
+def allows(
+    constraint: Constraint, value: str | Sequence[str], *, wants_number: bool = False
+) -> bool:
     """Whether `value`, a text or the elements of a list, satisfies `constraint`.
 
     One test holds for each element; a list of constraints holds element by element, as far as
-    both go. A hash says nothing about a value without keys.
+    both go, unless it only names values: then it lists what each may be, as authors mean it.
+    A hash holds for ``key:value`` elements whose key it names, and says nothing of others.
+
+    Args:
+        constraint: What must hold.
+        value: What is tested.
+        wants_number: Nothing but numbers can be values, so words test nothing.
     """
+    items = (value,) if isinstance(value, str) else tuple(value)
+    return _verdict(constraint, items, wants_number) is not False
+
+
+def _verdict(constraint: Constraint, items: tuple[str, ...], wants_number: bool) -> bool | None:
+    """Return whether it holds, None where it says nothing."""
     content = constraint.content
-    items = [value] if isinstance(value, str) else value
-    if isinstance(content, ConstraintGroup):
-        if content.kind != "ConstraintListType":
-            return True
-        return all(map(allows, content.constraints, items))
-    return all(_holds(content.test, item) for item in items)
+    if isinstance(content, ConstraintUnit):
+        return _all(_holds(content.test, item, wants_number) for item in items)
+    if content.kind == "ConstraintHashType":
+        return _all(_entry(content, item, wants_number) for item in _entries(items))
+    pairs = zip(content.constraints, items, strict=False)
+    each = _all(_verdict(part, (item,), wants_number) for part, item in pairs)
+    if each is False and _only_names_values(content):
+        choice = Logical("Or", content.constraints)
+        return _all(_holds(choice, item, wants_number) for item in items)
+    return each
 
 
-def _holds(test: _Test, text: str) -> bool:
+def _all(verdicts: Iterable[bool | None]) -> bool | None:
+    said = [verdict for verdict in verdicts if verdict is not None]
+    return all(said) if said else None
+
+
+def _only_names_values(group: ConstraintGroup) -> bool:
+    for part in group.constraints:
+        unit = part.content
+        test = unit.test if isinstance(unit, ConstraintUnit) else None
+        if not (isinstance(test, Comparison) and test.kind == _EQUAL):
+            return False
+    return True
+
+
+def _entries(items: tuple[str, ...]) -> Iterable[tuple[str, str]]:
+    """Yield key and value of each ``key:value`` of a text or list, brackets or none."""
+    for item in items:
+        for part in item.strip().removeprefix("{").removesuffix("}").split(","):
+            key, colon, value = part.partition(":")
+            if colon:
+                yield key.strip(), value.strip()
+
+
+def _entry(group: ConstraintGroup, entry: tuple[str, str], wants_number: bool) -> bool | None:
+    key, value = entry
+    units = [part.content for part in group.constraints]
+    tests = [unit.test for unit in units if isinstance(unit, ConstraintUnit) and unit.key == key]
+    return _all(_holds(test, value, wants_number) for test in tests)
+
+
+def _holds(test: _Test, text: str, wants_number: bool) -> bool | None:
     match test:
         case Comparison():
-            return _compare(test, text)
+            return _compare(test, text, wants_number)
         case Between(lower, upper):
-            return _order(text, lower, float.__ge__) and _order(text, upper, float.__le__)
+            return _all((_order(text, lower, _LEAST), _order(text, upper, _MOST)))
         case Like():
-            return _pattern(test).fullmatch(text) is not None
+            return _is_like(test, text)
         case IsNull():
             return not text
         case Logical(kind, constraints):
-            results = [allows(part, text) for part in constraints]
+            verdicts = [_verdict(part, (text,), wants_number) for part in constraints]
             if kind == "And":
-                return all(results)
-            return any(results) if kind == "Or" else not any(results)
+                return _all(verdicts)
+            said = [verdict for verdict in verdicts if verdict is not None]
+            if not said:
+                return None
+            return any(said) if kind == "Or" else not any(said)
 
 
-def _compare(test: Comparison, text: str) -> bool:
+def _compare(test: Comparison, text: str, wants_number: bool) -> bool | None:
     order = _ORDERS.get(test.kind)
     if order is not None:
         return _order(text, test.literal, order)
     value, literal = _number(text), _number(test.literal)
-    is_equal = value == literal if None not in (value, literal) else _same(test, text)
-    return is_equal if test.kind == "propertyIsEqualTo" else not is_equal
+    if wants_number and literal is None:
+        return None
+    is_equal = _is_same(test, text)
+    if value is not None and literal is not None:
+        is_equal = value == literal
+    return is_equal if test.kind == _EQUAL else not is_equal
 
 
-def _order(text: str, literal: str, order: _Order) -> bool:
+def _order(text: str, literal: str, order: _Order) -> bool | None:
     """Compare numbers; a bound that is no number bounds nothing."""
     value, bound = _number(text), _number(literal)
-    return bound is None or (value is not None and order(value, bound))
+    if bound is None:
+        return None
+    return value is not None and order(value, bound)
 
 
-def _same(test: Comparison, text: str) -> bool:
-    one, other = text.strip(), test.literal
-    return one == other if test.match_case else one.casefold() == other.casefold()
+def _is_same(test: Comparison, text: str) -> bool:
+    one, other = text.strip(), test.literal.strip()
+    if test.match_case:
+        return one == other
+    one, other = one.casefold(), other.casefold()
+    if other in _TRUTHS and one in _SPELLINGS:
+        return _SPELLINGS[one] == _TRUTHS[other]
+    return one == other
 
 
-def _number(text: str) -> float | None:
+def _number(text: str) -> _Number | None:
+    if _INTEGER.fullmatch(text):
+        return int(text)
+    if not text.isascii() or "_" in text:
+        return None
     try:
         return float(text)
     except ValueError:
         return None
 
 
-def _pattern(test: Like) -> re.Pattern[str]:
-    wild = {test.wild_card: ".*", test.single_char: "."}
-    parts = []
-    letters = iter(test.literal)
-    for letter in letters:
-        if letter == test.escape_char:
-            parts.append(re.escape(next(letters, "")))
+def _is_like(test: Like, text: str) -> bool:
+    """Match in one pass that goes back to the last wild card only, so that it takes no ages."""
+    wanted = _letters(test)
+    place = at = 0
+    last_wild, tried = -1, 0
+    while at < len(text):
+        letter, is_mark = wanted[place] if place < len(wanted) else ("", False)
+        if is_mark and letter == test.wild_card:
+            last_wild, tried = place, at
+            place += 1
+        elif letter and (is_mark or letter == text[at]):
+            place, at = place + 1, at + 1
+        elif last_wild >= 0:
+            tried += 1
+            place, at = last_wild + 1, tried
         else:
-            parts.append(wild.get(letter) or re.escape(letter))
-    return re.compile("".join(parts), re.DOTALL)
+            return False
+    return all(is_mark and letter == test.wild_card for letter, is_mark in wanted[place:])
+
+
+def _letters(test: Like) -> list[tuple[str, bool]]:
+    """Return the letters of a pattern, and of each whether it is a wild card or single mark."""
+    letters = iter(test.literal)
+    marks = (test.wild_card, test.single_char)
+    return [
+        (next(letters, ""), False) if letter == test.escape_char else (letter, letter in marks)
+        for letter in letters
+    ]

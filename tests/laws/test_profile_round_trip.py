@@ -11,11 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
+from rtkit.errors import Malformed
 from rtkit.profile import constraint_model as c
 from rtkit.profile.common import NO_FOREIGN, Foreign, ForeignElement
+from rtkit.profile.constraint_format import format_constraint
+from rtkit.profile.constraint_text import parse_constraint
+from rtkit.profile.constraint_value import allows
 from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile, read_rtc, read_rts
-from rtkit.profile.rtc_model import RtcProfile
+from rtkit.profile.rtc_model import Configuration, ConfigurationSet, RtcProfile
 from rtkit.profile.rtc_spec import COMPARISONS, RTC_PROFILE
 from rtkit.profile.rts_model import (
     Component,
@@ -259,6 +263,31 @@ def test_every_form_becomes_every_other(profile: RtsProfile | RtcProfile, forms:
     for form in (*forms, forms[0]):
         there = read_profile(write_profile(there, form), form=form).profile
     assert write_profile(there, forms[0]) == write_profile(profile, forms[0])
+
+
+@given(CONSTRAINTS)
+@settings(deadline=None)
+def test_a_constraint_comes_back_equal_from_its_line(constraint: c.Constraint) -> None:
+    line = format_constraint(constraint)
+    assert parse_constraint(line) == constraint
+    configuration = Configuration("p", "double", "0", constraint=constraint)
+    profile = RtcProfile("", "0.3", configuration_set=ConfigurationSet((configuration,)))
+    read = read_rtc(write_rtc(profile)).profile.configuration_set
+    assert read is not None
+    assert read.configurations[0].constraint == constraint
+
+
+@given(st.text("xab19<=>!(){},:'\"\\ .-", max_size=12) | TEXTS)
+def test_a_line_that_can_be_read_is_written_so_that_it_means_the_same(text: str) -> None:
+    try:
+        constraint = parse_constraint(text)
+    except Malformed:
+        return
+    if constraint is not None:
+        line = format_constraint(constraint)
+        assert parse_constraint(line) == constraint
+        assert format_constraint(constraint) == line
+        assert allows(constraint, "1") in (True, False)
 
 
 @given(NAMES, NAMES)

@@ -8,6 +8,10 @@ from typing import Any
 
 import pytest
 
+from rtkit.deployment.actions import SetParameters
+from rtkit.errors import Malformed
+from rtkit.tree.connect import connect
+
 MANAGER = "/localhost/manager.mgr"
 SAMPLE = "/localhost/ConfigSample0.rtc"
 
@@ -24,6 +28,72 @@ def test_a_value_that_does_not_fit_changes_nothing(manager: Any) -> None:
     assert manager.ok(f"rtconf {SAMPLE} get int_param0") == "0\n"
     manager.ok(f"rtconf {SAMPLE} set int_param0=100 bool_param0=yes vector_param0=1,2")
     assert manager.ok(f"rtconf {SAMPLE} get int_param0") == "100\n"
+
+
+@pytest.mark.parametrize("slave", ["", "&manager_name=s1"])
+def test_create_strings_and_sets_that_do_not_fit_make_nothing(manager: Any, slave: str) -> None:
+    for options, why in (
+        ("conf.default.int_param0=101", "conf.default: int_param0 cannot be '101': it is to be"),
+        ("conf.fast.double_param0=x", "conf.fast: double_param0 cannot be 'x': it is no number"),
+    ):
+        status, out, err = manager.run(f"rtmgr -c 'ConfigSample?{options}{slave}' {MANAGER}")
+        assert (status, out) == (1, "")
+        assert f"(ConfigSample0: {why}" in err
+    assert manager.ok("rtls /localhost") == "manager.mgr/\n"
+    manager.ok(f"rtmgr -c 'ConfigSample?conf.fast.str_param0=two{slave}' {MANAGER}")
+    manager.ok(f"rtconf -a -s __constraints__ {SAMPLE} set str_param0 '(one,three)'")
+    assert manager.run(f"rtconf -s fast {SAMPLE} act") == (
+        1,
+        "",
+        "rtconf: configuration set fast cannot be activated:"
+        " str_param0 cannot be 'two': it is to be (one,three)\n",
+    )
+    assert manager.ok(f"rtconf {SAMPLE} list") == "+default*\n+fast \n"
+    manager.ok(f"rtconf -s fast {SAMPLE} set str_param0 three")
+    manager.ok(f"rtconf -s fast {SAMPLE} act")
+
+
+def test_whoever_sets_it_the_component_refuses_what_does_not_fit(
+    manager: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    manager.ok(f"rtmgr -c ConfigSample?manager_name=s1 {MANAGER}")
+    for key, value in manager.environment.items():
+        if key.startswith("RTKIT_"):
+            monkeypatch.setenv(key, value)
+    bad = {"int_param0": "5", "double_param0": "10.5"}
+    with connect("") as tree:
+        (result,) = tree.apply([SetParameters("ConfigSample0", "default", bad)])
+    with pytest.raises(Malformed, match=r"double_param0 cannot be '10\.5': it is to be -10<=x<=10"):
+        result.raise_for_error()
+    assert manager.ok(f"rtconf {SAMPLE} get int_param0") == "0\n"
+
+
+def test_an_rtc_conf_that_does_not_fit_is_told_at_the_start(shell: Any) -> None:
+    (shell.folder / "rtc.conf").write_text(
+        "manager.components.precreate: ConfigSample, ConsoleOut\n"
+        "example.ConfigSample.config_file: sample.conf\n"
+    )
+    (shell.folder / "sample.conf").write_text("conf.default.int_param0: -1\n")
+    status, _, err = shell.run("rtmgr start")
+    assert status == 1
+    assert err.splitlines()[0] == (
+        "rtmgr: manager.components.precreate: ConfigSample (ConfigSample0: conf.default:"
+        " int_param0 cannot be '-1': it is to be 0<=x<=100)"
+    )
+    assert shell.ok("rtls /localhost").split() == ["ConsoleOut0.rtc", "manager.mgr/"]
+
+
+def test_a_system_that_does_not_fit_is_not_brought_up_in_silence(manager: Any) -> None:
+    manager.ok(f"rtmgr -c ConfigSample {MANAGER}")
+    manager.ok("rtcryo --all -o good.xml")
+    text = (manager.folder / "good.xml").read_text()
+    old = 'rts:name="int_param0" rts:data="0"'
+    assert old in text
+    (manager.folder / "bad.xml").write_text(text.replace(old, old.replace('"0"', '"300"')))
+    err = manager.run("rtresurrect bad.xml").err
+    assert "Action failed: " in err
+    assert "int_param0 cannot be '300': it is to be 0<=x<=100" in err
+    assert manager.ok(f"rtconf {SAMPLE} get int_param0") == "0\n"
 
 
 @pytest.mark.parametrize("place", ["", "?manager_name=s1"])

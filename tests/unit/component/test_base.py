@@ -121,6 +121,36 @@ def test_initial_configuration():
         Controller("C2", {"configuration.active_config": "slow"})
 
 
+class Bounded(Component):
+    gain = Parameter(0.5, constraint="0<=x<=1")
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"conf.default.gain": "2"}, "conf.default: gain cannot be '2': it is to be 0<=x<=1"),
+        ({"conf.other.gain": "x"}, "conf.other: gain cannot be 'x': it is no number"),
+        (
+            {"conf.default.free": "3", "conf.__constraints__.free": "(1,2)"},
+            r"conf.default: free cannot be '3': it is to be \(1,2\)",
+        ),
+        (
+            {"conf.default.free": "3", "conf.__type__.free": "bool"},
+            "conf.default: free cannot be '3': it is no truth value",
+        ),
+    ],
+)
+def test_options_that_do_not_fit_keep_a_component_from_being_made(options, why):
+    with pytest.raises(Malformed, match=f"^B0: {why}$"):
+        Bounded("B0", options)
+
+
+def test_options_that_fit_are_taken():
+    made = Bounded("B0", {"conf.default.gain": "1", "conf.default.free": "3"})
+    assert made.gain == 1.0
+    assert made.configuration.sets["default"] == {"gain": "1", "free": "3"}
+
+
 def test_port_defaults_from_options():
     made = Controller(
         "C0",

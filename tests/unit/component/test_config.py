@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.component.config import Configuration, is_hidden
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 
 
 @pytest.fixture
@@ -153,3 +153,50 @@ def test_a_parameter_that_the_set_does_not_name_keeps_its_value(config):
     config.activate("fast")
     config.update()
     assert config.values == {"gain": 5.0, "name": "y"}
+
+
+@pytest.fixture
+def bound(config):
+    """Return a configuration whose gain is declared to be at most 10."""
+    config.declare("__type__", {"gain": "double"})
+    config.declare("__constraints__", {"gain": "0<=x<=10", "name": "(a,b)"})
+    config.declare("wild", {"gain": "99", "name": "c", "free": "anything"})
+    return config
+
+
+def test_texts_that_parameters_cannot_have_are_refused_all_together(bound):
+    why = r"gain cannot be '11': it is to be 0<=x<=10; name cannot be 'c': it is to be \(a,b\)"
+    with pytest.raises(Malformed, match=why):
+        bound.set("default", {"gain": "11", "name": "c"})
+    with pytest.raises(Malformed, match="gain cannot be 'y': it is no number"):
+        bound.set("default", {"name": "a", "gain": "y"})
+    assert bound.sets["default"] == {"gain": "1.0", "name": "x"}
+    with pytest.raises(Malformed, match="gain cannot be '-1'"):
+        bound.add_set("more", {"gain": "-1"})
+    assert "more" not in bound.sets
+    bound.set("fast", {"gain": "10"})
+    bound.set("wild", {"free": "what"})
+
+
+def test_a_set_with_such_texts_cannot_be_activated(bound):
+    why = "set wild cannot be activated: gain cannot be '99': .*; name cannot be 'c'"
+    with pytest.raises(Refused, match=why):
+        bound.activate("wild")
+    assert not bound.is_pending
+    bound.set("wild", {"gain": "9", "name": "a"})
+    bound.activate("wild")
+    assert bound.update()
+    assert bound.values == {"gain": 9.0, "name": "a"}
+
+
+def test_a_default_that_its_author_forbids_is_let_be(bound):
+    bound.activate("default")
+    bound.set("default", {"name": "x", "gain": "2"})
+    with pytest.raises(Malformed):
+        bound.set("default", {"name": "y"})
+
+
+def test_hints_are_no_values_and_hold_as_they_are_now(bound):
+    bound.set("__constraints__", {"gain": "x<=3"})
+    with pytest.raises(Malformed, match="it is to be x<=3"):
+        bound.set("default", {"gain": "4"})

@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
+from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.constraint_model import (
     Between,
     Comparison,
@@ -13,7 +14,7 @@ from rtkit.profile.constraint_model import (
     Like,
     Logical,
 )
-from rtkit.profile.constraint_text import format_constraint, parse_constraint
+from rtkit.profile.constraint_text import MAX_DEPTH, parse_constraint
 
 
 def unit(
@@ -83,7 +84,29 @@ def test_both_ways(text: str, expected: Constraint | None) -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["x>1", "1<=x<=9", "1<x<9", "(a,b)", "x>1,5", "{a:1<=x<2,b:(c,d)}"]
+    "text",
+    [
+        "x>1",
+        "x!=1",
+        "1<=x<=9",
+        "1<x<9",
+        "(a,b)",
+        "x>1,5",
+        "{a:1<=x<2,b:(c,d)}",
+        "not(x>1)",
+        "and(x>1,x>2)",
+        "or((a,b),x>1)",
+        "null()",
+        'like("a*")',
+        'like("a%","%","_","!")',
+        "list()",
+        "list(list(1,2))",
+        "hash(1,key(k,2))",
+        "{}",
+        "(\"a b\",'Exact',c)",
+        '""',
+        '{"a:b":"line\\n"}',
+    ],
 )
 def test_the_usual_forms_stay_as_they_are(text: str) -> None:
     constraint = parse_constraint(text)
@@ -93,7 +116,12 @@ def test_the_usual_forms_stay_as_they_are(text: str) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["x>", "1<x>2", "(a", "(a,,b)", "a,", "{a}", "{:1}", "a:b", "()", "x=1", "((a))", ","],
+    [
+        *("x>", "1<x>2", "(a", "(a,,b)", "a,", "{a}", "{:1}", "a:b", "()", "x=1", "((a))", ","),
+        *("1<2", "1<x<2<3", "1!=x<2", "nor(a)", "not()", "not(a,b)", "and(a)", "or(a", "like(a,b)"),
+        *("{k:list(1)}", "key(a,key(b,1))", "null(a)", "x!1=2", "a)", '"a"b'),
+        "not(" * (MAX_DEPTH + 1) + "a" + ")" * (MAX_DEPTH + 1),
+    ],
 )
 def test_other_forms_are_malformed(text: str) -> None:
     with pytest.raises(Malformed, match="bad constraint"):
@@ -101,21 +129,41 @@ def test_other_forms_are_malformed(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "constraint",
+    ("constraint", "text"),
     [
-        unit(IsNull()),
-        unit(Like("a*", "*", "?", "!")),
-        unit(Comparison("propertyIsNotEqualTo", "1")),
-        unit(Logical("Not", (compare("EqualTo", "1"),))),
-        unit(Logical("Or", (unit(Between("1", "2")), compare("EqualTo", "1")))),
-        unit(Logical("And", (compare("LessThan", "1"), compare("LessThan", "2")))),
-        Constraint(
-            ConstraintGroup(
-                "ConstraintListType", (Constraint(ConstraintGroup("ConstraintListType")),)
-            )
+        (unit(IsNull()), "null()"),
+        (unit(Like("a*", "*", "?", "!")), 'like("a*","*","?","!")'),
+        (unit(Like("a*", "*", "?", "\\")), 'like("a*")'),
+        (unit(Comparison("propertyIsNotEqualTo", "1")), "x!=1"),
+        (unit(Comparison("propertyIsEqualTo", "A", match_case=True)), "'A'"),
+        (unit(Logical("Not", (compare("EqualTo", "1"),))), "not(1)"),
+        (unit(Logical("Or", (unit(Between("1", "2")), compare("EqualTo", "1")))), "or(1<=x<=2,1)"),
+        (
+            unit(Logical("And", (compare("LessThan", "1"), compare("LessThan", "2")))),
+            "and(x<1,x<2)",
+        ),
+        (
+            Constraint(
+                ConstraintGroup(
+                    "ConstraintListType", (Constraint(ConstraintGroup("ConstraintListType")),)
+                )
+            ),
+            "list(list())",
         ),
     ],
 )
-def test_constraints_without_a_line(constraint: Constraint) -> None:
-    with pytest.raises(Malformed, match="has no one-line form"):
-        format_constraint(constraint)
+def test_what_only_documents_have_has_a_form_of_its_own(constraint: Constraint, text: str) -> None:
+    assert format_constraint(constraint) == text
+    assert parse_constraint(text) == constraint
+
+
+def test_both_ends_included_twice_is_not_between() -> None:
+    ends = (compare("GreaterThanOrEqualTo", "1"), compare("LessThanOrEqualTo", "9"))
+    constraint = unit(Logical("And", ends))
+    assert format_constraint(constraint) == "and(x>=1,x<=9)"
+    assert parse_constraint("and(x>=1,x<=9)") == constraint
+
+
+def test_an_apostrophe_is_an_apostrophe() -> None:
+    assert parse_constraint("it's") == compare("EqualTo", "it's")
+    assert parse_constraint("'it") == compare("EqualTo", "'it")

@@ -33,6 +33,18 @@ def unit(test: Comparison | Like | IsNull | Logical) -> Constraint:
         ("(a,b,c)", ["a", " b ", "C"], ["d", "", "a,b"]),
         ("(1,2)", ["1", "2.0"], ["3"]),
         ("a<x<b", ["anything"], []),
+        ("a<x<9", ["8"], ["9", "anything"]),
+        ("(true,false)", ["1", "OFF", "true"], ["2"]),
+        ("'A'", ["A"], ["a"]),
+        ("x!=3", ["4", "x"], ["3", "3.0"]),
+        ("9007199254740993", ["9007199254740993"], ["9007199254740992"]),
+        ("1000", ["1e3"], ["1_000", "\u0661"]),
+        ('like("a*b")', ["ab", "acb", "abab"], ["ba", "abc"]),
+        ("not(or(null(),x<0))", ["1"], ["", "-1"]),
+        ("and(x>1,or(x<3,(7,8)))", ["2", "7"], ["1", "5"]),
+        ("{a:x>0,b:(on,off)}", ["a:1", "{a:1,b:off}", "c:0", "0"], ["a:0", "a:1,b:-", "{b:3}"]),
+        ("list(1<x<3,list(7))", ["2"], ["3"]),
+        ("a,b,c", ["a", "c"], ["d"]),
     ],
 )
 def test_one_value(rule: str, good: list[str], bad: list[str]) -> None:
@@ -54,6 +66,34 @@ def test_lists_are_tested_element_by_element() -> None:
     assert not allows(one, ["1", "0"])
 
 
+def test_a_list_that_only_names_values_is_a_choice_too() -> None:
+    names = parse_constraint("a,b")
+    assert names is not None
+    assert allows(names, ["b", "a", "a"])
+    assert allows(names, ["a", "b"])
+    assert not allows(names, ["b", "c"])
+
+
+@pytest.mark.parametrize(
+    ("rule", "good", "bad"),
+    [
+        ("remark", ["1", "2"], []),
+        ("x!=remark", ["1", "2"], []),
+        ("not(remark)", ["1"], []),
+        ("(1,auto)", ["1"], ["2"]),
+        ("(some,words)", ["1"], []),
+        ("and(remark,x>1)", ["2"], ["1"]),
+    ],
+)
+def test_words_test_nothing_where_numbers_are_wanted(
+    rule: str, good: list[str], bad: list[str]
+) -> None:
+    constraint = parse_constraint(rule)
+    assert constraint is not None
+    assert all(allows(constraint, value, wants_number=True) for value in good)
+    assert not any(allows(constraint, value, wants_number=True) for value in bad)
+
+
 def test_a_hash_says_nothing_of_a_value_without_keys() -> None:
     named = parse_constraint("{a:x>0}")
     assert named is not None
@@ -73,7 +113,13 @@ def test_forms_that_only_documents_have() -> None:
 
 @pytest.mark.parametrize(
     ("literal", "good", "bad"),
-    [("a*", "abc", "ba"), ("a?c", "abc", "abbc"), ("a!*", "a*", "ab"), ("a.c", "a.c", "abc")],
+    [
+        ("*" * 60 + "b", "a" * 5000 + "b", "a" * 5000),
+        ("a*", "abc", "ba"),
+        ("a?c", "abc", "abbc"),
+        ("a!*", "a*", "ab"),
+        ("a.c", "a.c", "abc"),
+    ],
 )
 def test_patterns(literal: str, good: str, bad: str) -> None:
     constraint = unit(Like(literal, "*", "?", "!"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.parameters import misfit
+from rtkit.component.fit import misfit
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,9 @@ from rtkit.deployment.parameters import misfit
         ("vector<int>", ["1,2"], ["1.5,2"]),
         ("double[]", ["1.5,2"], ["a"]),
         ("", ["", "what"], []),
+        ("unsigned int", ["3"], ["-3"]),
+        ("std::vector<unsigned short>", ["3,4"], ["3,-4"]),
+        ("unsigned", ["3"], ["-3", "x"]),
     ],
 )
 def test_types(declared: str, good: list[str], bad: list[str]) -> None:
@@ -41,6 +44,17 @@ def test_types(declared: str, good: list[str], bad: list[str]) -> None:
         ({"__constraints__": "x>0", "__type__": "vector<double>"}, "1,0", "it is to be x>0"),
         ({"__constraints__": "x>0", "__type__": "int"}, "1.5", "it is no integer"),
         ({"__constraints__": "(true,false)", "__type__": "bool"}, "1", ""),
+        ({"__constraints__": "(true,false)"}, "1", ""),
+        ({"__constraints__": "(true,false)"}, "maybe", "it is to be (true,false)"),
+        ({"__constraints__": "remark"}, "1", ""),
+        ({"__constraints__": "remark", "__type__": "int"}, "1", ""),
+        ({"__constraints__": "remark", "__type__": "string"}, "1", "it is to be remark"),
+        ({"__constraints__": "100"}, "1", "it is to be 100"),
+        ({"__constraints__": "span,error"}, "error", ""),
+        ({"__constraints__": "span,error"}, "other", "it is to be span,error"),
+        ({"__constraints__": "x>0", "__type__": "int", "default": "1,2"}, "3,4", ""),
+        ({"__constraints__": "x>0", "__type__": "int", "default": "1"}, "3,4", "it is no integer"),
+        ({"__constraints__": "x>0", "__type__": "int", "default": "1,2"}, "0,4", "it is to be x>0"),
         ({"__type__": "vector<int>"}, "1,x", "'x' is no integer"),
         ({"__type__": "double"}, "x", "it is no number"),
         ({"__type__": "bool"}, "x", "it is no truth value"),

@@ -1,0 +1,157 @@
+"""Whether a text fits a configuration parameter, by the type and constraint it is declared with.
+
+RTC profiles declare them, and components tell them in hidden sets: ``__type__``,
+``__constraints__`` and ``__widget__``. Where nothing is told anything fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.errors import Malformed
+
+if TYPE_CHECKING:
+    from rtkit.profile.constraint_model import Constraint
+
+TYPE_SET = "__type__"
+CONSTRAINT_SET = "__constraints__"
+WIDGET_SET = "__widget__"
+_DEFAULT_SET = "default"
+
+_LIST_WIDGETS = ("checkbox", "ordered_list")
+_INTEGERS = ("short", "int", "long", "longlong", "octet", "byte")
+_NUMBERS = ("float", "double", "longdouble")
+_TRUTHS = ("bool", "boolean")
+
+
+class Declared(NamedTuple):
+    """What the values of a parameter must be.
+
+    Attributes:
+        type: Its type, in the free words of profiles.
+        rule: Its constraint in one line; what is shown.
+        constraint: The same, as far as a machine can read it.
+        is_list: It may have several values, whatever its type says.
+    """
+
+    type: str = ""
+    rule: str = ""
+    constraint: Constraint | None = None
+    is_list: bool = False
+
+
+def misfit(sets: Mapping[str, Mapping[str, str]], name: str, text: str) -> str:
+    """Return why parameter `name` cannot be `text`, by the hints in these sets; empty if it can."""
+    declared = hinted(sets, name)
+    return misfit_of(declared, text) if declared.type or declared.rule else ""
+
+
+def misfits(sets: Mapping[str, Mapping[str, str]], values: Iterable[tuple[str, str]]) -> str:
+    """Return what cannot be, of several values, in one line; empty when all can."""
+    whys = ((name, text, misfit(sets, name, text)) for name, text in values)
+    return "; ".join(f"{name} cannot be {text!r}: {why}" for name, text, why in whys if why)
+
+
+def hinted(sets: Mapping[str, Mapping[str, str]], name: str) -> Declared:
+    """Return what the hidden sets of a component tell of a parameter."""
+    rule = _hint(sets, CONSTRAINT_SET, name)
+    is_list = _hint(sets, WIDGET_SET, name).startswith(_LIST_WIDGETS)
+    type = declared_type(_hint(sets, TYPE_SET, name), _hint(sets, _DEFAULT_SET, name))
+    return Declared(type, rule, _read(rule), is_list)
+
+
+def declared_type(type: str, default: str) -> str:
+    """Return the type of a parameter: of a number whose default is a list, a vector of such."""
+    base, is_vector, _ = _type(type)
+    is_list = "," in default and base in (*_INTEGERS, *_NUMBERS) and not is_vector
+    return f"vector<{type}>" if is_list else type
+
+
+def _hint(sets: Mapping[str, Mapping[str, str]], set_id: str, name: str) -> str:
+    return sets.get(set_id, {}).get(name, "")
+
+
+def _read(rule: str) -> Constraint | None:
+    if not rule:
+        return None
+    from rtkit.profile.constraint_text import parse_constraint
+
+    try:
+        return parse_constraint(rule)
+    except Malformed:
+        return None  # words of the author, not a rule that a machine can read
+
+
+def misfit_of(declared: Declared, text: str) -> str:
+    """Return why a parameter declared so cannot be `text`; empty when it can."""
+    base, is_vector, is_unsigned = _type(declared.type)
+    parts = _elements(text) if is_vector else [text]
+    why = _wrong_type(base, is_unsigned, parts, is_vector=is_vector)
+    if why or base in _TRUTHS or declared.constraint is None:
+        return why  # a truth value has more spellings than a constraint would list
+    if not declared.type and _is_remark(declared.constraint):
+        return ""
+    from rtkit.profile.constraint_value import allows
+
+    value = _elements(text) if is_vector or declared.is_list else text
+    wants_number = base in _INTEGERS or base in _NUMBERS
+    is_fine = allows(declared.constraint, value, wants_number=wants_number)
+    return "" if is_fine else f"it is to be {declared.rule}"
+
+
+def _elements(text: str) -> list[str]:
+    from rtkit.component.kinds import elements
+
+    return elements(text)
+
+
+def _type(declared: str) -> tuple[str, bool, bool]:
+    """Return the plain name of a type, whether it is a sequence of such, whether unsigned."""
+    bare = declared.replace(" ", "").lower().removeprefix("std::")
+    is_vector = bare.endswith("[]")
+    if bare.startswith("vector<") and bare.endswith(">"):
+        bare, is_vector = bare[len("vector<") : -1].removeprefix("std::"), True
+    bare = bare.removesuffix("[]")
+    plain = bare.removeprefix("unsigned")
+    return (plain or "int") if plain != bare else bare, is_vector, plain != bare
+
+
+def _wrong_type(base: str, is_unsigned: bool, parts: list[str], *, is_vector: bool) -> str:
+    from rtkit.component.kinds import read_bool, read_float, read_int
+
+    read: Callable[[str], object]
+    if base in _INTEGERS:
+        read, what = read_int, "integer"
+    elif base in _NUMBERS:
+        read, what = read_float, "number"
+    elif base in _TRUTHS:
+        read, what = read_bool, "truth value"
+    else:
+        return ""
+    for part in parts:
+        try:
+            value = read(part)
+        except Malformed:
+            return f"{part!r} is no {what}" if is_vector else f"it is no {what}"
+        if is_unsigned and isinstance(value, int | float) and value < 0:
+            return f"{part!r} is negative" if is_vector else "it is negative"
+    return ""
+
+
+def _is_remark(constraint: Constraint) -> bool:
+    """Whether it is one bare word, where no type tells that a word can be the value.
+
+    A parameter with one possible value is none: such a word is what its author wrote there.
+    """
+    from rtkit.profile.constraint_model import Comparison, ConstraintUnit
+
+    unit = constraint.content
+    test = unit.test if isinstance(unit, ConstraintUnit) else None
+    if not isinstance(test, Comparison) or test.kind != "propertyIsEqualTo":
+        return False
+    try:
+        float(test.literal)
+    except ValueError:
+        return True
+    return False
