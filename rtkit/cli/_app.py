@@ -164,6 +164,16 @@ class WrongArguments(Malformed):
     """The number of arguments is wrong: the usage is shown, the exit status is 1."""
 
 
+def check_at_most_one(words: Sequence[str], what: str) -> None:
+    """Refuse more than one argument.
+
+    Raises:
+        WrongArguments: Names those that are too many.
+    """
+    if len(words) > 1:
+        raise WrongArguments(f"takes one {what}, not also: {' '.join(words[1:])}")
+
+
 pass_app = click.make_pass_decorator(App)
 
 

@@ -46,7 +46,7 @@ def pages() -> dict[str, str]:
 def _page(verb: str, name: str) -> str:
     command: click.Command = importlib.import_module(f"rtkit.cli.{name}").main.command
     context = click.Context(command, info_name=name, **command.context_settings)
-    usage = " ".join(command.collect_usage_pieces(context))
+    usage = " ".join(filter(None, command.collect_usage_pieces(context)))
     lines = [*_head(name, SUMMARIES[verb], usage), ".SH DESCRIPTION"]
     lines += _paragraphs(cleandoc(command.help or ""))
     lines.append(".SH OPTIONS")

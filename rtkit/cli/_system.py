@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli._app import App, WrongArguments
+from rtkit.cli._app import App, check_at_most_one
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
@@ -76,8 +76,7 @@ def read_profile(app: App, files: tuple[str, ...], *, strict: bool) -> RtsProfil
     from rtkit.profile.parse import MAX_BYTES
     from rtkit.profile.read import read_bytes, read_rts
 
-    if len(files) > 1:
-        raise WrongArguments
+    check_at_most_one(files, "file")
     source = files[0] if files else STDIN
     if source == STDIN:
         reading = read_rts(sys.stdin.buffer.read(MAX_BYTES + 1), form=app.form, strict=strict)

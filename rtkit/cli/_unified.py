@@ -117,12 +117,10 @@ def _print(text: str) -> int:
 
 
 def _unknown(name: str, verb: str) -> int:
-    from difflib import get_close_matches
-
     from rtkit.cli._out import printable
+    from rtkit.rtc.nearest import did_you_mean
 
-    near = get_close_matches(verb, [*COMMANDS, *COMMANDS.values(), *WORDS], n=3)
-    hint = f"; did you mean: {', '.join(near)}?" if near else ""
+    hint = did_you_mean(verb, [*COMMANDS, *COMMANDS.values(), *WORDS])
     what = "option" if verb.startswith("-") else "verb"
     print(_USAGE.format(name), file=sys.stderr)
     print(printable(f"{name}: no such {what}: {verb}{hint}"), file=sys.stderr)

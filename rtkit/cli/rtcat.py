@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli import _out
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed, NotFound, Refused
 
 if TYPE_CHECKING:
@@ -31,8 +31,7 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
 
     if not paths:
         raise Malformed("Cannot cat a directory.")
-    if len(paths) > 1:
-        raise WrongArguments
+    check_at_most_one(paths, "path")
     path = app.path(paths[0])
     node = _node(app.tree.listing(), path)
     snapshot = app.tree.part([node.instance])

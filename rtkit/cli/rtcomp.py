@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.cli._composition import Change, Parts, parts_of
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, from_kind
 from rtkit.rtc.names import COMPONENT_SUFFIX
@@ -60,8 +60,7 @@ def main(
     """
     if not targets:
         raise Malformed("No manager or existing composite component specified.")
-    if len(targets) > 1:
-        raise WrongArguments
+    check_at_most_one(targets, "manager or composite")
     create = f"{kind}?{options.lstrip('&')}" if options else kind
     _change(app, app.path(targets[0]), added, removed, create)
 

@@ -17,6 +17,15 @@ if TYPE_CHECKING:
     from rtkit.tree.view import Node
 
 _GUARD = "\0"
+_FORMS = {
+    "list": "list",
+    "get": "get PARAM",
+    "set": "set PARAM VALUE, or set PARAM=VALUE...",
+    "act": "act, with -s SET",
+    "diff": "diff SET|FILE",
+    "export": "export [FILE]",
+    "import": "import [FILE]",
+}
 
 
 class _NumbersAreArguments(click.Command):
@@ -87,7 +96,7 @@ def _asked(
     from rtkit.cli._sets import Asked
 
     if not words:
-        raise WrongArguments
+        raise WrongArguments("No component specified.")
     typed, *rest = [word.removeprefix(_GUARD) for word in words]
     verb, *arguments = rest or ["list"]
     count = len(arguments)
@@ -100,8 +109,13 @@ def _asked(
         "export": count < 2,
         "import": count < 2,
     }
-    if not is_fit.get(verb, False):
-        raise WrongArguments("act needs -s SET" if verb == "act" and not count else "")
+    if verb not in is_fit:
+        from rtkit.rtc.nearest import did_you_mean
+
+        hint = did_you_mean(verb, _FORMS) or f" (one of {', '.join(_FORMS)})"
+        raise WrongArguments(f"no such word: {verb}{hint}")
+    if not is_fit[verb]:
+        raise WrongArguments(f"expected: {_FORMS[verb]}; found: {' '.join([verb, *arguments])}")
     return typed, Asked(verb, tuple(arguments), set_id, has_hidden, is_long, is_json)
 
 

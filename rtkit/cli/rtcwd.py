@@ -8,7 +8,7 @@ import re
 import click
 
 from rtkit.cli import _out
-from rtkit.cli._app import App, WrongArguments, command, working_directory
+from rtkit.cli._app import App, check_at_most_one, command, working_directory
 from rtkit.errors import NotFound, Refused
 
 _PLAIN = re.compile(r"[\w/.:+-]*", re.ASCII)
@@ -27,8 +27,7 @@ def main(app: App, paths: tuple[str, ...]) -> None:
     line to be evaluated, in the syntax of the shell that SHELL names. The function rtcwd that
     "rtkit shell-init" defines evaluates it. Without a path: the root.
     """
-    if len(paths) > 1:
-        raise WrongArguments
+    check_at_most_one(paths, "path")
     _out.write([_line(_place(app, paths[0] if paths else "/"))])
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import (
     Malformed,
     NotFound,
@@ -38,8 +38,7 @@ def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:
     answers at its direct address. Of a directory all names in it are removed. With its last name
     a zombie is forgotten.
     """
-    if len(paths) > 1:
-        raise WrongArguments
+    check_at_most_one(paths, "path")
     if paths:
         path = app.path(paths[0])
         _raise(_remove(app.tree, _below(app, path, zombies)))

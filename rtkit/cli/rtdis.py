@@ -26,7 +26,7 @@ def main(app: App, paths: tuple[str, ...], connector_id: str) -> None:
     first port with any of the others.
     """
     if not paths:
-        raise WrongArguments
+        raise WrongArguments("No component or port specified.")
     found = [app.path(each) for each in paths]
     if len(found) > 1:
         _check_ports(found)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed
 
 
@@ -21,8 +21,7 @@ def main(app: App, paths: tuple[str, ...]) -> None:
 
     if not paths:
         raise Malformed("No component specified.")
-    if len(paths) > 1:
-        raise WrongArguments
+    check_at_most_one(paths, "component")
     path = app.path(paths[0])
     listing = app.tree.listing()
     node = component(build(listing), path, listing.host)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from rtkit.cli import _out
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, WrongArguments, check_at_most_one, command
 from rtkit.errors import Malformed, NotFound, Unreachable, UsageProblem
 from rtkit.tree.resolve import find
 from rtkit.tree.view import Kind, Node
@@ -60,8 +60,9 @@ def main(
     matches one of the patterns. Nothing found is no failure; a manager that does not answer,
     and so could not be searched, is.
     """
-    if len(starts) != 1:
-        raise WrongArguments
+    if not starts:
+        raise WrongArguments("No start specified.")
+    check_at_most_one(starts, "start")
     kinds = _kinds(letters)
     patterns = [_pattern(each, 0) for each in names]
     patterns += [_pattern(each, re.IGNORECASE) for each in inames]

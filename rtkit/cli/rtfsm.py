@@ -64,11 +64,15 @@ def _read(words: Sequence[str]) -> tuple[str, Sequence[str]]:
         raise WrongArguments("No command specified.")
     word, *arguments = words
     if word not in _WORDS:
-        raise UsageProblem(f"no such command: {word} (one of {', '.join(_WORDS)})")
+        from rtkit.rtc.nearest import did_you_mean
+
+        hint = did_you_mean(word, _WORDS) or f" (one of {', '.join(_WORDS)})"
+        raise UsageProblem(f"no such command: {word}{hint}")
     if word in _MISSING and not arguments:
         raise Malformed(_MISSING[word])
-    if len(arguments) != (word in _MISSING):
-        raise WrongArguments
+    most = int(word in _MISSING)
+    if len(arguments) > most:
+        raise WrongArguments(f"{word} takes no more arguments: {' '.join(arguments[most:])}")
     return word, arguments
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 import click
 
 from rtkit.cli import _out
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import Kind, Node
@@ -61,8 +61,7 @@ def main(
     are connected (all, in, out, service), then the name and in brackets what else to know.
     Watched, what goes to a pipe or a file is written only when it has changed.
     """
-    if len(paths) > 1:
-        raise WrongArguments
+    check_at_most_one(paths, "path")
     path = app.path(paths[0] if paths else ".")
     if path.port is not None:
         raise Malformed("Cannot list ports.")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
@@ -104,15 +104,25 @@ def main(
         return _word(app, words, is_json, (file, overrides, lenient))
     if file or overrides or lenient:
         raise UsageProblem("-f, -o, -p, -a and -i are for rtmgr start and rtmgr run")
-    if len(words) > 1:
-        raise WrongArguments
+    check_at_most_one(words, "manager")
     steps = [read_step(name, str(value)) for name, value in asked]
     if not words:
         raise Malformed("No manager specified.")
     if not steps:
+        _check_no_word(words[0])
         raise Malformed("No commands specified.")
     _command(app, words[0], steps, is_printing, is_json)
     return 0
+
+
+def _check_no_word(typed: str) -> None:
+    """Refuse what was meant for a word: the path of a manager looks otherwise."""
+    from rtkit.rtc.names import MANAGER_SUFFIX
+    from rtkit.rtc.nearest import did_you_mean
+
+    if "/" not in typed and ":" not in typed and not typed.endswith(MANAGER_SUFFIX):
+        hint = did_you_mean(typed, WORDS) or f" (one of {', '.join(WORDS)})"
+        raise UsageProblem(f"neither the path of a manager nor a word: {typed}{hint}")
 
 
 def _command(app: App, typed: str, steps: Sequence[Step], is_printing: bool, is_json: bool) -> None:
@@ -162,8 +172,7 @@ def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> N
         raise UsageProblem(f"{words[0]} takes no options that command a manager")
     if is_configured and words[0] not in ("start", "run"):
         raise UsageProblem(f"-f, -o, -p, -a and -i are not for {words[0]}")
-    if len(words) > 2:
-        raise WrongArguments
+    check_at_most_one(words[1:], "name")
 
 
 def _word(

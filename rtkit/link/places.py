@@ -7,6 +7,9 @@ import stat
 
 from rtkit.errors import Refused
 
+DEFAULT_MANAGER = "manager"
+"""Name of the manager that is asked when none is named."""
+
 _MAX_SOCKET_PATH = 107
 _MAX_FILE_NAME = 240
 _NOT_IN_ENDPOINTS = '#?"\\'
@@ -79,18 +82,61 @@ def make_private(path: str) -> str:
     """
     try:
         os.makedirs(path, mode=0o700, exist_ok=True)
+    except OSError as error:
+        raise Refused(f"cannot use folder {path}: {error.strerror}{_elsewhere(path)}") from error
+    return check_private(path)
+
+
+def check_private(path: str) -> str:
+    """Return the folder `path` if it is for this user alone.
+
+    Raises:
+        Refused: It is no folder, is not ours, or is open to others; tells what would help.
+    """
+    try:
         status = os.lstat(path)
     except OSError as error:
-        raise Refused(f"cannot use folder {path}: {error.strerror}") from error
+        raise Refused(f"cannot use folder {path}: {error.strerror}{_elsewhere(path)}") from error
     if not stat.S_ISDIR(status.st_mode):
-        raise Refused(f"not a folder: {path}")
-    if status.st_uid != os.getuid():
-        raise Refused(f"folder belongs to another user: {path}")
-    if status.st_mode & 0o077:
-        raise Refused(f"folder is open to other users (mode {status.st_mode & 0o777:o}): {path}")
-    if not os.access(path, os.W_OK | os.X_OK):
-        raise Refused(f"no permission to write in folder: {path}")
+        raise Refused(f"not a folder: {path}{_elsewhere(path)}")
+    _check_ours(status, path)
+    mode = status.st_mode & 0o777
+    if mode & 0o077:
+        raise Refused(f"folder is open to other users (mode {mode:o}): {path}{_closed(path)}")
+    if mode & 0o300 != 0o300 or not os.access(path, os.W_OK | os.X_OK):
+        raise Refused(f"no permission to write in folder: {path}{_closed(path)}")
     return path
+
+
+def check_nobody_else_s(path: str) -> None:
+    """Refuse a folder that nobody chose and that another user made: a trap below ``/tmp``.
+
+    Raises:
+        Refused: It belongs to another user.
+    """
+    if not os.environ.get("RTKIT_RUNTIME_DIR"):
+        _check_ours(os.lstat(path), path)
+
+
+def _check_ours(status: os.stat_result, path: str) -> None:
+    if status.st_uid != os.getuid():
+        raise Refused(f"folder belongs to another user: {path}{_elsewhere(path)}")
+
+
+def _closed(path: str) -> str:
+    return f" (repair it with: chmod 700 {quoted(path)})"
+
+
+def _elsewhere(path: str) -> str:
+    variable = "RTKIT_STATE_DIR" if path == state_dir() else "RTKIT_RUNTIME_DIR"
+    return f" (choose another one with {variable})"
+
+
+def quoted(text: str) -> str:
+    """Return `text` as a shell takes it for one word."""
+    from shlex import quote
+
+    return quote(text)
 
 
 def owner(manager: str) -> int | None:

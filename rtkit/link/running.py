@@ -1,9 +1,14 @@
-"""Which managers of this user run on this host: those that hold the lock of their name."""
+"""Which managers of this user run on this host: those that hold the lock of their name.
+
+And why one does not that was asked for.
+"""
 
 from __future__ import annotations
 
 import os
+import stat
 
+from rtkit.errors import Refused
 from rtkit.link import places
 
 _LOCK = ".lock"
@@ -20,3 +25,29 @@ def managers() -> list[str]:
     return sorted(
         name for name in names if not name.endswith(_SOCKET) and places.owner(name) is not None
     )
+
+
+def why_absent(name: str) -> str:
+    """Return what to tell of a manager that does not run, and what would help."""
+    folder = places.runtime_dir()
+    absent = f"manager {name!r} is not running"
+    if os.path.lexists(folder):
+        try:
+            places.check_private(folder)
+        except Refused as error:
+            return f"manager {name!r} cannot be reached: {error}"
+    path = places.manager_socket(name)
+    start = f"rtmgr start{_name(name)}"
+    try:
+        is_socket = stat.S_ISSOCK(os.lstat(path).st_mode)
+    except OSError:
+        others = ", ".join(managers())
+        return f"{absent} (start it with: {start}{f'; running: {others}' * bool(others)})"
+    if not is_socket:
+        return f"{absent}: {path} is no socket (remove it, then: {start})"
+    return f"{absent}: nobody is behind its socket {path} (start it with: {start})"
+
+
+def _name(name: str) -> str:
+    is_usual = name == places.DEFAULT_MANAGER and not os.environ.get("RTKIT_MANAGER")
+    return "" if is_usual else f" {places.quoted(name)}"

@@ -302,7 +302,7 @@ def remove_stale(name: str) -> None:
         if not is_own and not _is_of_the_dead(os.path.basename(beside), name):
             continue
         if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
-            raise Refused(f"not a socket, and not removed: {path}")
+            raise Refused(f"not a socket, remove it yourself: {path}")
         os.unlink(path)
 
 

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from rtkit.deployment.watch import Watched
 
 DEFAULT_TIMEOUT_S = 10.0
-DEFAULT_MANAGER = "manager"
 _GRACE_S = 1.0
 _LONGEST_S = 7 * 86_400.0
 _MOST_IN_A_PART = 50

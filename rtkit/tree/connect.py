@@ -6,8 +6,8 @@ import os
 from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
-from rtkit.link.places import manager_socket, owner
-from rtkit.tree.client import DEFAULT_MANAGER, DEFAULT_TIMEOUT_S, Tree, bounded
+from rtkit.link.places import DEFAULT_MANAGER, check_nobody_else_s, manager_socket, owner
+from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded
 
 if TYPE_CHECKING:
     from rtkit.rtc.address import Address
@@ -20,7 +20,9 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
 
     Raises:
         Unreachable: It does not run, or does not answer within `timeout_s` [s].
+        Refused: The folder of its socket belongs to another user.
     """
+    from rtkit.link.running import why_absent
     from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 
     name = manager or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
@@ -29,14 +31,14 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
 
         return connect_at(parse_address(name), timeout_s)
     path = manager_socket(name)
-    not_running = f"manager {name!r} is not running (start it with: rtmgr start)"
     if not os.path.exists(path):
-        raise Unreachable(not_running)
+        raise Unreachable(why_absent(name))
+    check_nobody_else_s(os.path.dirname(path))
     try:
         session = open_client(unix_endpoint(path), bounded(timeout_s))
     except Unreachable as error:
         if owner(name) is None:
-            raise Unreachable(not_running) from error
+            raise Unreachable(why_absent(name)) from error
         raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
     return Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
 
@@ -57,7 +59,8 @@ def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     try:
         session = door.enter(address.port, secret.read(), bounded(timeout_s))
     except Unreachable as error:
-        raise Unreachable(f"no manager of this user listens at {address}") from error
+        hint = f"start one there with: rtmgr start NAME -p {address.port}"
+        raise Unreachable(f"no manager of this user listens at {address} ({hint})") from error
     try:
         identity = door.ask_identity(session, bounded(timeout_s))
         if address.id not in ("", identity.id, identity.manager):

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link.places import manager_socket
+from rtkit.link.places import DEFAULT_MANAGER, manager_socket
 from rtkit.rtc.address import is_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, Path, is_local_host
-from rtkit.tree.client import DEFAULT_MANAGER, DEFAULT_TIMEOUT_S
+from rtkit.tree.client import DEFAULT_TIMEOUT_S
 from rtkit.tree.connect import connect
 from rtkit.tree.view import Kind, Node, build, manager_node
 

@@ -113,7 +113,8 @@ def test_an_address_that_means_nobody(shell: Any) -> None:
     status, _, err = shell.run(f"rtmgr -c ConsoleIn corbaloc::localhost:{port}/other")
     assert (status, err.count("\n")) == (1, 1)
     assert f"the manager at localhost:{port} is manager, not other" in err
-    told = f"rtls: no manager of this user listens at localhost:{nobody}\n"
+    hint = f"start one there with: rtmgr start NAME -p {nobody}"
+    told = f"rtls: no manager of this user listens at localhost:{nobody} ({hint})\n"
     assert shell.run(f"rtls /localhost:{nobody}") == (1, "", told)
     told = f"rtls: managers of other hosts cannot be reached yet: far:{port}\n"
     assert shell.run(f"rtls /far:{port}") == (1, "", told)
@@ -324,7 +325,7 @@ def test_servers_are_in_the_tree(shell: Any, variable: str) -> None:
     assert shell.ok("rtls /").split() == [f"{name}/" for name in servers]
     listed = shell.ok("rtls -lR /")
     assert "ConsoleIn0.rtc" in listed
-    assert f"localhost:{nobody}  (no manager of this user listens at localhost:{nobody})" in listed
+    assert f"localhost:{nobody}  (no manager of this user listens at localhost:{nobody} (" in listed
     assert "localhost  (manager 'manager' is not running" in listed
     shell.ok("rtmgr start")
     assert shell.ok("rtls /").split() == [f"{name}/" for name in servers]

@@ -139,7 +139,9 @@ def test_a_killed_manager_s_sockets_are_taken_over(shell: Any) -> None:
     left = {path.name for path in (shell.folder / "run").iterdir()}
     assert {"manager.sock", "manager.ctl", "manager.lock"} <= left
     outcome = shell.run("rtls")
-    assert outcome.err == "rtls: manager 'manager' is not running (start it with: rtmgr start)\n"
+    where = f"{shell.folder}/run/manager.sock (start it with: rtmgr start)"
+    told = f"rtls: manager 'manager' is not running: nobody is behind its socket {where}\n"
+    assert outcome.err == told
     shell.ok("rtmgr start")
     shell.ok("rtls")
 
@@ -169,7 +171,10 @@ def test_what_is_no_socket_is_not_removed(shell: Any, name: str, kind: str) -> N
     else:
         path.symlink_to(shell.folder / "state")
     outcome = shell.run("rtmgr start")
-    assert (outcome.status, outcome.err) == (1, f"rtmgr: not a socket, and not removed: {path}\n")
+    assert (outcome.status, outcome.err) == (
+        1,
+        f"rtmgr: not a socket, remove it yourself: {path}\n",
+    )
     assert path.exists()
     (path.rmdir if kind == "folder" else path.unlink)()
     shell.ok("rtmgr start")

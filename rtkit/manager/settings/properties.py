@@ -12,6 +12,7 @@ from typing import NamedTuple
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.manager.settings import formats, values
 from rtkit.rtc.address import parse_address
+from rtkit.rtc.nearest import did_you_mean
 
 LIVE = "live"
 START = "start"
@@ -26,7 +27,6 @@ INHERITED = ("exec_cxt.", "execution_contexts", "ec.", "logger.", "naming.", "os
 _TRUE = ("YES", "TRUE", "ON", "1")
 _FALSE = ("NO", "FALSE", "OFF", "0")
 _OLD = {"corba.endpoint": "net.endpoints", "manager.corba_servant": "manager.net_servant"}
-_CLOSE_ENOUGH = 0.6
 
 
 class Property(NamedTuple):
@@ -168,18 +168,10 @@ def find(key: str) -> Property | None:
     return next((each for each in _PATTERNS if _fits(each.key, name)), None)
 
 
-def nearest(key: str) -> str:
-    """Return the known key that looks most like this one; empty when none does."""
-    from difflib import get_close_matches
-
-    old = [f"corba.{name.removeprefix('net.')}" for name in KNOWN if name.startswith("net.")]
-    return next(iter(get_close_matches(key, [*KNOWN, *old, *_OLD], 1, _CLOSE_ENOUGH)), "")
-
-
 def unknown(key: str) -> str:
     """Return what to tell of a key that is not known."""
-    hint = nearest(key)
-    return f"unknown property: {key}" + (f" (did you mean {hint}?)" if hint else "")
+    old = [f"corba.{name.removeprefix('net.')}" for name in KNOWN if name.startswith("net.")]
+    return f"unknown property: {key}{did_you_mean(key, [*KNOWN, *old, *_OLD], 1)}"
 
 
 def check(key: str, value: str) -> str:

@@ -50,8 +50,8 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("verb", "said"),
     [
-        ("lst", "no such verb: lst; did you mean: ls"),
-        ("rtlss", "no such verb: rtlss; did you mean: rtls"),
+        ("lst", "no such verb: lst (did you mean ls"),
+        ("rtlss", "no such verb: rtlss (did you mean rtls"),
         ("xyzzy", "no such verb: xyzzy\n"),
         ("--verison", "no such option: --verison\n"),
         ("\x1b[2J", "no such verb: \\x1b[2J\n"),
