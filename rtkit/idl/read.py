@@ -1,0 +1,351 @@
+"""Read IDL files into declarations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterator
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from rtkit.idl.comments import Comment, Comments
+from rtkit.idl.constants import BadConstant, evaluate
+from rtkit.idl.model import (
+    ArrayOf,
+    Attribute,
+    Basic,
+    Constant,
+    Declaration,
+    Definitions,
+    Direction,
+    Enumeration,
+    EnumValue,
+    Field,
+    Interface,
+    Kind,
+    Named,
+    Opaque,
+    Operation,
+    Parameter,
+    Path,
+    Place,
+    SequenceOf,
+    Struct,
+    Type,
+    Typedef,
+    Value,
+)
+from rtkit.idl.scopes import Found, Scopes, is_forward
+from rtkit.idl.source import Find, InvalidIdl, Source
+
+if TYPE_CHECKING:
+    from lark import Token, Tree
+    from lark.exceptions import UnexpectedInput
+
+_LONGEST_EXPECTATION = 4
+
+
+def nothing(_name: str, _file: str) -> None:
+    """Find no included file."""
+
+
+def read_idl(
+    text: str, file: str = "<stdin>", find: Find = nothing, known: Container[Path] = ()
+) -> Definitions:
+    """Read an IDL file and all that it includes.
+
+    Args:
+        text: What it says.
+        file: Its name, for messages and for `find`.
+        find: Gives the text of included files.
+        known: Types that need no definition, by path.
+
+    Raises:
+        InvalidIdl: It is no IDL, or a name means nothing; tells file and line.
+    """
+    source = Source(file, text, find)
+    tree, comments = _parse(source)
+    reader = _Reader(source, comments, known)
+    reader.definitions(tree.children, ())
+    return Definitions(reader.scopes.declarations, tuple(dict.fromkeys(source.missing)))
+
+
+@cache
+def _parser() -> Any:
+    from lark import Lark
+
+    from rtkit.idl.grammar import GRAMMAR
+
+    # The lexer hands comments to whoever parses; the parser itself is made once.
+    heard: list[Token] = []
+    parser = Lark(
+        GRAMMAR,
+        parser="lalr",
+        propagate_positions=True,
+        maybe_placeholders=True,
+        lexer_callbacks={"COMMENT": _keep(heard)},
+    )
+    return parser, heard
+
+
+def _keep(heard: list[Token]) -> Callable[[Token], Token]:
+    def keep(token: Token) -> Token:
+        heard.append(token)
+        return token
+
+    return keep
+
+
+def _parse(source: Source) -> tuple[Tree[Token], Comments]:
+    from lark.exceptions import UnexpectedInput
+
+    parser, heard = _parser()
+    heard.clear()
+    try:
+        tree: Tree[Token] = parser.parse(source.text)
+    except UnexpectedInput as error:
+        raise InvalidIdl(_explain(error, source)) from None
+    comments = [Comment(str(token), token.line or 1, token.end_line or 1) for token in heard]
+    return tree, Comments([line.text for line in source.lines], comments)
+
+
+def _explain(error: UnexpectedInput, source: Source) -> str:
+    token = getattr(error, "token", None)
+    place = source.place(error.line)
+    if token is None:
+        return f"{place}: unexpected character {getattr(error, 'char', '')!r}"
+    if token.type == "$END":
+        return f"{source.place(len(source.lines))}: the file ends too early"
+    names = {each.name: each.pattern.value for each in _parser()[0].terminals}
+    expected: list[str] = sorted(getattr(error, "accepts", None) or getattr(error, "expected", []))
+    words = [
+        "a name" if name == "NAME" else repr(names.get(name, name)) for name in sorted(expected)
+    ]
+    wanted = f"; expected {' or '.join(words)}" if len(words) <= _LONGEST_EXPECTATION else ""
+    return f"{place}: unexpected {str(token)!r}{wanted}"
+
+
+class _Reader:
+    """Walks the tree of one text; knows what was declared so far."""
+
+    def __init__(self, source: Source, comments: Comments, known: Container[Path]) -> None:
+        self._source = source
+        self._comments = comments
+        self.scopes = Scopes(known)
+
+    def definitions(self, nodes: list[Any], scope: Path) -> None:
+        for node in nodes:
+            if node.data == "annotation":
+                continue
+            getattr(self, f"_{node.data}")(node, scope)
+
+    def _module(self, node: Any, scope: Path) -> None:
+        name, *inner = node.children
+        path = (*scope, _name(name))
+        self.scopes.open_module(path, self._place(node))
+        self.definitions(inner, path)
+
+    def _interface(self, node: Any, scope: Path) -> None:
+        path, place = self._begin(node, scope)
+        bases = tuple(
+            self._base(each, scope)
+            for part in _parts(node, "inheritance")
+            for each in part.children
+        )
+        self.scopes.inherit(path, bases)
+        operations: list[Operation] = []
+        attributes: list[Attribute] = []
+        for part in node.children[1:]:
+            if part.data == "operation":
+                operations.append(self._operation(part, path))
+            elif part.data == "attribute":
+                attributes += self._attribute(part, path)
+            elif part.data not in ("inheritance", "annotation"):
+                self.definitions([part], path)
+        self.scopes.declare(
+            Interface(path, place, bases, tuple(operations), tuple(attributes), doc=self._doc(node))
+        )
+
+    def _base(self, node: Any, scope: Path) -> Path:
+        path = self._look_up(node, scope).path
+        known = self.scopes.declarations.get(path)
+        if not isinstance(known, Interface) and not _is_missing(known):
+            raise InvalidIdl(f"{self._place(node)}: {'::'.join(path)} is no complete interface")
+        return path
+
+    def _operation(self, node: Any, scope: Path) -> Operation:
+        result, name, *rest = [part for part in node.children if part is not None]
+        parameters = tuple(
+            self._parameter(part, scope) for part in rest if part.data == "parameter"
+        )
+        raises = tuple(
+            self._look_up(each, scope).path
+            for part in rest
+            if part.data == "raises"
+            for each in part.children
+        )
+        kind = None if result.data == "void" else self._type(result, scope)
+        return Operation(_name(name), kind, parameters, raises, self._doc(node))
+
+    def _parameter(self, node: Any, scope: Path) -> Parameter:
+        direction, kind, name = _bare(node)
+        return Parameter(Direction(str(direction)), _name(name), self._type(kind, scope))
+
+    def _attribute(self, node: Any, scope: Path) -> Iterator[Attribute]:
+        readonly, kind, *names = [part for part in node.children if not _is(part, "names")]
+        type, doc = self._type(kind, scope), self._doc(node)
+        for name in names:
+            if not _is(name, "raises"):
+                yield Attribute(_name(name), type, readonly is not None, doc)
+
+    def _structure(self, node: Any, scope: Path) -> None:
+        self._struct(node, scope, is_exception=False)
+
+    def _exception(self, node: Any, scope: Path) -> None:
+        self._struct(node, scope, is_exception=True)
+
+    def _struct(self, node: Any, scope: Path, *, is_exception: bool) -> None:
+        path, place = self._begin(node, scope)
+        fields: list[Field] = []
+        for part in _parts(node, "inheritance"):
+            base = self.scopes.declarations.get(self._look_up(part.children[0], scope).path)
+            fields += base.fields if isinstance(base, Struct) else ()
+        for part in _parts(node, "member"):
+            fields += self._member(part, path)
+        names = [each.name for each in fields]
+        for name in names:
+            if names.count(name) > 1:
+                raise InvalidIdl(f"{place}: {'::'.join(path)} has two members {name}")
+        self.scopes.declare(Struct(path, place, tuple(fields), is_exception, doc=self._doc(node)))
+
+    def _member(self, node: Any, scope: Path) -> Iterator[Field]:
+        kind, *declarators = _bare(node)
+        type, doc = self._type(kind, scope), self._doc(node)
+        for each in declarators:
+            name, full = self._declarator(each, type, scope)
+            yield Field(name, full, doc)
+
+    def _declarator(self, node: Any, type: Type, scope: Path) -> tuple[str, Type]:
+        name, *sizes = node.children
+        found = tuple(self._size(each.children[0], scope) for each in sizes)
+        return _name(name), ArrayOf(type, found) if found else type
+
+    def _enumeration(self, node: Any, scope: Path) -> None:
+        name, *rest = node.children
+        path, place = (*scope, _name(name)), self._place(node)
+        members = tuple(_name(each.children[-1]) for each in rest)
+        self.scopes.declare(Enumeration(path, place, members, doc=self._doc(node)))
+        for member in members:
+            self.scopes.define((*scope, member), EnumValue(path, member), place)
+
+    def _typedef(self, node: Any, scope: Path) -> None:
+        kind, *declarators = node.children
+        type, place, doc = self._type(kind, scope), self._place(node), self._doc(node)
+        for each in declarators:
+            name, full = self._declarator(each, type, scope)
+            self.scopes.declare(Typedef((*scope, name), place, full, doc=doc))
+
+    def _constant(self, node: Any, scope: Path) -> None:
+        kind, name, expression = node.children
+        path, place = (*scope, _name(name)), self._place(node)
+        type, value = self._type(kind, scope), self._value(expression, scope)
+        self.scopes.declare(Constant(path, place, type, value, doc=self._doc(node)))
+        self.scopes.define(path, value, place)
+
+    def _union(self, node: Any, scope: Path) -> None:
+        self._opaque(node, scope, Kind.UNION)
+
+    def _valuetype(self, node: Any, scope: Path) -> None:
+        self._opaque(node, scope, Kind.VALUETYPE)
+
+    def _native(self, node: Any, scope: Path) -> None:
+        self._opaque(node, scope, Kind.NATIVE)
+
+    def _forward(self, node: Any, scope: Path) -> None:
+        self._opaque(node, scope, Kind.FORWARD)
+
+    _forward_interface = _forward_structure = _forward_union = _forward_value = _forward
+
+    def _opaque(self, node: Any, scope: Path, kind: Kind) -> None:
+        path, place = (*scope, _name(node.children[0])), self._place(node)
+        self.scopes.declare(Opaque(path, place, kind, doc=self._doc(node)))
+
+    def _begin(self, node: Any, scope: Path) -> tuple[Path, Place]:
+        """Announce what may be named inside its own body."""
+        path, place = (*scope, _name(node.children[0])), self._place(node)
+        known = self.scopes.declarations.get(path)
+        if known is None or is_forward(known):
+            self.scopes.declare(Opaque(path, place, Kind.FORWARD))
+        return path, place
+
+    def _type(self, node: Any, scope: Path) -> Type:
+        if node.data == "scoped":
+            found = self._look_up(node, scope)
+            if found.value is not None:
+                raise InvalidIdl(f"{self._place(node)}: {'::'.join(found.path)} is no type")
+            return Named(found.path)
+        if node.data == "sequence":
+            item, *bound = node.children
+            return SequenceOf(
+                self._type(item, scope), self._size(bound[0], scope) if bound else None
+            )
+        if node.data == "text":
+            return Basic(str(node.children[0]))
+        words = [str(word) for word in node.children if word is not None]
+        return Basic(" ".join(words) if node.data == "basic" else str(node.data))
+
+    def _size(self, node: Any, scope: Path) -> int:
+        value = self._value(node, scope)
+        if type(value) is not int or value <= 0:
+            raise InvalidIdl(f"{self._place(node)}: {value} is no size")
+        return value
+
+    def _value(self, node: Any, scope: Path) -> Value:
+        try:
+            return evaluate(node, lambda name: self._constant_named(name, scope))
+        except (BadConstant, OverflowError) as error:
+            raise InvalidIdl(f"{self._place(node)}: {error}") from None
+
+    def _constant_named(self, node: Any, scope: Path) -> Value:
+        found = self._look_up(node, scope)
+        if found.value is None:
+            raise InvalidIdl(f"{self._place(node)}: {'::'.join(found.path)} is no constant")
+        return found.value
+
+    def _look_up(self, node: Any, scope: Path) -> Found:
+        root, *names = node.children
+        name = tuple(_name(each) for each in names)
+        found = self.scopes.find(name, scope, is_absolute=root is not None)
+        if found is not None:
+            return found
+        place, missing = self._place(node), self._source.missing
+        if not missing:
+            raise InvalidIdl(f"{place}: {'::'.join(name)} is not defined")
+        self.scopes.declare(Opaque(name, place, Kind.MISSING))
+        return Found(name)
+
+    def _place(self, node: Any) -> Place:
+        return self._source.place(node.meta.line)
+
+    def _doc(self, node: Any) -> str:
+        return self._comments.of(node.meta.line, node.meta.end_line)
+
+
+def _is_missing(declared: Declaration | None) -> bool:
+    return declared is None or (isinstance(declared, Opaque) and declared.kind is Kind.MISSING)
+
+
+def _name(token: Any) -> str:
+    """Return an identifier without the underscore that lets it look like a keyword."""
+    return str(token).removeprefix("_")
+
+
+def _is(part: Any, data: str) -> bool:
+    return getattr(part, "data", "") == data
+
+
+def _parts(node: Any, data: str) -> list[Any]:
+    return [part for part in node.children if _is(part, data)]
+
+
+def _bare(node: Any) -> list[Any]:
+    """Return the children without annotations."""
+    return [part for part in node.children if not _is(part, "annotation")]
