@@ -22,6 +22,7 @@ COMMANDS: dict[str, str] = {
     "fsm": "rtfsm",
     "ls": "rtls",
     "mgr": "rtmgr",
+    "profile": "rtprofile",
     "pwd": "rtpwd",
     "reset": "rtreset",
     "resurrect": "rtresurrect",

@@ -35,6 +35,7 @@ class App:
         timeout_s: Bound on every call [s].
         is_verbose: Tell progress on stderr, and tracebacks.
         form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
+        command: The word of a command that is run, once that is known.
     """
 
     def __init__(self, name: str, tree: Tree | None = None) -> None:
@@ -43,6 +44,7 @@ class App:
         self.is_verbose = False
         self.form: str | None = None
         self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
+        self.command: click.Command | None = None
         self._tree = tree
         self._is_own_tree = tree is None
         self._place: str | None = None
@@ -209,13 +211,18 @@ class Main:
         return status
 
 
-def command(name: str, **settings: Any) -> Callable[[Callable[..., int | None]], Main]:
-    """Turn a function that takes an `App` and its options into a command."""
+def command(
+    name: str, *, is_local: bool = False, **settings: Any
+) -> Callable[[Callable[..., int | None]], Main]:
+    """Turn a function that takes an `App` and its options into a command.
+
+    One that `is_local` asks no manager.
+    """
 
     def decorate(function: Callable[..., int | None]) -> Main:
         make: Any = click.command(name=name, context_settings=_SETTINGS, **settings)
         made: click.Command = make(pass_app(function))
-        made.params += _common_options()
+        made.params += common_options(is_local=is_local)
         # The mark of text that is not to be filled, as a raw docstring has it.
         made.help = made.help and made.help.replace("\\b\n", "\b\n")
         return Main(name, made)
@@ -223,16 +230,18 @@ def command(name: str, **settings: Any) -> Callable[[Callable[..., int | None]],
     return decorate
 
 
-def _common_options() -> list[click.Option]:
+def common_options(*, is_local: bool = False) -> list[click.Option]:
+    """Return the options that every command has; one that asks nobody needs no time-out."""
+    timeout = click.Option(
+        ["--timeout"],
+        type=click.FloatRange(min=0.01),
+        metavar="SECONDS",
+        expose_value=False,
+        callback=_set("timeout_s"),
+        help="Bound on every call (default 10).",
+    )
     return [
-        click.Option(
-            ["--timeout"],
-            type=click.FloatRange(min=0.01),
-            metavar="SECONDS",
-            expose_value=False,
-            callback=_set("timeout_s"),
-            help="Bound on every call (default 10).",
-        ),
+        *([] if is_local else [timeout]),
         click.Option(
             ["--exit-detail"],
             is_flag=True,
@@ -312,7 +321,8 @@ def _failed(command: click.Command, app: App, error: Exception) -> int:
 
         app.say("".join(traceback.format_exception(error)).rstrip())
     if isinstance(error, click.UsageError | WrongArguments):
-        app.say(command.get_usage(click.Context(command, info_name=app.name)))
+        meant = app.command or command
+        app.say(meant.get_usage(click.Context(meant, info_name=app.name)))
     if isinstance(error, click.ClickException):
         app.fail(error.format_message())
         return error.exit_code

@@ -110,6 +110,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
         ("rtmgr stop", "End the manager with everything that it holds."),
     ),
+    "rtprofile": (
+        ("rtprofile validate robot.xml", "Is it valid, and what had to be put right?"),
+        ("rtprofile validate --strict profiles systems", "Whole folders, without forgiveness."),
+        ("rtprofile validate --format sarif . > found.sarif", "For a code host or an editor."),
+    ),
     "rtpwd": (("rtpwd", "Print where relative paths start from."),),
     "rtreset": (("rtreset /localhost/Robot0.rtc", "Bring a component out of Error."),),
     "rtresurrect": (

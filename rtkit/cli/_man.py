@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from inspect import cleandoc
 
 import click
@@ -13,6 +13,7 @@ import click
 from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
+from rtkit.cli._group import Group
 from rtkit.cli._unified import SUMMARIES, WORDS
 
 _STATUSES = (
@@ -50,13 +51,34 @@ def _page(verb: str, name: str) -> str:
     lines = [*_head(name, SUMMARIES[verb], usage), ".SH DESCRIPTION"]
     lines += _paragraphs(cleandoc(command.help or ""))
     lines.append(".SH OPTIONS")
-    for parameter in command.get_params(context):
-        is_option = isinstance(parameter, click.Option)
-        record = parameter.get_help_record(context) if is_option else None
-        if record is not None:
-            lines += _item(record[0], record[1].partition("  [")[0])
+    lines += _options(command, context)
+    if isinstance(command, Group):
+        lines.append(".SH COMMANDS")
+        for word in command.words:
+            lines += _word(command, word, context)
     others = ", ".join(f"{other}(1)" for other in ("rtkit", *COMMANDS.values()) if other != name)
     return _text([*lines, *_tail(name), ".SH SEE ALSO", _escape(others)])
+
+
+def _word(group: Group, word: str, context: click.Context) -> Iterator[str]:
+    command = group.get_command(context, word)
+    assert command is not None
+    inner = click.Context(command, info_name=word, parent=context, **command.context_settings)
+    usage = " ".join([word, *command.collect_usage_pieces(inner)])
+    yield f'.SS "{_escape(usage)}"'
+    yield from _paragraphs(cleandoc(command.help or ""))
+    common = {parameter.name for parameter in group.params}
+    yield from _options(command, inner, without=common)
+
+
+def _options(
+    command: click.Command, context: click.Context, without: Container[str | None] = ()
+) -> Iterator[str]:
+    for parameter in command.params if without else command.get_params(context):
+        if isinstance(parameter, click.Option) and parameter.name not in without:
+            record = parameter.get_help_record(context)
+            if record is not None:
+                yield from _item(record[0], record[1].partition("  [")[0])
 
 
 def _unified() -> str:

@@ -31,6 +31,7 @@ SUMMARIES: dict[str, str] = {
     "fsm": "Look at and change the state machine of a component.",
     "ls": "List directories, managers and components of the tree.",
     "mgr": "Start, stop and command managers.",
+    "profile": "Check, show, compare and convert profiles.",
     "pwd": "Print the working directory in the tree.",
     "reset": "Reset components: Error to Inactive.",
     "resurrect": "Bring up the system of an RTS profile.",

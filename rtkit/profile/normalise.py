@@ -222,16 +222,23 @@ def _children(element: Any, spec: Spec, found: Findings, depth: int) -> None:
         else:
             normalise(item, expected.spec, found, depth + 1)
     if is_disordered:
+        was = [item.tag for item in element if item.tag in index]
         _sort(element, spec)
-        said = f"children of {short(element.tag)} put in order"
-        allowed = ", ".join(dict.fromkeys(short(item.name) for item in spec.children))
-        found.repaired(element, "element-order", said, allowed=f"in this order: {allowed}")
+        _tell_order(element, was, found)
     for field, least in spec.needs.items():
         if counts.get(field, 0) < least:
             names = " | ".join(short(item.name) for item in spec.children if item.field == field)
             said = f"{short(element.tag)} needs at least {least} of: {names}"
             seen = str(counts.get(field, 0))
             found.wrong(element, "missing-element", said, seen=seen, allowed=f"at least {least}")
+
+
+def _tell_order(element: Any, was: list[str], found: Findings) -> None:
+    present = set(was)
+    tags = [item.tag for item in element if item.tag in present]
+    seen, allowed = (", ".join(map(short, dict.fromkeys(each))) for each in (was, tags))
+    said = f"children of {short(element.tag)} put in order"
+    found.repaired(element, "element-order", said, seen=seen, allowed=allowed)
 
 
 def _no_text(element: Any, text: str | None, found: Findings) -> None:

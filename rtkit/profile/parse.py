@@ -18,6 +18,7 @@ _MAX_EQUALS = 300_000
 _MAX_NAMESPACES = 1_000
 _LARGE = "too-large"
 _BEFORE_ROOT = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)
+_PLACE = re.compile(r"(?:,? line [0-9]+)?, line [0-9]+, column [0-9]+$")
 _DOCTYPE = re.compile(rb"<!DOCTYPE\s*([^\s\[>]*)")
 
 
@@ -44,7 +45,7 @@ def parse(data: bytes, source: str) -> Any:
         root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
         line = error.lineno or 1
-        why = str(error.msg).removesuffix(f" (<string>, line {error.lineno})")
+        why = _PLACE.sub("", str(error.msg).removesuffix(f" (<string>, line {error.lineno})"))
         text = f"not well-formed: {_one_line(why)}"
         raise InvalidProfile(source, [Note(line, text, rule="not-well-formed")]) from error
     doctype = root.getroottree().docinfo

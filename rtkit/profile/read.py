@@ -124,7 +124,7 @@ def explain(
     from rtkit.profile.validate import explained_violations
 
     try:
-        root, found, grammar = _normalised(data, source, form, kind)
+        root, found, grammar = normalised(data, source, form, kind)
     except InvalidProfile as error:
         return error.problems
     return tuple(sorted(found.errors + explained_violations(root, grammar.schema)))
@@ -139,26 +139,27 @@ def profile_kind(data: bytes | str, source: str = STDIN, *, form: str | None = N
     return _opened(data, source, form, None)[0]
 
 
-class _Grammar(NamedTuple):
-    """What is to be known of a kind of profile."""
+class Grammar(NamedTuple):
+    """What is to be known of a kind of profile, ``rts`` or ``rtc``."""
 
+    kind: str
     spec: Spec
     schema: str
     check: Callable[[Any, Findings], None]
 
 
-def _grammar(kind: str) -> _Grammar:
+def _grammar(kind: str) -> Grammar:
     if kind == "rts":
         from rtkit.profile.references import check_references
         from rtkit.profile.rts_spec import RTS_PROFILE
         from rtkit.profile.validate import RTS
 
-        return _Grammar(RTS_PROFILE, RTS, check_references)
+        return Grammar(kind, RTS_PROFILE, RTS, check_references)
     from rtkit.profile.rtc_rules import check_names
     from rtkit.profile.rtc_spec import RTC_PROFILE
     from rtkit.profile.validate import RTC
 
-    return _Grammar(RTC_PROFILE, RTC, check_names)
+    return Grammar(kind, RTC_PROFILE, RTC, check_names)
 
 
 def _opened(
@@ -234,14 +235,30 @@ def _encoded(text: str) -> bytes:
     return text.encode("utf-8", "surrogatepass")
 
 
-def _normalised(
+def as_it_stands(
     data: bytes | str, source: str, form: str | None, kind: str | None
-) -> tuple[Any, Findings, _Grammar]:
-    from rtkit.profile.normalise import normalise
+) -> tuple[Any, Findings, Grammar]:
+    """Return the tree of a document without any repair, a place for findings, and its grammar.
 
+    Raises:
+        InvalidProfile: There is no such tree.
+    """
     kind, elements = _opened(data, source, form, kind)
     grammar = _grammar(kind)
-    root, found = elements(grammar.spec)
+    return (*elements(grammar.spec), grammar)
+
+
+def normalised(
+    data: bytes | str, source: str, form: str | None, kind: str | None
+) -> tuple[Any, Findings, Grammar]:
+    """Return the tree of a document with all repairs done, what was found, and its grammar.
+
+    Raises:
+        InvalidProfile: There is no such tree.
+    """
+    from rtkit.profile.normalise import normalise
+
+    root, found, grammar = as_it_stands(data, source, form, kind)
     normalise(root, grammar.spec, found)
     grammar.check(root, found)
     return root, found, grammar
@@ -251,7 +268,7 @@ def _read(data: bytes | str, source: str, form: str | None, kind: str | None, st
     from rtkit.profile.build import build
     from rtkit.profile.validate import violations
 
-    root, found, grammar = _normalised(data, source, form, kind)
+    root, found, grammar = normalised(data, source, form, kind)
     problems = found.errors or violations(root, grammar.schema)
     if strict:
         problems = problems + found.repairs

@@ -7,6 +7,7 @@ from itertools import islice
 from typing import Any
 
 from rtkit.profile.common import Note
+from rtkit.profile.places import Places
 from rtkit.profile.xmlnames import shorten
 from rtkit.resources import resource
 
@@ -38,8 +39,8 @@ def violations(root: Any, schema_name: str) -> list[Note]:
     return [
         Note(
             entry.line,
-            " ".join(shorten(entry.message).split()),
-            " ".join(str(entry.path).split()),
+            _one_line(entry.message),
+            _one_line(entry.path),
             SCHEMA_RULE,
         )
         for entry in schema.error_log
@@ -47,12 +48,27 @@ def violations(root: Any, schema_name: str) -> list[Note]:
 
 
 def explained_violations(root: Any, schema_name: str) -> list[Note]:
-    """Return what is against the schema, with element path and reason; slow (xmlschema)."""
+    """Return what is against the schema, with reasons and what may be there; slow (xmlschema)."""
+    places = Places()
     schema = _explaining_schema(schema_name)
     return [
         Note(
             error.sourceline or 0,
-            " ".join(shorten(f"{error.path}: {error.reason}").split()),
+            _one_line(error.reason),
+            places.path(error.elem) if error.elem is not None else _one_line(error.path),
+            SCHEMA_RULE,
+            allowed=_expected(error),
         )
         for error in islice(schema.iter_errors(root, use_location_hints=False), _MOST)
     ]
+
+
+def _one_line(text: object) -> str:
+    return " ".join(shorten(str(text)).split())
+
+
+def _expected(error: Any) -> str:
+    """Return what may be there, where the library tells it: children or an enumeration."""
+    names = [str(item.name) for item in getattr(error, "expected", None) or () if item.name]
+    names = names or [str(word) for word in getattr(error.validator, "enumeration", None) or ()]
+    return shorten(", ".join(names))

@@ -92,6 +92,23 @@ def test_a_listing_imports_nothing_heavy() -> None:
     assert "A.rtc" in done.stdout
 
 
+def test_the_verdict_on_a_valid_profile_imports_nothing_heavy() -> None:
+    needed = {"lxml", "rtkit.profile", "concurrent.futures", "yaml"}
+    script = (
+        "import sys\n"
+        "from rtkit.cli.rtprofile import main\n"
+        f"assert main(['validate', {str(ROOT / 'profiles' / 'Motor.xml')!r}]) == 0\n"
+        f"names = {(*FORBIDDEN_ON_THE_WAY, 'elementpath', 'difflib', 'urllib')}\n"
+        f"found = [name for name in names if name in sys.modules and name not in {needed}]\n"
+        "print(found, file=sys.stderr)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.stderr == "[]\n"
+    assert done.stdout.endswith("Motor.xml: valid (RTC profile)\n")
+
+
 def test_no_file_is_longer_than_a_reader_can_hold() -> None:
     long = {
         str(file.relative_to(ROOT)): count

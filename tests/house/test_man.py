@@ -8,11 +8,13 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import click
 import pytest
 
 from rtkit.cli import COMMANDS
 from rtkit.cli._app import App
 from rtkit.cli._examples import EXAMPLES
+from rtkit.cli._group import Group, Word
 from rtkit.cli._man import pages
 from rtkit.cli._unified import WORDS
 
@@ -53,6 +55,20 @@ def test_every_option_is_on_its_page() -> None:
                     assert option.replace("-", "\\-") in PAGES[f"{name}.1"], (name, option)
 
 
+def words_of(command: click.Command) -> dict[str, Word]:
+    return command.words if isinstance(command, Group) else {}
+
+
+def test_every_option_of_a_word_is_on_the_page() -> None:
+    for name in COMMANDS.values():
+        for word in words_of(importlib.import_module(f"rtkit.cli.{name}").main.command).values():
+            main = importlib.import_module(word.module).main
+            assert " ".join(main.command.help.split()).startswith(word.summary.rstrip("."))
+            options = [option for each in main.command.params for option in each.opts]
+            for option in filter(lambda text: text.startswith("-"), options):
+                assert option.replace("-", "\\-") in PAGES[f"{name}.1"], (word, option)
+
+
 @pytest.mark.parametrize("line", LINES)
 def test_examples_can_be_typed(line: str) -> None:
     name, *arguments = shlex.split(line)
@@ -63,4 +79,8 @@ def test_examples_can_be_typed(line: str) -> None:
     if "-h" in arguments:
         return
     command = importlib.import_module(f"rtkit.cli.{name}").main.command
+    words = words_of(command)
+    if words:
+        name, *arguments = arguments
+        command = importlib.import_module(words[name].module).main.command
     command.make_context(name, arguments, obj=App(name)).close()

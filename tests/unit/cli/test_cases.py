@@ -7,6 +7,7 @@ not 0, ``=`` the connections left. ``@`` in the first lines names what a file's 
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,14 +22,20 @@ FOLDER = Path(__file__).parent / "cases"
 WIRES = {"a": ("Std0", "Std0"), "b": ("Std0", "Input0"), "c": ("Output0", "Input0")}
 
 
-def give_machine(world: World) -> None:
+def give_machine(world: World, _place: Path, _patch: pytest.MonkeyPatch) -> None:
     """Make Std0 a component with a state machine."""
     states = {"Off": {"toggle": "On"}, "On": {"toggle": "Off"}, "On.Dim": {}}
     events = {"toggle": "RTC::TimedShort", "more": "Mine::Event"}
     world.update("Std0", fsm_state="On.Dim", fsm_states=states, fsm_events=events)
 
 
-NEEDS = {"machine": give_machine}
+def give_files(_world: World, place: Path, patch: pytest.MonkeyPatch) -> None:
+    """Stand in a folder with copies of the files."""
+    shutil.copytree(FOLDER.parent / "files", place, dirs_exist_ok=True)
+    patch.chdir(place)
+
+
+NEEDS = {"machine": give_machine, "files": give_files}
 
 
 class Case(NamedTuple):
@@ -70,9 +77,15 @@ CASES = [case for file in sorted(FOLDER.glob("*.txt")) for case in read_cases(fi
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.line)
-def test_case(run: Callable[[str], Any], world: World, case: Case) -> None:
+def test_case(
+    run: Callable[[str], Any],
+    world: World,
+    case: Case,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     if case.needs:
-        NEEDS[case.needs](world)
+        NEEDS[case.needs](world, tmp_path, monkeypatch)
     if case.wires is not None:
         for name, (source, sink) in WIRES.items():
             ends = (PortRef(source, "out"), PortRef(sink, "in"))

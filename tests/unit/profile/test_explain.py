@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from rtkit.profile import rts_spec
+from rtkit.profile.examine import examine, objections
 from rtkit.profile.read import explain_rtc, explain_rts, read_rts
 
 CHECKOUT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
@@ -29,14 +30,46 @@ def test_faults_are_explained_with_line_and_path() -> None:
     assert (2, "rts:Components has no rts:instanceName") in told
     assert (
         2,
-        "/r:RtsProfile/r:Components: missing required attribute 'rts:instanceName'",
+        "missing required attribute 'rts:instanceName'",
     ) in told
 
 
 def test_what_only_the_schema_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rts_spec.RTS_PROFILE, "required_count", 0)
     (note,) = explain_rts(PLAIN.replace(b' r:id="i"', b""))
-    assert note.text == "/r:RtsProfile: missing required attribute 'rts:id'"
+    assert (note.path, note.text) == ("/rts:RtsProfile", "missing required attribute 'rts:id'")
+
+
+def test_the_schema_objects_to_a_document_as_it_stands() -> None:
+    data = PLAIN.replace(b"/>", b">\n<r:Components r:id='a' r:instanceName='b' r:isRequired='?'/>")
+    notes = objections(data + b"</r:RtsProfile>")
+    assert [(note.line, note.path, note.rule) for note in notes] == [
+        (2, "/rts:RtsProfile/rts:Components", "schema")
+    ] * len(notes)
+    assert "missing required attribute 'rts:pathUri'" in [note.text for note in notes]
+    assert objections(PLAIN) == objections(b"<cut") == ()
+
+
+def test_the_schema_tells_what_it_expects() -> None:
+    groups = PLAIN.replace(b"/>", b"><r:Groups r:groupId='g'/></r:RtsProfile>")
+    (note,) = objections(groups)
+    assert (note.path, note.allowed) == ("/rts:RtsProfile/rts:Groups", "rts:Members")
+    preceding = b"<r:StartUp><r:targets r:sequence='1'><r:Preceding r:sendingTiming='X'/>"
+    data = PLAIN.replace(b"/>", b">" + preceding + b"</r:targets></r:StartUp></r:RtsProfile>")
+    allowed = [note.allowed for note in objections(data) if "sendingTiming" in note.text]
+    assert allowed == ["SYNC, ASYNC, NO_SYNC"]
+
+
+def test_an_examination_keeps_apart_what_it_found() -> None:
+    port = b"<r:DataPorts r:name='o'/>"
+    head, tail = b"<r:Components r:id='a' r:instanceName='b' r:pathUri='' r:isRequired='", b"'>"
+    for flag, kinds in ((b"true", (0, 2, 0)), (b"?", (1, 2, 0))):
+        body = b">" + head + flag + tail + port + b"</r:Components></r:RtsProfile>"
+        found = examine(PLAIN.replace(b"/>", body), "a.xml")
+        assert (len(found.errors), len(found.repairs), len(found.remarks)) == kinds
+        assert found.kind == "rts"
+        assert (found.profile is None) == bool(found.errors)
+    assert examine(b"<a/>").kind == ""
 
 
 def test_what_is_no_profile_is_told_too() -> None:

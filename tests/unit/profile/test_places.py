@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os.path
+import re
 from typing import Any
 
 import pytest
@@ -151,3 +152,13 @@ def test_the_first_of_too_many_errors_are_kept() -> None:
         read_rts(f"{HEAD}{bad}</rts:RtsProfile>".encode(), "a.xml")
     assert len(caught.value.problems) == 1001
     assert str(caught.value).endswith("a.xml: … and 951 more problems")
+
+
+def test_every_rule_that_is_told_is_in_the_table() -> None:
+    folder = os.path.join(ROOT, "rtkit", "profile")
+    told: set[str] = set()
+    for name in os.listdir(folder):
+        if name.endswith(".py") and name != "rules.py":
+            with open(os.path.join(folder, name), encoding="utf-8") as file:
+                told |= set(re.findall(r'"([a-z]+(?:-[a-z]+)+|[a-z]+)"', file.read()))
+    assert set(RULES) <= told

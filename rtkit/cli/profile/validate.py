@@ -1,0 +1,102 @@
+"""``rtprofile validate``: check profiles, and say all that is wrong with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, command
+from rtkit.errors import InvalidDocument, NotFound
+from rtkit.report.finding import Checked
+from rtkit.report.forms import FORMS, JSON, TEXT, report_lines
+
+_STYLES: dict[str, dict[str, object]] = {
+    "error": {"fg": "red", "bold": True},
+    "warning": {"fg": "yellow", "bold": True},
+    "note": {"fg": "cyan"},
+    "valid": {"fg": "green", "bold": True},
+    "name": {"bold": True},
+    "path": {"dim": True},
+}
+TOOL = "rtprofile validate"
+
+
+@command("validate", is_local=True)
+@click.option("--strict", is_flag=True, help="Take everything that needs repair for an error.")
+@click.option("--explain", is_flag=True, help="Have the schemas tell in full what is wrong; slow.")
+@click.option(
+    "--format", "form", type=click.Choice(FORMS), default=TEXT, help="How to tell (default text)."
+)
+@click.option("--json", "is_json", is_flag=True, help="The same as --format json.")
+@click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
+@click.argument("paths", nargs=-1, metavar="[FILE|FOLDER|-]...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    strict: bool,
+    explain: bool,
+    form: str,
+    is_json: bool,
+    quiet: bool,
+) -> int:
+    """Check profiles against the schemas, and against what no schema can tell.
+
+    Files, all profiles below folders, or stdin (-, or nothing). Whatever could be put right is
+    put right and noted, with its line and XPath, what stands there and what may; the exit status
+    is 0. What could not makes it 1. With --strict nothing is put right.
+    """
+    seen: list[Checked] = []
+    checked = _checked(app, paths, strict=strict, is_explaining=explain, seen=seen)
+    for line in report_lines(
+        JSON if is_json else form, checked, _rules(), TOOL, _now(), style=_styled, is_quiet=quiet
+    ):
+        click.echo(line)
+    return _status(app, seen)
+
+
+def _checked(
+    app: App, paths: tuple[str, ...], *, strict: bool, is_explaining: bool, seen: list[Checked]
+) -> Iterator[Checked]:
+    """Yield the verdicts, and keep them in `seen`."""
+    from rtkit.cli.profile._files import sources
+    from rtkit.profile_tools.validation import may_be_profile, unreadable, validated
+
+    for source in sources(paths):
+        if source.data is None:
+            seen.append(unreadable(source.name, source.problem))
+        elif not source.is_named and not may_be_profile(source.data):
+            app.tell(f"{source.name}: no profile, skipped")
+            continue
+        else:
+            seen.append(
+                validated(source.data, source.name, strict=strict, is_explaining=is_explaining)
+            )
+        yield seen[-1]
+    if not seen:
+        app.say(f"no profile below {', '.join(paths)}")
+
+
+def _status(app: App, seen: list[Checked]) -> int:
+    bad = [each for each in seen if not each.is_valid]
+    if not bad:
+        return 0
+    return app.status(InvalidDocument() if any(each.is_read for each in bad) else NotFound())
+
+
+def _rules() -> dict[str, str]:
+    from rtkit.profile.rules import RULES
+    from rtkit.profile_tools.validation import RULES_OF_FILES
+
+    return RULES | RULES_OF_FILES
+
+
+def _styled(text: str, role: str) -> str:
+    return _out.styled(text, _STYLES.get(role))
+
+
+def _now() -> str:
+    import time
+
+    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime())

@@ -1,0 +1,77 @@
+"""Look a document through: what kind of profile it is, and all that was found on the way.
+
+For who reports on profiles. Who wants the profile reads it (`rtkit.profile.read`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rtkit.profile.common import Note
+from rtkit.profile.findings import InvalidProfile
+from rtkit.profile.read import STDIN, as_it_stands, normalised
+
+if TYPE_CHECKING:
+    from rtkit.profile.rtc_model import RtcProfile
+    from rtkit.profile.rts_model import RtsProfile
+
+
+@dataclass(frozen=True, slots=True)
+class Examination:
+    """What was found in one document.
+
+    Attributes:
+        kind: ``rts`` or ``rtc``; empty where the document is neither.
+        profile: None where there are errors.
+        errors: What no mode forgives.
+        repairs: What was put right; errors to who asks for the strict form.
+        remarks: What is allowed but worth knowing.
+    """
+
+    kind: str
+    profile: RtcProfile | RtsProfile | None
+    errors: tuple[Note, ...] = ()
+    repairs: tuple[Note, ...] = ()
+    remarks: tuple[Note, ...] = ()
+
+
+def examine(
+    data: bytes | str, source: str = STDIN, *, form: str | None = None, kind: str | None = None
+) -> Examination:
+    """Look through a profile of either kind in any form; takes what `read_profile` takes.
+
+    Raises:
+        Malformed: There is no such form.
+    """
+    from rtkit.profile.build import build
+    from rtkit.profile.validate import violations
+
+    try:
+        root, found, grammar = normalised(data, source, form, kind)
+    except InvalidProfile as error:
+        return Examination("", None, error.problems)
+    errors = found.errors or violations(root, grammar.schema)
+    return Examination(
+        grammar.kind,
+        None if errors else build(root, grammar.spec),
+        *(tuple(sorted(notes)) for notes in (errors, found.repairs, found.remarks)),
+    )
+
+
+def objections(
+    data: bytes | str, source: str = STDIN, *, form: str | None = None, kind: str | None = None
+) -> tuple[Note, ...]:
+    """Return what the schema has against a document as it stands, before any repair; slow.
+
+    Raises:
+        Malformed: There is no such form.
+    """
+    from rtkit.profile.validate import explained_violations
+
+    try:
+        root, _, grammar = as_it_stands(data, source, form, kind)
+    except InvalidProfile:
+        # What cannot be opened has been told of by who examined it.
+        return ()
+    return tuple(sorted(explained_violations(root, grammar.schema)))

@@ -1,0 +1,62 @@
+"""The verdict on a document, with everything that was found in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rtkit.profile.common import Note
+from rtkit.profile.examine import examine, objections
+from rtkit.report.finding import ERROR, NOTE, Checked, Finding
+
+RULES_OF_FILES = {"unreadable": "A file or folder cannot be read"}
+_NAMES = {"rts": "RTS profile", "rtc": "RTC profile", "": ""}
+_MARKS = (b"openrtp.org/namespaces/rt", b"rtsProfile", b"rtcProfile")
+
+
+def validated(
+    data: bytes,
+    file: str,
+    *,
+    form: str | None = None,
+    strict: bool = False,
+    is_explaining: bool = False,
+) -> Checked:
+    """Return the verdict on a profile of either kind; `file` names it.
+
+    Args:
+        data: The document.
+        file: As the user typed it.
+        form: ``xml``, ``yaml`` or ``json``; None finds out.
+        strict: Take every repair for an error.
+        is_explaining: Have the schema tell what it has against the document as it stands; slow.
+    """
+    found = examine(data, file, form=form)
+    of_schema = objections(data, file, form=form) if is_explaining else ()
+    findings = [
+        *_findings(ERROR, found.errors, file),
+        *_findings(ERROR if strict else NOTE, found.repairs, file),
+        *_findings(NOTE, (*found.remarks, *of_schema), file),
+    ]
+    findings.sort(key=lambda finding: finding.line)
+    return Checked(file, _NAMES[found.kind], tuple(findings))
+
+
+def unreadable(file: str, why: str) -> Checked:
+    """Return the verdict on what cannot be read."""
+    finding = Finding(ERROR, "unreadable", f"cannot be read: {why}", file)
+    return Checked(file, "", (finding,), is_read=False)
+
+
+def may_be_profile(data: bytes) -> bool:
+    """Whether a document speaks of profiles at all; for folders that hold others too."""
+    bare = data.replace(b"\0", b"")
+    return any(mark in bare for mark in _MARKS)
+
+
+def _findings(severity: str, notes: Iterable[Note], file: str) -> list[Finding]:
+    return [
+        Finding(
+            severity, note.rule, note.text, file, note.line, note.path, note.found, note.allowed
+        )
+        for note in notes
+    ]

@@ -1,0 +1,53 @@
+"""The forms in which findings can be told, by their names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rtkit.report.finding import Checked, Rules
+from rtkit.report.plain import Style, as_is, plain_lines
+
+TEXT, JSON, SARIF, JUNIT, GITHUB = "text", "json", "sarif", "junit", "github"
+FORMS = (TEXT, JSON, SARIF, JUNIT, GITHUB)
+
+
+def report_lines(
+    form: str,
+    checked: Iterable[Checked],
+    rules: Rules,
+    tool: str,
+    timestamp: str,
+    *,
+    style: Style = as_is,
+    is_quiet: bool = False,
+) -> Iterator[str]:
+    """Yield the lines of a report in one of `FORMS`.
+
+    Args:
+        form: One of `FORMS`.
+        checked: What was checked; text, JSON and annotations come one by one as these do.
+        rules: What the rules are about, for the forms that explain them.
+        tool: The name under which it was checked.
+        timestamp: When, for JUnit: ``2024-01-31T12:00:00``.
+        style: How the parts of a line look, for text.
+        is_quiet: Tell errors only, and no verdict in a text.
+    """
+    checked = map(Checked.only_errors, checked) if is_quiet else checked
+    if form == TEXT:
+        yield from plain_lines(checked, style, is_quiet=is_quiet)
+    elif form == JSON:
+        from rtkit.report.json_lines import json_lines
+
+        yield from json_lines(checked)
+    elif form == SARIF:
+        from rtkit.report.sarif import sarif
+
+        yield sarif(checked, rules, tool)
+    elif form == JUNIT:
+        from rtkit.report.junit import junit
+
+        yield junit(checked, tool, timestamp)
+    else:
+        from rtkit.report.github import github_lines
+
+        yield from github_lines(checked)

@@ -1,0 +1,62 @@
+"""Findings as JUnit XML: a test case for each thing checked, failed where there are errors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+
+from rtkit.report.finding import ERROR, Checked
+from rtkit.report.plain import plain_line
+
+_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NEW_LINE = "\n"
+_TEXT = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"}
+_TEXT_ESCAPES = str.maketrans(_TEXT)
+_VALUE_ESCAPES = str.maketrans(_TEXT | {'"': "&quot;", "\n": "&#10;", "\t": "&#9;"})
+
+
+def junit(checked: Iterable[Checked], tool: str, timestamp: str) -> str:
+    """Return one JUnit document; `timestamp` is ``2024-01-31T12:00:00``, without a zone."""
+    return "\n".join(_lines(list(checked), tool, timestamp))
+
+
+def _lines(checked: list[Checked], tool: str, timestamp: str) -> Iterator[str]:
+    failures = sum(not each.is_valid for each in checked)
+    counts = f'tests="{len(checked)}" failures="{failures}" errors="0"'
+    yield '<?xml version="1.0" encoding="UTF-8"?>'
+    yield f'<testsuites name="{_value(tool)}" {counts} time="0">'
+    yield (
+        f'  <testsuite name="{_value(tool)}" package="rtkit" id="0" hostname="localhost"'
+        f' timestamp="{_value(timestamp)}" {counts} skipped="0" time="0">'
+    )
+    yield "    <properties/>"
+    for each in checked:
+        yield from _case(each, tool)
+    told = [plain_line(f) for each in checked for f in each.findings if f.severity != ERROR]
+    yield f"    <system-out>{_text(_NEW_LINE.join(told))}</system-out>"
+    yield "    <system-err/>"
+    yield "  </testsuite>"
+    yield "</testsuites>"
+
+
+def _case(each: Checked, tool: str) -> Iterator[str]:
+    head = f'    <testcase classname="{_value(tool)}" name="{_value(each.name)}" time="0"'
+    errors = each.only_errors().findings
+    if not errors:
+        yield f"{head}/>"
+        return
+    first, more = errors[0], len(errors) - 1
+    message = first.full_text + (f" (and {more} more)" if more else "")
+    yield f"{head}>"
+    told = _NEW_LINE.join(map(plain_line, errors))
+    yield f'      <failure type="{_value(first.rule)}" message="{_value(message)}">'
+    yield f"{_text(told)}</failure>"
+    yield "    </testcase>"
+
+
+def _text(text: str) -> str:
+    return _ILLEGAL.sub("\ufffd", text).translate(_TEXT_ESCAPES)
+
+
+def _value(text: str) -> str:
+    return _ILLEGAL.sub("\ufffd", text).translate(_VALUE_ESCAPES)
