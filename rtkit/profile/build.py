@@ -9,50 +9,106 @@ from rtkit.profile.spec import Spec
 from rtkit.profile.xmlnames import XSI_TYPE, split
 
 
+class NotStrict(Exception):
+    """The tree is not in strict form, or has content that a reader has to be told of."""
+
+
 def build(element: Any, spec: Spec) -> Any:
-    """Return the model of `element`.
+    """Return the model of `element`, which is valid.
 
     Raises:
         KeyError: The tree is not valid.
         ValueError: The tree is not valid.
     """
-    fields: dict[str, Any] = {}
+    args = spec.blank[:]
     readers = spec.readers
     foreign_attributes: list[tuple[str, str]] = []
     for name, value in element.items():
         reader = readers.get(name)
         if reader is not None:
-            field, read = reader
-            fields[field] = value if read is None else read(value)
+            place, read = reader
+            args[place] = value if read is None else read(value)
         elif name != XSI_TYPE:
             foreign_attributes.append((name, value))
-    foreign_elements = _children(element, spec, fields) if len(element) else ()
+    foreign_elements = _children(element, spec, args) if len(element) else ()
     if foreign_attributes or foreign_elements:
-        fields["foreign"] = Foreign(tuple(sorted(foreign_attributes)), foreign_elements)
-    if spec.tag_field is not None:
-        fields[spec.tag_field] = split(element.tag)[1]
-    return spec.make(**fields)
+        args[spec.foreign_place] = Foreign(tuple(sorted(foreign_attributes)), foreign_elements)
+    if spec.tag_place is not None:
+        args[spec.tag_place] = split(element.tag)[1]
+    return spec.make(*args)
 
 
-def _children(element: Any, spec: Spec, fields: dict[str, Any]) -> tuple[ForeignElement, ...]:
-    index = spec.index
+def build_strict(element: Any, spec: Spec, depth: int) -> Any:
+    """Return the model of `element` if it needs neither repair nor remark; it may yet be invalid.
+
+    Prefixes must be the usual ones. `depth` is how many more levels there may be.
+
+    Raises:
+        NotStrict: It does need some.
+        KeyError: The tree is not valid.
+        ValueError: The tree is not valid.
+    """
+    args = spec.blank[:]
+    readers = spec.readers
+    seen_type = None
+    for name, value in element.items():
+        reader = readers.get(name)
+        if reader is not None:
+            place, read = reader
+            args[place] = value if read is None else read(value)
+        elif name == XSI_TYPE:
+            seen_type = value
+        else:
+            raise NotStrict
+    if seen_type != spec.xsi_type_text or depth < 0:
+        raise NotStrict
+    if len(element):
+        slots, last = spec.slots, 0
+        for item in element:
+            slot = slots.get(item.tag)
+            if slot is None or slot[0] < last:
+                raise NotStrict
+            last, place, inner, is_many = slot
+            if inner is not None:
+                made = build_strict(item, inner, depth - 1)
+            elif item.attrib:
+                raise NotStrict
+            else:
+                made = item.text or ""
+            if is_many:
+                if args[place]:
+                    args[place].append(made)
+                else:
+                    args[place] = [made]
+            elif args[place] is None:
+                args[place] = made
+            else:
+                raise NotStrict
+        for place in spec.many_places:
+            args[place] = tuple(args[place])
+    if spec.tag_place is not None:
+        args[spec.tag_place] = split(element.tag)[1]
+    return spec.make(*args)
+
+
+def _children(element: Any, spec: Spec, args: list[Any]) -> tuple[ForeignElement, ...]:
+    slots = spec.slots
     foreign: list[ForeignElement] = []
     for item in element:
-        slot = index.get(item.tag)
+        slot = slots.get(item.tag)
         if slot is None:
             foreign.append(_foreign(item, is_top=True))
             continue
-        _, (field, _name, inner, is_many, _least) = slot
+        _, place, inner, is_many = slot
         made = build(item, inner) if inner is not None else (item.text or "")
         if not is_many:
-            fields[field] = made
-        elif field in fields:
-            fields[field].append(made)
+            args[place] = made
+        elif args[place]:
+            args[place].append(made)
         else:
-            fields[field] = [made]
-    for name in spec.many_fields:
-        if name in fields:
-            fields[name] = tuple(fields[name])
+            args[place] = [made]
+    for place in spec.many_places:
+        args[place] = tuple(args[place])
     return tuple(foreign)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.profile.common import Note
 from rtkit.profile.findings import InvalidProfile
-from rtkit.profile.read import STDIN, as_it_stands, normalised
+from rtkit.profile.read import STDIN, as_it_stands, outcome
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
@@ -44,18 +44,14 @@ def examine(
     Raises:
         Malformed: There is no such form.
     """
-    from rtkit.profile.build import build
-    from rtkit.profile.validate import violations
-
     try:
-        root, found, grammar = normalised(data, source, form, kind)
+        seen = outcome(data, source, form, kind)
     except InvalidProfile as error:
         return Examination("", None, error.problems)
-    errors = found.errors or violations(root, grammar.schema)
     return Examination(
-        grammar.kind,
-        None if errors else build(root, grammar.spec),
-        *(tuple(sorted(notes)) for notes in (errors, found.repairs, found.remarks)),
+        seen.kind,
+        seen.profile,
+        *(tuple(sorted(notes)) for notes in (seen.errors, seen.repairs, seen.remarks)),
     )
 
 

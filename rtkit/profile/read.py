@@ -5,7 +5,9 @@ What can be put right is put right and noted, unless `strict` asks for an error 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import gc
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.errors import NotFound
@@ -124,7 +126,8 @@ def explain(
     from rtkit.profile.validate import explained_violations
 
     try:
-        root, found, grammar = normalised(data, source, form, kind)
+        root, found, grammar = as_it_stands(data, source, form, kind)
+        _normalise(root, found, grammar)
     except InvalidProfile as error:
         return error.problems
     return tuple(sorted(found.errors + explained_violations(root, grammar.schema)))
@@ -146,20 +149,23 @@ class Grammar(NamedTuple):
     spec: Spec
     schema: str
     check: Callable[[Any, Findings], None]
+    is_plain: Callable[[Any], bool]
 
 
 def _grammar(kind: str) -> Grammar:
     if kind == "rts":
         from rtkit.profile.references import check_references
         from rtkit.profile.rts_spec import RTS_PROFILE
+        from rtkit.profile.strict import is_plain_system
         from rtkit.profile.validate import RTS
 
-        return Grammar(kind, RTS_PROFILE, RTS, check_references)
+        return Grammar(kind, RTS_PROFILE, RTS, check_references, is_plain_system)
     from rtkit.profile.rtc_rules import check_names
     from rtkit.profile.rtc_spec import RTC_PROFILE
+    from rtkit.profile.strict import is_plain_component
     from rtkit.profile.validate import RTC
 
-    return Grammar(kind, RTC_PROFILE, RTC, check_names)
+    return Grammar(kind, RTC_PROFILE, RTC, check_names, is_plain_component)
 
 
 def _opened(
@@ -248,30 +254,65 @@ def as_it_stands(
     return (*elements(grammar.spec), grammar)
 
 
-def normalised(
-    data: bytes | str, source: str, form: str | None, kind: str | None
-) -> tuple[Any, Findings, Grammar]:
-    """Return the tree of a document with all repairs done, what was found, and its grammar.
+class Outcome(NamedTuple):
+    """A document looked through: the profile, None where there are errors, and what was found."""
+
+    kind: str
+    profile: Any
+    errors: list[Note]
+    repairs: list[Note]
+    remarks: list[Note]
+
+
+def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) -> Outcome:
+    """Look a document through: the short way if it is in strict form, else with repairs.
 
     Raises:
-        InvalidProfile: There is no such tree.
+        InvalidProfile: There is no tree to look at.
+        Malformed: There is no such form.
     """
+    from rtkit.profile.build import build
+    from rtkit.profile.strict import built
+    from rtkit.profile.validate import violations
+
+    with _no_collection():
+        root, found, grammar = as_it_stands(data, source, form, kind)
+        profile = None if found.errors else built(root, grammar.spec, found.scope)
+        is_valid = profile is not None and not violations(root, grammar.schema)
+        if is_valid and grammar.is_plain(profile):
+            return Outcome(grammar.kind, profile, [], [], [])
+        del profile
+        _normalise(root, found, grammar)
+        errors = found.errors or violations(root, grammar.schema)
+        profile = None if errors else build(root, grammar.spec)
+        return Outcome(grammar.kind, profile, errors, found.repairs, found.remarks)
+
+
+def _normalise(root: Any, found: Findings, grammar: Grammar) -> None:
     from rtkit.profile.normalise import normalise
 
-    root, found, grammar = as_it_stands(data, source, form, kind)
     normalise(root, grammar.spec, found)
     grammar.check(root, found)
-    return root, found, grammar
 
 
 def _read(data: bytes | str, source: str, form: str | None, kind: str | None, strict: bool) -> Any:
-    from rtkit.profile.build import build
-    from rtkit.profile.validate import violations
-
-    root, found, grammar = normalised(data, source, form, kind)
-    problems = found.errors or violations(root, grammar.schema)
-    if strict:
-        problems = problems + found.repairs
+    seen = outcome(data, source, form, kind)
+    problems = seen.errors + (seen.repairs if strict else [])
     if problems:
         raise InvalidProfile(source, problems)
-    return Reading(build(root, grammar.spec), tuple(sorted(found.repairs + found.remarks)))
+    return Reading(seen.profile, tuple(sorted(seen.repairs + seen.remarks)))
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Have no garbage looked for: many objects are made and hardly one of them is dropped.
+
+    In a process with a large heap, looking takes longer than reading.
+    """
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
+from dataclasses import MISSING, fields
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -34,6 +35,13 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 def is_real(text: str) -> bool:
     """Whether a text is a finite number as profiles write it."""
     return REAL_FORM.fullmatch(text) is not None and isfinite(float(text))
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not isfinite(value):
+        raise ValueError(text)
+    return value
 
 
 class Attr(NamedTuple):
@@ -82,7 +90,7 @@ def attribute(
     read: dict[str, Callable[[str], Any]] = {
         FLAG: lambda text: _FLAGS[text.strip()],
         WHOLE: int,
-        REAL: float,
+        REAL: _finite,
     }
     return Attr(
         field,
@@ -128,7 +136,10 @@ class Spec:
         also_types: Further types that are right as they stand.
         tag_field: Field that holds the element's local name, for classes with several tags.
         wraps: Field of the only child, where the element has no model class of its own.
-        readers: Field and conversion of each attribute, at hand for speed; so are `checks`.
+        blank: Values of the model's fields for an element without attributes and children.
+        readers: Place among these and conversion of each attribute, at hand for speed.
+        slots: Rank, place, table and whether it may be repeated, of each child, at hand for speed.
+        checks: Whether each attribute is as it should be and whether it must be there.
         needs: Fields that cannot do without children, and how many they need.
         rule: A repair of its own, run before the general ones.
         respellings: Old local names of attributes and children, and the present ones.
@@ -157,7 +168,12 @@ class Spec:
         self.keeps_foreign = "foreign" in getattr(make, "__slots__", ())
         self.attributes = tuple(attributes)
         self.known = {item.name: item for item in self.attributes}
-        self.readers = {item.name: (item.field, item.read) for item in self.attributes}
+        self.blank, self._places = _fields(make, wraps)
+        self.foreign_place = self._places.get("foreign", -1)
+        self.tag_place = self._places[tag_field] if tag_field else None
+        self.readers = {
+            item.name: (self._places[item.field], item.read) for item in self.attributes
+        }
         self.checks = {item.name: (item.check, item.required) for item in self.attributes}
         self.required_count = sum(item.required for item in self.attributes)
         self._respellings = respellings or {}
@@ -165,7 +181,8 @@ class Spec:
         self.children: tuple[Child, ...] = ()
         self.index: dict[str, tuple[int, Child]] = {}
         self.child_by_local: dict[str, str] = {}
-        self.many_fields: tuple[str, ...] = ()
+        self.slots: dict[str, tuple[int, int, Spec | None, bool]] = {}
+        self.many_places: tuple[int, ...] = ()
         self.needs: dict[str, int] = {}
         self.add_children(children)
 
@@ -174,10 +191,26 @@ class Spec:
         self.children += tuple(children)
         self.index = {item.name: (rank, item) for rank, item in enumerate(self.children)}
         self.child_by_local = self._locals(self.index)
-        self.many_fields = tuple({item.field: None for item in self.children if item.is_many})
+        places = [self._places[item.field] for item in self.children]
+        self.slots = {
+            item.name: (rank, place, item.spec, item.is_many)
+            for rank, (item, place) in enumerate(zip(self.children, places, strict=True))
+        }
+        self.many_places = tuple(
+            {place for item, place in zip(self.children, places, strict=True) if item.is_many}
+        )
         self.needs = {item.field: item.least for item in self.children if item.least}
 
     def _locals(self, names: Iterable[str]) -> dict[str, str]:
         by_local = {split(name)[1]: name for name in reversed(list(names))}
         old = {was: by_local[now] for was, now in self._respellings.items() if now in by_local}
         return old | by_local
+
+
+def _fields(make: Callable[..., Any], wraps: str | None) -> tuple[list[Any], dict[str, int]]:
+    """Return the defaults of a model class, None where there is none, and the places of fields."""
+    if wraps is not None:
+        return [None], {wraps: 0}
+    found = fields(make)  # type: ignore[arg-type]
+    defaults = [None if item.default is MISSING else item.default for item in found]
+    return defaults, {item.name: place for place, item in enumerate(found)}

@@ -6,6 +6,7 @@ import json
 import re
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 import yaml
@@ -43,6 +44,23 @@ def test_a_profile_is_the_same_in_every_form(file: Path) -> None:
         # Of a repeated name the line is told, which is another one in each form.
         told.append({re.sub("line [0-9]+", "", note.text) for note in reading.notes})
     assert told[0] == told[1] == told[2]
+
+
+@pytest.mark.parametrize("file", [*SHIPPED, *corpus("*/*.xml")], ids=lambda file: file.name[-60:])
+def test_the_short_way_and_the_long_way_read_alike(file: Path) -> None:
+    reading = read_file(str(file))
+    written = {form: write_profile(reading.profile, form) for form in FORMS}
+    again = {form: read_profile(data, form=form) for form, data in written.items()}
+    with patch("rtkit.profile.strict.built", return_value=None):
+        assert read_file(str(file)) == reading
+        assert {form: read_profile(data, form=form) for form, data in written.items()} == again
+
+
+@pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.name)
+def test_what_is_shipped_goes_the_short_way(file: Path) -> None:
+    with patch("rtkit.profile.normalise.normalise", side_effect=AssertionError):
+        profile = read_file(str(file)).profile
+        assert read_profile(write_profile(profile, "yaml")).profile == profile
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.name)
