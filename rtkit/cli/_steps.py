@@ -16,7 +16,6 @@ from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
 if TYPE_CHECKING:
     from rtkit.cli._app import App
     from rtkit.deployment.facts import Snapshot
-    from rtkit.rtc.profiles import TypeProfile
     from rtkit.tree.view import Node
 
 _FAILED = {
@@ -121,6 +120,8 @@ class Runner:
 
     def _perform(self, steps: Sequence[Step]) -> None:
         results = self._app.tree.apply([self._placed(step.action) for step in steps if step.action])
+        for result in filter(lambda each: each.note, results):
+            self._app.fail(f"note: {result.note}")
         made = [
             result.value
             for step, result in zip(steps, results, strict=False)
@@ -199,7 +200,7 @@ class Runner:
                 continue
             yield {
                 "instance": facts.instance,
-                "type": _type_id(facts.type),
+                "type": facts.type.full_id,
                 "name": facts.names[0] if facts.names else "",
                 "host": snapshot.host,
                 "manager": facts.process,
@@ -228,9 +229,4 @@ class Runner:
 
 
 def _types(snapshot: Snapshot) -> list[str]:
-    return sorted({_type_id(each) for module in snapshot.modules for each in module.types})
-
-
-def _type_id(profile: TypeProfile) -> str:
-    fields = (profile.vendor, profile.category, profile.type_name, profile.language)
-    return ":".join(("RTC", *fields, profile.version))
+    return sorted({each.full_id for module in snapshot.modules for each in module.types})

@@ -48,7 +48,7 @@ class Factories:
             NotFound: No such type.
         """
         if self._makers.pop(profile, None) is None:
-            raise NotFound(f"no component type {profile.id} is registered")
+            raise NotFound(f"no component type {profile.full_id} is registered")
 
     def find(
         self,
@@ -111,12 +111,12 @@ class Factories:
         return profile
 
     def _explain(self, type_name: str, fields: tuple[str, ...]) -> str:
-        same = [profile.id for profile in self.types if profile.type_name == type_name]
+        same = [each.full_id for each in self.types if each.type_name == type_name]
         if same:
-            given = ":".join(fields)
-            return f"component type {type_name} is not known as {given}; known: {', '.join(same)}"
-        names = sorted({profile.type_name for profile in self.types})
-        return f"component type {type_name} is not known; known: {', '.join(names) or 'none'}"
+            vendor, category, language, version = fields
+            given = TypeProfile(type_name, vendor, category, version, language=language).full_id
+            return f"component type {type_name} is not known as {given}; there is {', '.join(same)}"
+        return f"component type {type_name} is not known"
 
 
 def free_name(type_name: str, taken: Container[str]) -> str:

@@ -190,12 +190,14 @@ class Result:
         kind: Kind of the error (see `rtkit.errors`); empty on success.
         why: One line for the user; empty on success.
         value: What was made: the instance name of a created component.
+        note: What the user may not expect though it was done; mostly empty.
     """
 
     code: ReturnCode = ReturnCode.OK
     kind: str = ""
     why: str = ""
     value: str = ""
+    note: str = ""
 
     @property
     def ok(self) -> bool:

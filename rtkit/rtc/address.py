@@ -36,17 +36,18 @@ def parse_address(text: str) -> Address:
     """
     if not text.startswith(_SCHEME):
         host, _, port = text.rpartition(":")
-        if not host or not _is_port(port):
+        if not host or not is_port(port):
             raise Malformed(f"not HOST:PORT: {text}")
         return Address(host, int(port))
     protocol, _, rest = text.removeprefix(_SCHEME).partition(":")
     place, slash, id = rest.partition("/")
     host, colon, port = place.partition(":")
     is_bad_id = bool(slash) and (not id or "/" in id)
-    if protocol not in ("", "iiop") or not host or is_bad_id or (colon and not _is_port(port)):
+    if protocol not in ("", "iiop") or not host or is_bad_id or (colon and not is_port(port)):
         raise Malformed("Invalid corbaloc URL.")
     return Address(host, int(port or DEFAULT_PORT), id or DEFAULT_ID)
 
 
-def _is_port(text: str) -> bool:
+def is_port(text: str) -> bool:
+    """Whether a text is the number of a port that can be connected to."""
     return text.isascii() and text.isdigit() and 0 < int(text) < 65536

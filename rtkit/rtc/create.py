@@ -8,12 +8,15 @@ Grammar (OpenRTM manager interface)::
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rtkit.errors import Malformed
 
 _ESCAPED = "%&=?"
+_ESCAPES = re.compile("(?:%[0-9A-Fa-f]{2})+")
+_NEVER_EMPTY = ("instance_name", "manager_name", "manager_address", "manager", "language")
 FRESH_SLAVE = "manager_%p"
 """Value of ``manager_name`` that asks for a slave of its own, named after its process."""
 
@@ -98,7 +101,9 @@ def _options(tail: str, text: str) -> dict[str, str]:
             raise Malformed(f"option {option!r} is not KEY=VALUE in create string: {text}")
         if key in options:
             raise Malformed(f"option {key!r} is given twice in create string: {text}")
-        options[key] = _unescape(value)
+        if not value and key in _NEVER_EMPTY:
+            raise Malformed(f"option {key!r} has no value in create string: {text}")
+        options[key] = _unescape(value, text)
     return options
 
 
@@ -106,15 +111,14 @@ def _escape(value: str) -> str:
     return "".join(f"%{ord(c):02X}" if c in _ESCAPED else c for c in value)
 
 
-def _unescape(value: str) -> str:
-    head, *rest = value.split("%")
-    parts = [head]
-    for part in rest:
-        digits = part[:2]
-        if len(digits) == 2 and all(c in "0123456789abcdefABCDEF" for c in digits):
-            code = int(digits, 16)
-            if code < 0x80:
-                parts.append(chr(code) + part[2:])
-                continue
-        parts.append("%" + part)
-    return "".join(parts)
+def _unescape(value: str, text: str) -> str:
+    """Return `value` with ``%XX`` as the bytes of UTF-8 text that they stand for."""
+
+    def read(escapes: re.Match[str]) -> str:
+        try:
+            return bytes.fromhex(escapes[0].replace("%", "")).decode()
+        except UnicodeDecodeError:
+            hint = "a per cent sign is %25"
+            raise Malformed(f"{escapes[0]} is no UTF-8 ({hint}) in create string: {text}") from None
+
+    return _ESCAPES.sub(read, value) if "%" in value else value

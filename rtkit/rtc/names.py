@@ -84,6 +84,8 @@ def check_instance_name(name: str) -> str:
     bad = sorted({c for c in name if c in "/:?&=,@" or not c.isprintable()})
     if bad:
         raise Malformed(f"instance name {name!r} has characters that are not allowed: {bad}")
+    if name.startswith("*"):
+        raise Malformed(f"instance name begins with *, the mark of zombies: {name}")
     if name in (".", ".."):
         raise Malformed(f"instance name is reserved: {name}")
     return name

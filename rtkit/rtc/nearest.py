@@ -5,17 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 CLOSE_ENOUGH = 0.6
+_NO_WORSE = 0.15
 
 
 def nearest(word: str, known: Iterable[str], most: int = 3) -> list[str]:
     """Return the known words that look most like this one, capitals or not, the best first."""
-    from difflib import get_close_matches
+    from difflib import SequenceMatcher
 
-    by_look: dict[str, list[str]] = {}
-    for each in dict.fromkeys(known):
-        by_look.setdefault(each.casefold(), []).append(each)
-    near = get_close_matches(word.casefold(), by_look, most, CLOSE_ENOUGH)
-    return [each for look in near for each in by_look[look]][:most]
+    matcher = SequenceMatcher(b=word.casefold())
+    likeness: dict[str, float] = {}
+    for each in known:
+        matcher.set_seq1(each.casefold())
+        if matcher.quick_ratio() >= CLOSE_ENOUGH and matcher.ratio() >= CLOSE_ENOUGH:
+            likeness[each] = matcher.ratio()
+    least = max(likeness.values(), default=0.0) - _NO_WORSE
+    near = [each for each, ratio in likeness.items() if ratio >= least]
+    return sorted(near, key=lambda each: -likeness[each])[:most]
 
 
 def did_you_mean(word: str, known: Iterable[str], most: int = 3) -> str:

@@ -95,6 +95,12 @@ class TypeProfile:
         """``RTC:vendor:category:type_name:version``, the form that system profiles use."""
         return f"RTC:{self.vendor}:{self.category}:{self.type_name}:{self.version}"
 
+    @property
+    def full_id(self) -> str:
+        """``RTC:vendor:category:type_name:language:version``, the form of create strings."""
+        fields = (self.vendor, self.category, self.type_name, self.language, self.version)
+        return ":".join(("RTC", *fields))
+
 
 @dataclass(frozen=True, slots=True)
 class ModuleProfile:

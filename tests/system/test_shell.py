@@ -312,3 +312,34 @@ def test_a_listing_loads_nothing_that_it_does_not_need(manager: Any) -> None:
     manager.command = lambda _: command
     assert manager.run("rtls").err == "[]\n"
     del manager.__dict__["command"]
+
+
+def test_what_is_asked_for_and_is_there_otherwise(manager: Any) -> None:
+    manager.ok(f"rtmgr -c ConsoleIn?instance_name=M%C3%B6 {MANAGER}")
+    assert manager.run(f"rtmgr -c ConsoleIn?instance_name=Mö {MANAGER}") == (0, "", "")
+    note = "rtmgr: note: Mö exists already, as ConsoleIn in manager: nothing was made\n"
+    line = f"rtmgr -c ConsoleOut?instance_name=Mö&manager_name=s {MANAGER}"
+    assert manager.run(line) == (0, "", note)
+    assert manager.ok("rtls -R /localhost/manager.mgr") == ".:\nMö.rtc\n\n"
+
+
+@pytest.mark.parametrize(
+    ("create", "why"),
+    [
+        ("ConsolIn", "component type ConsolIn is not known (did you mean ConsoleIn?)"),
+        ("consolein?manager_name=s", "consolein is not known (did you mean ConsoleIn?)"),
+        ("Nix", "is not known; there are: ConfigSample, ConsoleIn, ConsoleOut,"),
+        ("ConsoleIn?language=Klingon", "language Klingon is not supported (supported: Python)"),
+        ("ConsoleIn?manager=localhost:99999", "manager address is not host:port"),
+        ("ConsoleIn?manager=", "option 'manager' has no value"),
+        ("ConsoleIn?instance_name=", "option 'instance_name' has no value"),
+        ("ConsoleIn?instance_name=*x", "instance name begins with *, the mark of zombies: *x"),
+        ("ConsoleIn?instance_name=%F6", "%F6 is no UTF-8"),
+    ],
+)
+def test_create_strings_that_mean_nothing(manager: Any, create: str, why: str) -> None:
+    outcome = manager.run(f"rtmgr -c {create} {MANAGER}")
+    assert (outcome.status, outcome.out) == (1, "")
+    assert outcome.err.startswith(f"rtmgr: Failed to create component: {create} (")
+    assert why in outcome.err
+    assert manager.ok("rtls -R /localhost/manager.mgr") == ".:\n\n"

@@ -42,13 +42,7 @@ def record(name: str, values: Mapping[str, str]) -> str:
 
 def type_record(profile: TypeProfile) -> str:
     """Return a component type as ``RTC:vendor:category:type:language:version?description=…``."""
-    return record(full_id(profile), {"description": profile.description})
-
-
-def full_id(profile: TypeProfile) -> str:
-    """Return ``RTC:vendor:category:type:language:version``."""
-    fields = (profile.vendor, profile.category, profile.type_name, profile.language)
-    return ":".join(("RTC", *fields, profile.version))
+    return record(profile.full_id, {"description": profile.description})
 
 
 def lines(table: Mapping[str, str]) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 from collections.abc import Generator, Iterable
+from dataclasses import replace
 from typing import Any
 
 from rtkit.deployment import actions as act
@@ -25,6 +26,7 @@ from rtkit.manager.core.transitions import change_state
 from rtkit.manager.core.wiring import connect, cut, disconnect, living, unwire
 from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell
 from rtkit.manager.settings.values import DEFAULT_PORT
+from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.names import check_instance_name, is_local_host
 from rtkit.rtc.plain import decode, encode
@@ -122,7 +124,8 @@ def _create(state: State, action: act.Create) -> Procedure:
     if known is not None and known.instance in state.ending:
         raise Refused(f"{known.instance} is just being deleted")
     if known is not None and not known.zombie:
-        return Result(value=known.instance)
+        return Result(value=known.instance, note=_otherwise(state, action, create, known))
+    create = _in_language(state, create)
     instance, claim = _claim(state, action, create, known)
     try:
         process = yield from _place(state, create)
@@ -141,6 +144,36 @@ def _create(state: State, action: act.Create) -> Procedure:
     if names != claim.names:
         yield Tell(process, remember(state, instance))
     return Result(value=instance)
+
+
+def _otherwise(
+    state: State, action: act.Create, create: CreateString, known: ComponentFacts
+) -> str:
+    """Tell how a component that is there already differs from what was asked for."""
+    told = []
+    pattern = action.pattern
+    if known.type.type_name != (pattern.type.type_name if pattern else create.implementation_id):
+        told.append(f"as {known.type.type_name}")
+    place = create.place or _slave_at(state, create.address)
+    if place not in ("", known.process):
+        told.append(f"in {known.process}")
+    return f"{known.instance} exists already, {' '.join(told)}: nothing was made" if told else ""
+
+
+def _in_language(state: State, create: CreateString) -> CreateString:
+    """Return what is asked for in the language of the option ``language``, if it is given.
+
+    Raises:
+        Refused: No manager here makes components in it.
+    """
+    asked = create.options.get("language", "")
+    if not asked:
+        return create
+    supported = state.settings.items("manager.supported_languages")
+    found = next((each for each in supported if each.lower() == asked.lower()), None)
+    if found is None:
+        raise Refused(f"language {asked} is not supported (supported: {', '.join(supported)})")
+    return create if create.language else replace(create, language=found)
 
 
 def _claim(
@@ -201,7 +234,7 @@ def _slave_at(state: State, address: str) -> str:
     if not address:
         return ""
     host, _, port = address.rpartition(":")
-    if not (port.isascii() and port.isdigit() and len(port) <= 5):
+    if not host or not is_port(port):
         raise Malformed(f"manager address is not host:port: {address}")
     if not is_local_host(host, state.host):
         raise Unreachable(f"no manager is known on host {host}: {address}")

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager.core.operations import full_id, record
+from rtkit.manager.core.operations import record
 from rtkit.manager.modules.describing import Offer, describe
 from rtkit.manager.modules.search import Search
 
@@ -47,4 +47,4 @@ def _record(offer: Offer, file: str) -> str:
         "module": file,
     }
     values = {f"conf.default.{name}": text for name, text in offer.parameters.items()}
-    return record(full_id(known), {**told, **values})
+    return record(known.full_id, {**told, **values})

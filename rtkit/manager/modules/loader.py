@@ -13,6 +13,7 @@ from rtkit.component.callbacks import describe_failure
 from rtkit.component.composite import TYPES as COMPOSITES
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.modules.known import instead
 from rtkit.manager.modules.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
@@ -107,14 +108,22 @@ class Loader:
         fields = (create.vendor, create.category, create.language, create.version)
         try:
             return self.factories.find(create.implementation_id, *fields)
-        except NotFound:
+        except NotFound as error:
             path = f"{create.implementation_id}{SUFFIX}"
             is_name = os.path.basename(path) == path  # a type's name must not lead elsewhere
             may_search = self._is_search_allowed and is_name and path not in self._modules
             if not may_search or not self._search.has(path):
-                raise
+                raise NotFound(f"{error}{self._instead(create.implementation_id)}") from None
         self.load(path)
         return self.factories.find(create.implementation_id, *fields)
+
+    def _instead(self, type_name: str) -> str:
+        """Return what could be made in place of a type that is not known."""
+        if self._offers(type_name):
+            return ""  # it is known, but not with that vendor or version
+        registered = [profile.type_name for profile in self.factories.types]
+        search = self._search if self._is_search_allowed else None
+        return instead(type_name, registered, COMPOSITES, search)
 
     def _offers(self, type_name: str) -> bool:
         return any(profile.type_name == type_name for profile in self.factories.types)

@@ -411,3 +411,13 @@ def test_a_refusal_names_what_was_typed_only(world: World, run: Run) -> None:
     )
     told = f"rtact: precondition not met (state is Error): {STD}\n"
     assert run(f"rtact {STD}") == (1, "", told)
+
+
+def test_what_was_there_otherwise_is_told(
+    world: World, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tree = fake_tree(world)
+    note = "Std0 exists already, as Input in slave1: nothing was made"
+    monkeypatch.setattr(tree, "apply", lambda actions: (Result(value="Std0", note=note),))
+    assert rtmgr(["-c", "Std?instance_name=Std0", "--print", "/localhost/manager.mgr"], tree) == 0
+    assert capsys.readouterr() == ("/localhost/Std0.rtc\n", f"rtmgr: note: {note}\n")

@@ -591,3 +591,49 @@ def test_reports_of_unknown_processes_are_ignored(shell):
         ev.SlaveHalted(99, True),
     ):
         assert shell.feed(event) == []
+
+
+# what is there already
+
+
+def test_what_is_there_as_it_was_asked_for_is_returned_without_a_word(shell):
+    shell.make("A", "s")
+    for text in ("Thing?instance_name=A", "Thing?instance_name=A&manager_name=s"):
+        result = shell.ask(create(text)).result
+        assert (result.ok, result.value, result.note) == (True, "A", "")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("Other?instance_name=A", "as Thing"),
+        ("Thing?instance_name=A&manager_name=t", "in s"),
+        ("Thing?instance_name=A&manager=localhost:2811", "in s"),
+        ("Other?instance_name=A&manager_name=t", "as Thing in s"),
+    ],
+)
+def test_what_is_there_otherwise_is_returned_with_a_note(shell, text, told):
+    shell.make("A", "s")
+    result = shell.ask(create(text)).result
+    note = f"A exists already, {told}: nothing was made"
+    assert (result.ok, result.value, result.note) == (True, "A", note)
+
+
+@pytest.mark.parametrize(
+    "address", ["localhost:99999", "localhost:0", ":2811", "localhost", "localhost:x"]
+)
+def test_an_address_that_nobody_can_have(shell, address):
+    result = shell.ask(create(f"Thing?manager={address}")).result
+    assert (result.kind, result.why) == (
+        "malformed",
+        f"manager address is not host:port: {address}",
+    )
+
+
+def test_languages(shell):
+    result = shell.ask(create("Thing?language=Klingon")).result
+    why = "language Klingon is not supported (supported: Python)"
+    assert (result.kind, result.why) == ("refused", why)
+    shell.ask(create("Thing?instance_name=A&language=python"))
+    made = shell.next("create").message["create"]
+    assert made == "RTC:::Thing:Python:?instance_name=A&language=python"

@@ -54,8 +54,42 @@ def test_loading_again_changes_nothing(loader, folder):
 
 def test_a_type_that_nobody_offers_is_looked_for(loader):
     assert make(loader, "Thing").instance == "A"
-    with pytest.raises(NotFound, match="Other is not known; known: Thing"):
+    with pytest.raises(NotFound, match="Other is not known; there are: Thing"):
         make(loader, "Other")
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("thing", " (did you mean Thing?)"),
+        ("Thin", " (did you mean Thing?)"),
+        ("GroupingComposit", " (did you mean GroupingComposite?)"),
+        ("Nothingnes", "; there are: Thing"),
+    ],
+)
+def test_what_could_be_meant_is_told(loader, folder, asked, told):
+    (folder / "Thinx.py").write_text("no module of components")
+    (folder / "Nothingness.py").write_text("def NothingnessInit(manager): broken(")
+    with pytest.raises(NotFound) as caught:
+        make(loader, asked)
+    assert str(caught.value) == f"component type {asked} is not known{told}"
+
+
+def test_many_types_are_told_in_short(loader, folder):
+    for number in range(10):
+        text = (folder / "Thing.py").read_text().replace("Thing", f"Z{number}")
+        (folder / f"Z{number}.py").write_text(text)
+    with pytest.raises(NotFound) as caught:
+        make(loader, "Other")
+    assert str(caught.value).endswith(" more (rtmgr -m lists them)")
+    assert str(caught.value).count(",") == 4
+
+
+def test_without_search_only_what_is_offered_is_told(loader, folder):
+    loader.configure([str(folder)], is_absolute_allowed=True, is_search_allowed=False)
+    with pytest.raises(NotFound) as caught:
+        make(loader, "thing")
+    assert "Thing" not in str(caught.value)
 
 
 def test_a_name_leads_to_no_other_folder(folder):

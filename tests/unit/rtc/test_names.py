@@ -48,14 +48,31 @@ def test_bad_paths(typed: str) -> None:
         parse_path(typed)
 
 
-@pytest.mark.parametrize("name", ["Motor0", "größe", "部品", "a b", "a.b", "a" * 255])
+@pytest.mark.parametrize("name", ["Motor0", "größe", "部品", "a b", "a.b", "a*b", "a" * 255])
 def test_instance_names(name: str) -> None:
     assert check_instance_name(name) == name
 
 
 @pytest.mark.parametrize(
     "name",
-    ["", " a", "a ", ".", "..", "a/b", "a:b", "a?b", "a&b", "a=b", "a,b", "a@b", "a\nb", "é" * 128],
+    [
+        "",
+        " a",
+        "*a",
+        "*",
+        "a ",
+        ".",
+        "..",
+        "a/b",
+        "a:b",
+        "a?b",
+        "a&b",
+        "a=b",
+        "a,b",
+        "a@b",
+        "a\nb",
+        "é" * 128,
+    ],
 )
 def test_names_that_are_refused(name: str) -> None:
     with pytest.raises(Malformed, match=r"^instance name "):
