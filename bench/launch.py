@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing
 
 from bench.harness import Row, command, manager, paired, process, timed
-from rtkit.deployment.actions import Action, Create, Delete
+from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
 from rtkit.resources import resource
 from rtkit.tree.client import Tree
 
@@ -26,6 +26,7 @@ def rows() -> Iterator[Row]:
         yield _row(tree, "100 components, one batch, own slave each", 100, apart, None, forked, 7)
         yield _command_row(tree, "10 components, one rtmgr, same process", here, _made)
         yield _command_row(tree, "10 components, one rtmgr, own slave each", apart, forked)
+        yield _trial_row(tree, forked)
         yield _system_row(tree)
 
 
@@ -80,6 +81,17 @@ def _command_row(
     measured = paired(launch, lambda: floor(count) / count, 15)
     floor_is = _MADE_IS if floor is _made else _FORK_IS
     return Row(f"{what}, whole process, each", "ms", *measured, None, False, floor_is)
+
+
+def _trial_row(tree: Tree, floor: Callable[[int], float]) -> Row:
+    def load() -> float:
+        elapsed_ms = timed(lambda: tree.perform(Load("ConsoleIn.py")))
+        tree.perform(Unload("ConsoleIn.py"))
+        return elapsed_ms
+
+    measured = paired(load, lambda: floor(1), 15)
+    what = "a module imported by a process of its own, one call, until it is known"
+    return Row(what, "ms", *measured, None, False, _FORK_IS)
 
 
 def _system_row(tree: Tree) -> Row:

@@ -186,7 +186,7 @@ def manager_lines(snapshot: Snapshot, process: ProcessFacts | None) -> list[str]
         ("Refstring path", known.get("manager.refstring_path", "")),
         ("Components precreate", known.get("manager.components.precreate", "")),
     ]
-    if process is not None and process.state != "up":
+    if process is not None and (process.state != "up" or process.reason):
         rows += [("State", f"{process.state} {process.reason}")]
     lines = _titled(rows)
     lines += ["Modules:", *_titled([(t, known.get(key, "")) for t, key in _MODULES], "  ")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
 
 from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
@@ -33,9 +33,16 @@ class Factories:
             return self._register(
                 pattern.type, lambda instance, options: stand_in(pattern, instance, options)
             )
-        if not (isinstance(maker, type) and issubclass(maker, Component)):
-            raise Refused(f"not a component class: {maker!r}")
-        return self._register(maker.type_profile(), maker)
+        return self.register_all([maker])[0]
+
+    def register_all(self, makers: Sequence[type[Component]]) -> tuple[TypeProfile, ...]:
+        """Make component classes available, all or none; return their identities.
+
+        Raises:
+            Refused: One is no component class.
+        """
+        profiles = [_identity(maker) for maker in makers]
+        return tuple(map(self._register, profiles, makers))
 
     def register_factory(self, component: type[Component]) -> TypeProfile:
         """Make a component class available: what the init function of a module calls."""
@@ -117,6 +124,12 @@ class Factories:
             given = TypeProfile(type_name, vendor, category, version, language=language).full_id
             return f"component type {type_name} is not known as {given}; there is {', '.join(same)}"
         return f"component type {type_name} is not known"
+
+
+def _identity(maker: object) -> TypeProfile:
+    if not (isinstance(maker, type) and issubclass(maker, Component)):
+        raise Refused(f"not a component class: {maker!r}")
+    return maker.type_profile()
 
 
 def free_name(type_name: str, taken: Container[str]) -> str:

@@ -80,7 +80,8 @@ class ProcessFacts:
 
     Attributes:
         state: ``starting``, ``up``, ``stopped`` or ``lost``.
-        reason: Why it is lost or stopped.
+        reason: Why it is lost or stopped; of one that is up, what is stuck in it and is no
+            component: one that is being made, or a module.
         is_guest: It came by itself, as a data tool does, with components of its own.
     """
 

@@ -50,6 +50,7 @@ class Listing(NamedTuple):
     Attributes:
         slaves: Name, state and reason of each slave process.
         names: Paths under which the manager itself is registered.
+        trouble: What is stuck in the manager's own process and is no component.
     """
 
     host: str
@@ -58,6 +59,7 @@ class Listing(NamedTuple):
     slaves: tuple[tuple[str, str, str], ...]
     rows: tuple[Row, ...]
     names: tuple[str, ...] = ()
+    trouble: str = ""
 
 
 def listing_of(snapshot: Snapshot) -> Listing:
@@ -65,7 +67,10 @@ def listing_of(snapshot: Snapshot) -> Listing:
     slaves = tuple((p.name, p.state, p.reason) for p in snapshot.processes if p.is_slave)
     connected = connected_ports(snapshot.connectors)
     rows = tuple(row_of(component, connected) for component in snapshot.components)
-    return Listing(snapshot.host, snapshot.manager, snapshot.pid, slaves, rows, snapshot.names)
+    trouble = next((p.reason for p in snapshot.processes if p.pid == snapshot.pid), "")
+    return Listing(
+        snapshot.host, snapshot.manager, snapshot.pid, slaves, rows, snapshot.names, trouble
+    )
 
 
 def connected_ports(connectors: Iterable[ConnectorProfile]) -> Counter[tuple[str, str]]:
@@ -111,7 +116,7 @@ def listing_from_text(text: str) -> Listing:
         Malformed: The text is no listing.
     """
     try:
-        host, manager, pid, slaves, rows, names = json.loads(text)
+        host, manager, pid, slaves, rows, names, trouble = json.loads(text)
         return Listing(
             str(host),
             str(manager),
@@ -122,6 +127,7 @@ def listing_from_text(text: str) -> Listing:
                 for *row, names, context, cause in rows
             ),
             tuple(map(str, names)),
+            str(trouble),
         )
     except (ValueError, TypeError) as error:
         raise Malformed(f"not a listing: {error}") from error

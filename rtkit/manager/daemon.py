@@ -37,6 +37,7 @@ from rtkit.version import __version__
 if TYPE_CHECKING:
     from zenoh import Session
 
+    from rtkit.manager.holding.holder import Holder
     from rtkit.manager.loop import Loop
 
 _DATA_SUFFIX = ".data"
@@ -145,13 +146,9 @@ def _assemble(state: State, is_shown: bool, warn: Callable[[str], None], stack: 
 def _open_doors(
     state: State, data: str, nursery: Nursery, warn: Callable[[str], None], stack: ExitStack
 ) -> Loop:
-    from rtkit.link.streams import Streams, remove_socket
+    from rtkit.link.streams import remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
-    from rtkit.manager.holding.connect import Wires
-    from rtkit.manager.holding.holder import Holder
-    from rtkit.manager.holding.process_settings import add_log_files, configure
     from rtkit.manager.loop import Loop
-    from rtkit.manager.modules.loader import Loader
 
     name, host = state.name, state.host
     listener = socket.socket(socket.AF_UNIX)
@@ -166,14 +163,9 @@ def _open_doors(
     def report(message: Message) -> None:
         loop.post(HolderSaid(OWN_PROCESS, message))
 
-    own_data = data.replace("%p", str(os.getpid()))
-    loader = Loader(configuring.load_paths(state))
-    configure(configuring.message(state), loader)
-    add_log_files(state.settings, name)
-    holder = Holder(report, Wires(host, Streams(own_data)), loader)
+    holder = _holder(state, data, report, stack)
     loop = Loop(Core(state), holder, nursery, listener)
     stack.callback(loop.close)
-    stack.callback(remove_socket, own_data)
     thread = threading.Thread(target=holder.run, name="holder", daemon=True)
     thread.start()
     stack.callback(thread.join, 2.0)
@@ -194,6 +186,27 @@ def _open_doors(
     signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
     stack.callback(signal.set_wakeup_fd, -1)
     return loop
+
+
+def _holder(
+    state: State, data: str, report: Callable[[Message], object], stack: ExitStack
+) -> Holder:
+    """Return what holds the components of the manager's own process."""
+    from rtkit.link.streams import Streams, remove_socket
+    from rtkit.manager.holding.beats import Beats
+    from rtkit.manager.holding.connect import Wires
+    from rtkit.manager.holding.holder import Holder
+    from rtkit.manager.holding.process_settings import add_log_files, configure
+    from rtkit.manager.modules.loader import Loader
+    from rtkit.manager.processes.watchman import beats_path
+
+    loader = Loader(configuring.load_paths(state), imports_untried=False)
+    configure(configuring.message(state), loader)
+    add_log_files(state.settings, state.name)
+    own_data = data.replace("%p", str(state.pid))
+    stack.callback(remove_socket, own_data)
+    beats = Beats(beats_path(data, state.pid))
+    return Holder(report, Wires(state.host, Streams(own_data)), loader, beats)
 
 
 def _open_front(

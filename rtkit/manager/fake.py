@@ -16,6 +16,7 @@ from rtkit.errors import NotFound, RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.trial import TRIAL
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, PortType
@@ -23,6 +24,7 @@ from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import (
     ConnectorProfile,
     ExecutionContextProfile,
+    ModuleProfile,
     PortProfile,
     PortRef,
     TypeProfile,
@@ -83,6 +85,13 @@ def facts(instance: str, ports: Sequence[PortProfile] = PORTS) -> dict[str, Any]
     return plain
 
 
+def module_of(call: Call, *types: str) -> dict[str, Any]:
+    """Return what a holder answers that has loaded a module."""
+    path, init = call.message["path"], call.message["init"] or "init"
+    profile = ModuleProfile(path, init, tuple(map(TypeProfile, types)))
+    return {"module": encode(profile), "fingerprint": 1}
+
+
 def wire(
     connector_id: str, out: str = "A.out", into: str = "B.in", **properties: str
 ) -> ConnectorProfile:
@@ -131,6 +140,9 @@ class FakeShell:
         self.wake_at = None
         for instruction in instructions:
             self._carry_out(instruction)
+        for instruction in instructions:
+            if isinstance(instruction, ev.Inspect):
+                self.feed(ev.ProcessInspected(instruction.key))
         return instructions
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
@@ -228,8 +240,11 @@ class FakeShell:
         self.feed(ev.HolderSaid(key, message))
 
     def serve(self, ports: Sequence[PortProfile] = PORTS) -> None:
-        """Do what is asked until nothing is, as holders would."""
-        while self.calls:
+        """Do what is asked until nothing is, as holders would; modules are tried, too."""
+        while self.calls or TRIAL in self.spawned:
+            if TRIAL in self.spawned:
+                self.fork(TRIAL)
+                continue
             call = self.calls.pop(0)
             if call.op == "create":
                 instance = parse_create(call.message["create"]).instance_name
@@ -238,8 +253,10 @@ class FakeShell:
                 self.say(call.key, gone=call.message["instance"])
             value: Any = "unix/x" if call.op in ("sink", "serve") else ""
             if call.op == "load":
-                value = {"path": call.message["path"], "init": call.message["init"]}
+                value = module_of(call)
             self.reply(call, value)
+            if call.op == "load":
+                self.end(call.key, "exit status 0")
 
     # short cuts
 

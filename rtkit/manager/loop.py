@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import logging
 import os
 import queue
@@ -23,7 +24,13 @@ from rtkit.manager.logs.outputs import cut
 from rtkit.manager.processes.lastwords import last_words
 from rtkit.manager.processes.lines import Lines
 from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.watchman import POLL_S, Watchman, callback_deadline_s
+from rtkit.manager.processes.watchman import (
+    POLL_S,
+    STACK_SIGNAL,
+    Watchman,
+    callback_deadline_s,
+    stack_path,
+)
 from rtkit.manager.requests import Desk
 from rtkit.property.exchange import Request, failure
 
@@ -53,7 +60,10 @@ class Loop:
         self._nursery = nursery
         self._inbox: queue.SimpleQueue[ev.Event | Request] = queue.SimpleQueue()
         self._wake_at: float | None = None
-        self._watchman = Watchman(nursery.data_pattern, self._deadline_s, nursery.signal)
+        self._watchman = Watchman(nursery.data_pattern, self._deadline_s, self._ask_for_stack)
+        self._watchman.watch(ev.OWN_PROCESS, core.state.pid)
+        path = stack_path(nursery.data_pattern, core.state.pid)
+        self._stack = open(path, "a")  # noqa: SIM115 - open for life
         self._look_at = 0.0
         self._tidy_at = 0.0
         self._is_finished = False
@@ -101,11 +111,13 @@ class Loop:
         self._is_closed = True
         self._selector.close()
         self._lines.close()
+        self._watchman.forget(ev.OWN_PROCESS)
+        self._stack.close()
         for descriptor in (self._wake_read, self._wake_write):
             os.close(descriptor)
 
     def _patience(self) -> float | None:
-        look_at = self._look_at if self._watchman.has_work else None
+        look_at = self._look_at if self._has_callbacks else None
         tidy_at = self._tidy_at if self._core.state.components else None
         wishes = (self._wake_at, self._lines.deadline, self._nursery.sweep_at, look_at, tidy_at)
         moments = [moment for moment in wishes if moment is not None]
@@ -114,10 +126,27 @@ class Loop:
     def _look(self) -> None:
         """See whether a callback is stuck, when it is time."""
         now = time.monotonic()
-        if self._watchman.has_work and now >= self._look_at:
+        if self._has_callbacks and now >= self._look_at:
             self._look_at = now + POLL_S
             for event in list(self._watchman.poll()):
                 self._handle(event)
+
+    @property
+    def _has_callbacks(self) -> bool:
+        """Whether there are components, or something else that could be stuck."""
+        state = self._core.state
+        return bool(state.components or state.claims) or len(state.processes) > 1
+
+    def _inspect(self, key: int, age_s: float) -> None:
+        self._look_at = time.monotonic() + POLL_S
+        for event in self._watchman.inspect(key, age_s):
+            self.post(event)
+
+    def _ask_for_stack(self, key: int) -> None:
+        if key == ev.OWN_PROCESS:
+            faulthandler.dump_traceback(self._stack, all_threads=True)
+        else:
+            self._nursery.signal(key, STACK_SIGNAL)
 
     def _deadline_s(self, instance: str) -> float:
         facts = self._core.state.components.get(instance)
@@ -210,6 +239,8 @@ class Loop:
                     self._watchman.watch(key, pid)
             case ev.SignalSlave(key, number):
                 self._nursery.signal(key, signal.Signals(number))
+            case ev.Inspect(key, age_s):
+                self._inspect(key, age_s)
             case ev.WakeAt(moment):
                 if self._wake_at is None or moment < self._wake_at:
                     self._wake_at = moment

@@ -108,7 +108,8 @@ def build(listing: Listing) -> Node:
     for name in listing.names:
         parent, leaf = _parent(root, name, listing.host)
         if parent is not None:
-            _fill(parent.add(Node(leaf, Kind.MANAGER, process=listing.manager)), listing)
+            own = Node(leaf, Kind.MANAGER, process=listing.manager, trouble=listing.trouble)
+            _fill(parent.add(own), listing)
     for row in listing.rows:
         for name in row.names:
             parent, leaf = _parent(root, name, listing.host)
@@ -153,7 +154,7 @@ def _fill(manager: Node, listing: Listing) -> None:
 
 def _trouble(state: str, reason: str) -> str:
     if state == "up":
-        return ""
+        return reason
     return f"{state}: {reason}" if reason and reason != state else state
 
 

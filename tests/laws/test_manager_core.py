@@ -24,7 +24,7 @@ from rtkit.deployment import actions as act
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
-from rtkit.manager.fake import OWN, FakeShell, facts, wire
+from rtkit.manager.fake import OWN, FakeShell, facts, module_of, wire
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
 
@@ -184,6 +184,14 @@ class CoreMachine(RuleBasedStateMachine):
         call = self.take(index)
         self.shell.reply(call, self.value(call))
 
+    @precondition(lambda self: any(c.op == "create" and c.key == OWN for c in self.shell.calls))
+    @rule(path=st.sampled_from(["m", "n"]))
+    def want_a_trial(self, path):
+        call = next(c for c in self.shell.calls if c.op == "create" and c.key == OWN)
+        self.shell.calls.remove(call)
+        self.old_calls.append(call)
+        self.shell.reply(call, {"untried": path, "init": ""})
+
     @precondition(lambda self: self.old_calls)
     @rule(index=indexes)
     def answer_again(self, index):
@@ -262,7 +270,7 @@ class CoreMachine(RuleBasedStateMachine):
     @staticmethod
     def value(call):
         if call.op == "load":
-            return {"path": call.message["path"], "init": "i"}
+            return module_of(call)
         return "unix/x" if call.op in ("sink", "serve") else ""
 
     # the laws; that the facts agree, and that the lost get no message, the shell checks each time

@@ -25,6 +25,7 @@ from rtkit.manager.core.events import (
     Instruction,
     Message,
     OperationAsked,
+    ProcessInspected,
     SendToHolder,
     SignalSlave,
     SlaveEnded,
@@ -110,6 +111,8 @@ class Core:
                 self._halted(key, is_halted)
             case CallbackStuck(key, instance, text):
                 self._stuck(key, instance, text)
+            case ProcessInspected(key):
+                self._tasks.inspected(key)
             case StopAsked():
                 self._stop()
             case Tick():
@@ -300,15 +303,13 @@ class Core:
 
     def _stuck(self, key: int, instance: str, text: str) -> None:
         process = self.state.processes.get(key)
-        claim = self.state.claims.get(instance)
-        is_held = self.state.holders.get(instance) == key
-        if process is None or not (is_held or (claim is not None and claim.key == key)):
+        if process is None or not process.is_alive:
             return
         if text:
-            self.state.stuck[instance] = text
+            process.stuck[instance] = text
         else:
-            self.state.stuck.pop(instance, None)
-        if process.is_alive and is_held:
+            process.stuck.pop(instance, None)
+        if self.state.holders.get(instance) == key:
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
 
     # the end

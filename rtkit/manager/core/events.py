@@ -103,11 +103,21 @@ class SlaveHalted:
 
 @dataclass(frozen=True, slots=True)
 class CallbackStuck:
-    """A callback of a component exceeds its deadline; or, with no text, it goes on again."""
+    """A callback of a component exceeds its deadline; or, with no text, it goes on again.
+
+    `instance` may also be one that is being made, or a module that is being imported.
+    """
 
     key: int
     instance: str
     text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessInspected:
+    """What `Inspect` asked for has been found out, and told by `CallbackStuck`."""
+
+    key: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +145,7 @@ Event = (
     | SlaveEnded
     | SlaveHalted
     | CallbackStuck
+    | ProcessInspected
     | HolderSaid
     | Tick
 )
@@ -174,6 +185,17 @@ class SignalSlave:
 
 
 @dataclass(frozen=True, slots=True)
+class Inspect:
+    """Find out what has been under way in a process for longer than `age_s` [s], and tell it.
+
+    `ProcessInspected` ends what is told.
+    """
+
+    key: int
+    age_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class AnswerClient:
     """Answer a request."""
 
@@ -193,4 +215,6 @@ class Finish:
     """Nothing is left to be ended: close the doors and end the process."""
 
 
-Instruction = SpawnSlave | AdoptSlave | SendToHolder | SignalSlave | AnswerClient | WakeAt | Finish
+Instruction = (
+    SpawnSlave | AdoptSlave | SendToHolder | SignalSlave | Inspect | AnswerClient | WakeAt | Finish
+)

@@ -97,7 +97,7 @@ def _masters(state: State) -> str:
 
 
 def _slaves(state: State) -> str:
-    own = [p.name for p in state.processes.values() if p.is_slave and p.is_ready]
+    own = [p.name for p in state.processes.values() if p.is_slave and p.is_ready and not p.is_trial]
     return "\n".join([*own, *state.slaves])
 
 

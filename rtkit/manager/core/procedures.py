@@ -23,14 +23,17 @@ from rtkit.manager.core.registration import check_free, early_names, late_names
 from rtkit.manager.core.state import Claim, Process, State
 from rtkit.manager.core.stopping import retire
 from rtkit.manager.core.transitions import change_state
+from rtkit.manager.core.trial import try_module
 from rtkit.manager.core.wiring import connect, cut, disconnect, living, unwire
-from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell
+from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell, Wish
 from rtkit.manager.settings.values import DEFAULT_PORT
 from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.names import check_instance_name, is_local_host
-from rtkit.rtc.plain import decode, encode
-from rtkit.rtc.profiles import ModuleProfile
+from rtkit.rtc.plain import encode
+
+_PART_S = 1.0
+"""How long the end of a component waits for who is connected with it [s]."""
 
 _OPERATIONS = {
     act.SetRate: "set_rate",
@@ -97,10 +100,9 @@ def _tell(state: State, instance: str, message: Message) -> Procedure:
 
 
 def _load(state: State, action: act.Load) -> Procedure:
-    own = state.processes[OWN_PROCESS]
-    value = yield Ask(own, {"op": "load", "path": action.path, "init": action.init})
-    module = state.modules[action.path] = decode(ModuleProfile, value)
-    return Result(value=module.path)
+    if action.path not in state.modules:
+        state.modules[action.path] = yield from try_module(state, action.path, action.init)
+    return Result(value=action.path)
 
 
 def _unload(state: State, action: act.Unload) -> Procedure:
@@ -243,27 +245,47 @@ def _slave_at(state: State, address: str) -> str:
 
 def _make(
     state: State, process: Process, action: act.Create, create: CreateString
-) -> Generator[Ask, Any, CreateString]:
+) -> Generator[Wish, Any, CreateString]:
     """Have a process make a component; return the create string that makes it again."""
     instance = create.instance_name
     is_fresh = create.place == FRESH_SLAVE
     again = create.with_options(manager_name=process.name) if is_fresh else create
-    yield Ask(
-        process,
-        {
-            "op": "create",
-            "create": str(create),
-            "pattern": encode(action.pattern) if action.pattern is not None else None,
-            "modules": [[module.path, module.init] for module in state.modules.values()],
-            "inherited": inherited(state),
-            "config_files": config_files(state),
-            "kept": {"names": list(state.claims[instance].names), "create": str(again)},
-        },
-    )
+    message = {
+        "op": "create",
+        "create": str(create),
+        "pattern": encode(action.pattern) if action.pattern is not None else None,
+        "modules": _modules_for(state, create),
+        "inherited": inherited(state),
+        "config_files": config_files(state),
+        "kept": {"names": list(state.claims[instance].names), "create": str(again)},
+    }
+    if process.key == OWN_PROCESS:
+        yield from _make_here(state, process, message)
+    else:
+        yield Ask(process, message)
     facts = state.components.get(instance)
     if facts is None or facts.zombie:
         raise Refused(f"{instance} ended while it was made")
     return again
+
+
+def _make_here(state: State, own: Process, message: Message) -> Generator[Wish, Any, None]:
+    """Have the manager's own process make a component, once others have tried its modules."""
+    while True:
+        told = yield Ask(own, {**message, "tried": dict(state.tried)})
+        if not isinstance(told, dict):
+            return
+        yield from try_module(state, str(told["untried"]), str(told["init"]))
+
+
+def _modules_for(state: State, create: CreateString) -> list[list[str]]:
+    """Return the modules that offer a type, and those that offer none but do something else."""
+    return [
+        [module.path, module.init]
+        for module in state.modules.values()
+        if not module.types
+        or any(each.type_name == create.implementation_id for each in module.types)
+    ]
 
 
 def _unmake(state: State, key: int, instance: str, before: ComponentFacts | None) -> Procedure:
@@ -300,11 +322,12 @@ def _delete(state: State, action: act.Delete) -> Procedure:
 
 
 def _finalise(state: State, process: Process, instance: str) -> Procedure:
+    is_late = False
     for wire in state.connectors_of(instance):
         try:
-            yield from unwire(state, wire)
+            yield from (cut(state, wire) if is_late else unwire(state, wire, _PART_S))
         except Unreachable:
-            continue  # the other end does it when it can: that is no obstacle here
+            is_late = True  # the other end does it when it can: that is no obstacle here
     state.drop_connectors(instance)
     if process.is_alive:
         try:

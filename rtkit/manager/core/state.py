@@ -23,6 +23,9 @@ class Process:
         last: What it said before it was lost.
         is_wanted: False once it was told to end.
         is_guest: It came by itself with components of its own and ends by itself.
+        is_trial: It only tries whether a module can be imported, and is not shown.
+        stuck: What exceeds its deadline in it, with where it is: by component, also one that is
+            being made, or by module.
     """
 
     key: int
@@ -33,6 +36,8 @@ class Process:
     last: str = ""
     is_wanted: bool = True
     is_guest: bool = False
+    is_trial: bool = False
+    stuck: dict[str, str] = field(default_factory=dict)
 
     @property
     def is_slave(self) -> bool:
@@ -95,7 +100,7 @@ class State:
         claims: Instance names of components that are being made.
         ending: Instance names of components that are being deleted.
         openings: Connectors that are being made, by id.
-        stuck: Components of which a callback exceeds its deadline, with where it is.
+        tried: Modules that another process has imported before, with the fingerprint of each.
         names: Paths under which the manager itself is registered.
         settings: The properties that the manager was given.
         folder: Where relative paths of properties begin.
@@ -120,7 +125,7 @@ class State:
     claims: dict[str, Claim] = field(default_factory=dict)
     ending: set[str] = field(default_factory=set)
     openings: dict[str, Opening] = field(default_factory=dict)
-    stuck: dict[str, str] = field(default_factory=dict)
+    tried: dict[str, int] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     loose: dict[str, tuple[ConnectorProfile, int]] = field(default_factory=dict)
     settings: Settings = field(default_factory=Settings)
@@ -132,16 +137,15 @@ class State:
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
-        return "stopped" if process.state == "stopped" else self.stuck.get(instance, "")
+        return "stopped" if process.state == "stopped" else process.stuck.get(instance, "")
 
-    def stuck_in(self, key: int) -> list[str]:
-        """Return what is stuck in a process, each as ``Motor0 is stuck in …``."""
-        claimed = [instance for instance, claim in self.claims.items() if claim.key == key]
-        return [
-            f"{instance} is {self.stuck[instance]}"
-            for instance in (*self.held_by(key), *claimed)
-            if instance in self.stuck
-        ]
+    def trouble_in(self, process: Process) -> str:
+        """Return what is stuck in a process and is shown at none of its components."""
+        return "; ".join(
+            f"{name} is {text}"
+            for name, text in process.stuck.items()
+            if self.holders.get(name) != process.key
+        )
 
     def living_process(self, name: str) -> Process | None:
         """Return the living process of that name, or None."""
@@ -186,7 +190,6 @@ class State:
         """Drop a component with its connectors; a lost process goes with its last one."""
         self.drop_connectors(instance)
         self.components.pop(instance, None)
-        self.stuck.pop(instance, None)
         key = self.holders.pop(instance, None)
         if key is not None:
             self.drop_if_empty(key)
@@ -220,8 +223,16 @@ class State:
             pid=self.pid,
             version=self.version,
             processes=tuple(
-                ProcessFacts(p.name, p.is_slave, p.pid, p.state, p.reason, p.is_guest)
+                ProcessFacts(
+                    p.name,
+                    p.is_slave,
+                    p.pid,
+                    p.state,
+                    p.reason or self.trouble_in(p),
+                    p.is_guest,
+                )
                 for p in self.processes.values()
+                if not p.is_trial
             ),
             components=tuple(self.components.values()),
             connectors=tuple(self.connectors.values()),

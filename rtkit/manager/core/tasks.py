@@ -20,6 +20,7 @@ from rtkit.errors import RtkitError, Unreachable
 from rtkit.manager.core import facts_in
 from rtkit.manager.core.events import (
     OWN_PROCESS,
+    Inspect,
     Instruction,
     Message,
     SendToHolder,
@@ -47,6 +48,8 @@ from rtkit.rtc.enums import ReturnCode
 Done = Callable[[Result], None]
 _log = logging.getLogger(__name__)
 _SPARE_DEADLINES = 64
+_INSPECTION_S = 0.15
+"""How long it may take to find out what holds up an answer that is late [s]."""
 
 
 @dataclass(slots=True, eq=False)
@@ -55,16 +58,22 @@ class _Task:
 
     Attributes:
         done: Told the outcome; None when nobody waits for it.
+        until: When its time is up, but for waits of a time of their own; monotonic [s].
         wait: What it waits for at present.
+        since: When it began to wait, monotonic [s].
         key: Of the process that it waits for.
+        is_late: Its time is up; what it waits for is being inspected.
         told: The failure that a holder answered with, and the error that stands for it.
     """
 
     steps: Procedure
     timeout_s: float
     done: Done | None = None
+    until: float | None = None
     wait: Wait | None = None
+    since: float = 0.0
     key: int = -1
+    is_late: bool = False
     told: tuple[RtkitError, Result] | None = None
 
 
@@ -95,7 +104,11 @@ class Tasks:
         return not self._waiting and not self._ready
 
     def begin(self, steps: Procedure, timeout_s: float, done: Done | None = None) -> None:
-        """Take a procedure in; `done` hears its outcome, and each wait is bounded [s]."""
+        """Take a procedure in; `done` hears its outcome.
+
+        All that it waits for together, but for what names a time of its own, takes at most
+        `timeout_s` [s].
+        """
         self._ready.append(_Step(_Task(steps, timeout_s, done)))
 
     def run(self, now: float) -> None:
@@ -110,9 +123,9 @@ class Tasks:
         if self._deadlines:
             self._out.append(WakeAt(self._deadlines[0][0]))
 
-    def new_process(self, name: str, pid: int = 0) -> Process:
+    def new_process(self, name: str, pid: int = 0, *, is_trial: bool = False) -> Process:
         """Enter another slave into the state, under a key that was never used."""
-        process = Process(next(self._keys), name, pid)
+        process = Process(next(self._keys), name, pid, is_trial=is_trial)
         self._state.processes[process.key] = process
         return process
 
@@ -136,6 +149,12 @@ class Tasks:
             if isinstance(task.wait, Need):
                 self._go_on(number, process)
 
+    def inspected(self, key: int) -> None:
+        """Give up what is late at a process: it is known what is stuck in it."""
+        for number, task in self._waiting_for(key):
+            if task.is_late:
+                self._go_on(number, None, self._late(task))
+
     def process_ended(self, process: Process) -> None:
         """Tell those who wait for this slave that it ended."""
         error = Unreachable(process.end)
@@ -156,7 +175,7 @@ class Tasks:
 
     def _go_on(self, number: int, value: Any, error: RtkitError | None = None) -> None:
         task = self._waiting.pop(number)
-        task.wait, task.key = None, -1
+        task.wait, task.key, task.is_late = None, -1, False
         self._ready.append(_Step(task, value, error))
 
     def _resume(self, step: _Step) -> None:
@@ -192,27 +211,32 @@ class Tasks:
                         self._wait(task, wish, -1, wish.timeout_s)
                         return
 
-    def _wait(self, task: _Task, wait: Wait, key: int, timeout_s: float) -> int:
+    def _wait(self, task: _Task, wait: Wait, key: int, timeout_s: float | None = None) -> int:
+        """Have a task wait for so long, or until its own time is up."""
         number = next(self._numbers)
-        task.wait, task.key = wait, key
+        task.wait, task.key, task.since = wait, key, self._now
         self._waiting[number] = task
-        heapq.heappush(self._deadlines, (self._now + timeout_s, number))
+        if task.until is None:
+            task.until = self._now + task.timeout_s
+        until = task.until if timeout_s is None else self._now + timeout_s
+        heapq.heappush(self._deadlines, (until, number))
         return number
 
     def _ask(self, task: _Task, ask: Ask) -> None:
         key = ask.process.key
-        number = self._wait(task, ask, key, ask.timeout_s or task.timeout_s)
+        number = self._wait(task, ask, key, ask.timeout_s or None)
         self._out.append(SendToHolder(key, {**ask.message, "call": number}))
 
     def _needed(self, task: _Task, need: Need) -> Process | None:
         name = need.name
-        process = self._state.living_process(name) if name != FRESH_SLAVE else None
+        is_fresh = need.is_trial or name == FRESH_SLAVE
+        process = None if is_fresh else self._state.living_process(name)
         if process is None:
-            process = self.new_process(name)
+            process = self.new_process(name, is_trial=need.is_trial)
             self._out.append(SpawnSlave(process.key, name))
         if process.state != "starting":
             return process
-        self._wait(task, need, process.key, task.timeout_s)
+        self._wait(task, need, process.key)
         return None
 
     def _expire(self) -> bool:
@@ -220,17 +244,31 @@ class Tasks:
         while self._deadlines and self._deadlines[0][0] <= self._now:
             _, number = heapq.heappop(self._deadlines)
             task = self._waiting.get(number)
-            if task is not None:
+            if task is None:
+                continue
+            if isinstance(task.wait, Ask) and not task.is_late:
+                self._inspect(number, task)
+            else:
                 is_late = not isinstance(task.wait, Pause)
-                self._go_on(number, None, self._late(task.key) if is_late else None)
+                self._go_on(number, None, self._late(task) if is_late else None)
         return bool(self._ready)
 
-    def _late(self, key: int) -> Unreachable:
+    def _inspect(self, number: int, task: _Task) -> None:
+        """Find out what holds up an answer before it is given up; it may still come meanwhile."""
+        task.is_late = True
+        waited_s = self._now - task.since
+        self._out.append(Inspect(task.key, waited_s / 2))
+        heapq.heappush(self._deadlines, (self._now + _INSPECTION_S, number))
+
+    def _late(self, task: _Task) -> Unreachable:
+        key = task.key
         process = self._state.processes.get(key)
         if process is None:
             return Unreachable("time is up")
+        if process.unfit:
+            return Unreachable(process.unfit)
         if process.state != "starting":
-            stuck = "; ".join(self._state.stuck_in(key))
+            stuck = "; ".join(f"{name} is {text}" for name, text in process.stuck.items())
             return Unreachable(
                 f"no answer from {process.name} in time" + (f": {stuck}" if stuck else "")
             )

@@ -147,8 +147,10 @@ def disconnect(state: State, action: act.Disconnect) -> Procedure:
     return Result()
 
 
-def unwire(state: State, wire: ConnectorProfile) -> Procedure:
+def unwire(state: State, wire: ConnectorProfile, timeout_s: float = 0.0) -> Procedure:
     """Take a connector off both ends, the sending one first; a dead end is no obstacle.
+
+    A time-out of 0 means that of the batch [s].
 
     Raises:
         Unreachable: An end that lives did not answer; it does what it was told when it can.
@@ -158,11 +160,13 @@ def unwire(state: State, wire: ConnectorProfile) -> Procedure:
     late: Unreachable | None = None
     ends = [state.process_of(end.instance) for end in wire.ports]
     for process in _distinct([each for each in ends if each is not None and each.is_ready]):
-        if process.state == "stopped":
+        if not process.is_ready:
+            continue  # it ended while the other end was waited for
+        if process.state == "stopped" or late is not None:
             yield Tell(process, message)
             continue
         try:
-            yield Ask(process, message)
+            yield Ask(process, message, timeout_s)
         except Unreachable as error:
             late = error if process.is_alive else late
     if late is not None:

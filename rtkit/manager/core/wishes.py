@@ -17,9 +17,13 @@ from rtkit.manager.core.state import Process
 
 @dataclass(frozen=True, slots=True)
 class Need:
-    """Wait for the slave of that name, started if it does not live; receives a `Process`."""
+    """Wait for the slave of that name, started if it does not live; receives a `Process`.
+
+    One for a trial is always started, and has no name that anybody could ask for.
+    """
 
     name: str
+    is_trial: bool = False
 
 
 @dataclass(frozen=True, slots=True)

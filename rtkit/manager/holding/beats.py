@@ -28,6 +28,8 @@ CALLBACKS = (
     "on_state_update",
     "on_rate_changed",
     "on_action",
+    "import",
+    "creation",
 )
 _CODES = {name: code for code, name in enumerate(CALLBACKS)}
 _HEADER = struct.Struct("<I")
@@ -41,9 +43,10 @@ _SIZE = _FIRST + _SLOTS * _STRIDE
 
 
 class Beat(NamedTuple):
-    """A callback that is under way.
+    """A callback that is under way, or the import of a module, or the creation of a component.
 
     Attributes:
+        instance: Name of the component, or of the module.
         since_ns: When it was entered, monotonic [ns].
         thread: Identity of the thread that runs it.
     """

@@ -8,8 +8,10 @@ code runs here at initialise and finalise, and on the pacers' threads otherwise.
 from __future__ import annotations
 
 import logging
+import os
 import queue
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -29,8 +31,8 @@ from rtkit.manager.holding.links import Links
 from rtkit.manager.holding.machines import Machines
 from rtkit.manager.holding.pacer import Pacer
 from rtkit.manager.holding.process_settings import complete, configure
-from rtkit.manager.modules.loader import Loader
-from rtkit.rtc.create import parse_create
+from rtkit.manager.modules.loader import Loader, UntriedModule
+from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.plain import decode, encode
@@ -147,9 +149,10 @@ class Holder:
     # modules
 
     def _load(self, message: Message) -> dict[str, Any]:
-        module = self._loader.load(message["path"], message.get("init", ""))
-        types = [encode(each) for each in module.types]
-        return {"path": module.path, "init": module.init, "types": types}
+        path = message["path"]
+        with self._watched(os.path.basename(path), "import"):
+            module = self._loader.load(path, message.get("init", ""))
+        return {"module": encode(module), "fingerprint": self._loader.fingerprint(path)}
 
     def _unload(self, message: Message) -> None:
         self._loader.unload(message["path"])
@@ -166,9 +169,10 @@ class Holder:
             create = complete(message, create, pattern.type, inherits=False)
             component: Component = stand_in(pattern, instance, create.options)
         else:
-            for path, init in message.get("modules", ()):
-                self._loader.load(path, init)
-            component = self._loader.make(create, partial(complete, message))
+            try:
+                component = self._make(create, message)
+            except UntriedModule as untried:
+                return {"untried": untried.path, "init": untried.init}
         self.hold(component)
         self._memory[instance] = message.get("kept", {})
         if isinstance(component, Composite):
@@ -183,10 +187,18 @@ class Holder:
         Raises:
             Refused: on_initialize failed.
         """
-        self._watched(component.instance, "on_initialize", component.initialize)
+        with self._watched(component.instance, "on_initialize"):
+            component.initialize()
         self._components[component.instance] = component
         for context in component.contexts.values():
             self._drive(component, context)
+
+    def _make(self, create: CreateString, message: Message) -> Component:
+        self._loader.tried = message.get("tried", {})
+        with self._watched(create.instance_name, "creation"):
+            for path, init in message.get("modules", ()):
+                self._loader.load(path, init)
+            return self._loader.make(create, partial(complete, message))
 
     def _compose(self, message: Message, composite: Composite) -> None:
         composite.resolve = self.component
@@ -209,14 +221,15 @@ class Holder:
             self._slots[key] = slot
             context.watch = slot.watch
 
-    def _watched(self, instance: str, callback: str, work: Callable[[], object]) -> None:
-        """Do what runs a callback on this thread, with a heartbeat."""
+    @contextmanager
+    def _watched(self, name: str, callback: str) -> Iterator[None]:
+        """Tell by a heartbeat that code of a component or module runs on this thread."""
         if self._own_slot is None:
-            work()
+            yield
             return
-        self._own_slot.watch(instance, callback)
+        self._own_slot.watch(name, callback)
         try:
-            work()
+            yield
         finally:
             self._own_slot.watch("", "")
 
@@ -299,7 +312,8 @@ class Holder:
             slot = self._slots.pop(key, None)
             if slot is not None and self._beats is not None:
                 self._beats.release(slot)
-        self._watched(instance, "on_finalize", component.finalize)
+        with self._watched(instance, "on_finalize"):
+            component.finalize()
         for message in self._takeovers.pop(instance, ()):
             self.refuse(message, Refused(f"{instance} was deleted"))
 

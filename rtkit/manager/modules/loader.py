@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+import zlib
+from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -25,6 +26,20 @@ def _as_it_is(create: CreateString, _type: TypeProfile) -> CreateString:
     return create
 
 
+class UntriedModule(Exception):
+    """A module that no other process has imported before, so that it is not imported here.
+
+    Attributes:
+        path: As it was asked for.
+        init: Name of its init function; empty for the usual one.
+    """
+
+    def __init__(self, path: str, init: str) -> None:
+        super().__init__(path)
+        self.path = path
+        self.init = init
+
+
 class _Registrar:
     """What an init function is handed: the part of a manager that modules may use."""
 
@@ -41,13 +56,24 @@ class Loader:
 
     Modules are looked for by path, or by name in the load paths; a component type that nobody
     registered is looked for as ``<implementation_id>.py`` there.
+
+    Args:
+        load_path: Folders of modules.
+        imports_untried: Whether a module may be imported that no other process has imported
+            before. It may hang or end the process, which a manager must not.
+
+    Attributes:
+        tried: Fingerprints of the modules that another process has imported, by path.
     """
 
-    def __init__(self, load_path: list[str]) -> None:
+    def __init__(self, load_path: list[str], *, imports_untried: bool = True) -> None:
         self.factories = Factories()
+        self.tried: Mapping[str, int] = {}
+        self._imports_untried = imports_untried
         self._search = Search(load_path)
         self._is_search_allowed = True
         self._modules: dict[str, ModuleProfile] = {}
+        self._fingerprints: dict[str, int] = {}
 
     def configure(
         self, folders: Sequence[str], *, is_absolute_allowed: bool, is_search_allowed: bool
@@ -62,18 +88,26 @@ class Loader:
         Raises:
             NotFound: There is no such file, or no such init function in it.
             Refused: It does not import, or its init function raises; says where.
+            UntriedModule: Another process has to import it first.
         """
         known = self._modules.get(path)
         if known is not None:
             return known
         file, source = self._search.read(path)
+        fingerprint = zlib.crc32(source)
+        if not self._imports_untried and self.tried.get(path) != fingerprint:
+            raise UntriedModule(path, init)
         name = init or f"{os.path.basename(file).partition('.')[0]}Init"
         _offer_neighbours(file)
         module = _import(file, source)
-        classes = _initialise(module, name, path)
-        types = tuple(self.factories.register(component_class) for component_class in classes)
+        types = self.factories.register_all(_initialise(module, name, path))
         profile = self._modules[path] = ModuleProfile(path, name, types)
+        self._fingerprints[path] = fingerprint
         return profile
+
+    def fingerprint(self, path: str) -> int:
+        """Return what tells the content of a loaded module from another."""
+        return self._fingerprints[path]
 
     def unload(self, path: str) -> None:
         """Forget a module and its factories; components already made stay."""
@@ -156,7 +190,8 @@ def _import_failure(error: BaseException, file: str) -> str:
         if trace.tb_frame.f_code.co_filename == file:
             line = trace.tb_lineno
         trace = trace.tb_next
-    return f"module does not import: {type(error).__name__}: {error} ({file}:{line or 1})"
+    said = f": {error}" if str(error) else ""
+    return f"module does not import: {type(error).__name__}{said} ({file}:{line or 1})"
 
 
 def _initialise(module: ModuleType, name: str, path: str) -> list[type[Component]]:

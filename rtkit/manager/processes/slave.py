@@ -45,7 +45,7 @@ def _hold(key: int, name: str, settings: Any) -> None:
     contact = Contact(settings["control"], name, Term())
     data = settings["data"].replace("%p", str(os.getpid()))
     beats = Beats(beats_path(settings["data"], os.getpid()))
-    stack = open(stack_path(settings["data"], os.getpid()), "w")  # noqa: SIM115 - open for life
+    stack = open(stack_path(settings["data"], os.getpid()), "a")  # noqa: SIM115 - open for life
     faulthandler.register(STACK_SIGNAL, stack, all_threads=True)
     holder = Holder(
         contact.send,

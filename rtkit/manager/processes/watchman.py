@@ -15,15 +15,20 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from rtkit.manager.core.events import CallbackStuck
+from rtkit.manager.core.events import CallbackStuck, ProcessInspected
 from rtkit.manager.holding.beats import Beat, BeatReader
 from rtkit.rtc.create import parse_create
 
 POLL_S = 0.025
 """How often heartbeats are read [s]."""
 
+_STACK_POLLS = 20
+"""How many polls a process has to write its stack."""
+
 STACK_SIGNAL = signal.SIGUSR1
 """At which a slave writes its stack."""
+
+Told = CallbackStuck | ProcessInspected
 
 _FRAME = re.compile(r'  File "(.+)", line (\d+) in (.+)')
 _OURS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -63,46 +68,47 @@ def callback_deadline_s(create: str) -> float:
 
 @dataclass(slots=True)
 class _Watched:
-    """A slave and what is known to be stuck in it, by instance."""
+    """A process and what is known to be stuck in it, by instance.
+
+    Attributes:
+        stack_polls: How many polls it still has to write the stack that it was asked for.
+        age_s: What to tell though its deadline is not over, because somebody asks.
+    """
 
     pid: int
     reader: BeatReader
     stuck: dict[str, Beat]
-    stack_from: int = -1
+    stack_polls: int = 0
+    age_s: float | None = None
 
 
 class Watchman:
-    """Reads heartbeats of slaves and tells what is stuck, and what no longer is.
+    """Reads heartbeats of processes and tells what is stuck, and what no longer is.
 
     Args:
-        pattern: Of the slaves' data sockets; heartbeats and stacks lie beside them.
+        pattern: Of the processes' data sockets; heartbeats and stacks lie beside them.
         deadline_s: Returns how long a callback of an instance may take [s].
-        send: Sends a signal to a slave.
+        ask_for_stack: Has a process write its stack.
     """
 
     def __init__(
         self,
         pattern: str,
         deadline_s: Callable[[str], float],
-        send: Callable[[int, signal.Signals], object],
+        ask_for_stack: Callable[[int], object],
     ) -> None:
         self._pattern = pattern
         self._deadline_s = deadline_s
-        self._send = send
+        self._ask_for_stack = ask_for_stack
         self._watched: dict[int, _Watched] = {}
 
-    @property
-    def has_work(self) -> bool:
-        """Whether there is a slave to watch."""
-        return bool(self._watched)
-
     def watch(self, key: int, pid: int) -> None:
-        """Begin to watch a slave; one without heartbeats is let be."""
+        """Begin to watch a process; one without heartbeats is let be."""
         with contextlib.suppress(OSError):
             self._watched[key] = _Watched(pid, BeatReader(beats_path(self._pattern, pid)), {})
 
     def forget(self, key: int) -> None:
-        """Watch a slave that ended no longer, and remove what it wrote."""
+        """Watch a process that ended no longer, and remove what it wrote."""
         watched = self._watched.pop(key, None)
         if watched is None:
             return
@@ -114,21 +120,31 @@ class Watchman:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(path)
 
-    def poll(self) -> Iterator[CallbackStuck]:
+    def inspect(self, key: int, age_s: float) -> Iterator[Told]:
+        """Yield what has been under way in a process for longer than that [s].
+
+        `ProcessInspected` comes when all is told, perhaps only with the next `poll`.
+        """
+        watched = self._watched.get(key)
+        if watched is None:
+            yield ProcessInspected(key)
+            return
+        watched.age_s = age_s if watched.age_s is None else min(age_s, watched.age_s)
+        yield from self._poll(key, watched, time.monotonic_ns())
+
+    def poll(self) -> Iterator[Told]:
         """Yield what got stuck since the last poll, then its line, and what goes on again."""
         now_ns = time.monotonic_ns()
         for key, watched in self._watched.items():
             yield from self._poll(key, watched, now_ns)
 
-    def _poll(self, key: int, watched: _Watched, now_ns: int) -> Iterator[CallbackStuck]:
-        if watched.stack_from >= 0:
-            stacks = self._stacks(watched)
-            for instance, beat in watched.stuck.items():
-                yield CallbackStuck(key, instance, _text(beat, now_ns, stacks))
+    def _poll(self, key: int, watched: _Watched, now_ns: int) -> Iterator[Told]:
+        if watched.stack_polls:
+            yield from self._lines(key, watched, now_ns)
         late = {
             beat.instance: beat
             for beat in watched.reader.inside()
-            if now_ns - beat.since_ns > self._deadline_s(beat.instance) * 1e9
+            if self._is_late(beat, watched, now_ns - beat.since_ns)
         }
         for instance in [each for each in watched.stuck if each not in late]:
             del watched.stuck[instance]
@@ -138,29 +154,40 @@ class Watchman:
             watched.stuck[beat.instance] = beat
             yield CallbackStuck(key, beat.instance, _text(beat, now_ns, ""))
         if fresh:
-            self._ask_for_stack(key, watched)
+            with contextlib.suppress(OSError):
+                os.truncate(stack_path(self._pattern, watched.pid), 0)
+                self._ask_for_stack(key)
+                watched.stack_polls = _STACK_POLLS
+        if watched.age_s is not None and not watched.stack_polls:
+            watched.age_s = None
+            yield ProcessInspected(key)
 
-    def _ask_for_stack(self, key: int, watched: _Watched) -> None:
-        with contextlib.suppress(OSError):
-            watched.stack_from = os.stat(stack_path(self._pattern, watched.pid)).st_size
-            self._send(key, STACK_SIGNAL)
+    def _is_late(self, beat: Beat, watched: _Watched, age_ns: int) -> bool:
+        """Whether to tell of it: what was told is late until it is over."""
+        if watched.stuck.get(beat.instance) == beat:
+            return True
+        bound_s = self._deadline_s(beat.instance)
+        if watched.age_s is not None:
+            bound_s = min(bound_s, watched.age_s)
+        return age_ns > bound_s * 1e9
 
-    def _stacks(self, watched: _Watched) -> str:
-        start, watched.stack_from = watched.stack_from, -1
-        with (
-            contextlib.suppress(OSError),
-            open(
-                stack_path(self._pattern, watched.pid), encoding="utf-8", errors="replace"
-            ) as file,
-        ):
-            file.seek(start)
-            return file.read()
-        return ""
+    def _lines(self, key: int, watched: _Watched, now_ns: int) -> Iterator[Told]:
+        """Yield the lines of what is stuck, when the stack is written that names them."""
+        path = stack_path(self._pattern, watched.pid)
+        try:
+            with open(path, encoding="utf-8", errors="replace") as file:
+                stacks = file.read()
+        except OSError:
+            stacks = ""
+        places = {each: place_of(stacks, beat.thread) for each, beat in watched.stuck.items()}
+        watched.stack_polls = 0 if all(places.values()) else watched.stack_polls - 1
+        if not watched.stack_polls:
+            for instance, beat in watched.stuck.items():
+                yield CallbackStuck(key, instance, _text(beat, now_ns, places[instance]))
 
 
-def _text(beat: Beat, now_ns: int, stacks: str) -> str:
+def _text(beat: Beat, now_ns: int, place: str) -> str:
     began = time.localtime(time.time() - (now_ns - beat.since_ns) / 1e9)
-    place = place_of(stacks, beat.thread)
     since = time.strftime("%H:%M:%S", began)
     return f"stuck in {beat.callback} since {since}" + (f" ({place})" if place else "")
 

@@ -17,7 +17,8 @@ from rtkit.deployment.actions import (
 )
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
-from rtkit.manager.fake import OWN, FakeShell, facts, wire
+from rtkit.manager.core.trial import TRIAL
+from rtkit.manager.fake import OWN, FakeShell, facts, module_of, wire
 from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
@@ -35,31 +36,134 @@ def create(text="Thing?instance_name=A", *names, pattern=None):
 # modules
 
 
-def test_a_module_is_loaded_here_and_handed_to_slaves_with_what_they_make(shell):
-    asked = shell.ask(Load("a.py", "aInit"))
+def load(shell, path, *types):
+    """Have a module loaded that offers these types."""
+    asked = shell.ask(Load(path, "init"))
+    shell.fork(TRIAL)
     call = shell.next("load")
-    assert (call.key, call.message["path"], call.message["init"]) == (OWN, "a.py", "aInit")
-    types = [{"type_name": "Thing"}]
-    shell.reply(call, {"path": "a.py", "init": "aInit", "types": types})
+    shell.reply(call, module_of(call, *types))
+    shell.end(call.key, "exit status 0")
+    assert asked.result.value == path
+
+
+def test_a_module_is_tried_by_a_process_of_its_own_that_is_not_shown_and_ends(shell):
+    asked = shell.ask(Load("a.py", "aInit"))
+    key = shell.fork(TRIAL)
+    call = shell.next("load")
+    assert (call.key, call.message["path"], call.message["init"]) == (key, "a.py", "aInit")
+    assert [p.name for p in shell.state.snapshot().processes] == ["manager"]
+    shell.reply(call, module_of(call, "Thing"))
     assert asked.result.value == "a.py"
     assert shell.state.modules["a.py"].types == (TypeProfile("Thing"),)
+    assert shell.signals == [(key, signal.SIGTERM)]
+    again = shell.ask(Load("a.py", "aInit"))
+    assert again.result.value == "a.py"
 
+
+def test_slaves_are_handed_the_modules_of_what_they_make(shell):
+    for path, types in (("a.py", ["Thing"]), ("b.py", ["Other"]), ("c.py", [])):
+        load(shell, path, *types)
     shell.ask(create("Thing?manager_name=s"))
     shell.fork("s")
-    assert shell.next("create").message["modules"] == [["a.py", "aInit"]]
+    assert shell.next("create").message["modules"] == [["a.py", "init"], ["c.py", "init"]]
+
+
+def test_the_manager_imports_only_what_others_have_tried(shell):
+    asked = shell.ask(create())
+    first = shell.next("create")
+    assert first.message["tried"] == {}
+    shell.reply(first, {"untried": "Thing.py", "init": ""})
+    key = shell.fork(TRIAL)
+    tried = shell.next("load")
+    assert (tried.key, tried.message["path"]) == (key, "Thing.py")
+    shell.reply(tried, module_of(tried, "Thing"))
+    again = shell.next("create")
+    assert (again.key, again.message["tried"]) == (OWN, {"Thing.py": 1})
+    shell.say(OWN, facts=facts("A"))
+    shell.reply(again, "A")
+    assert asked.result.value == "A"
+    assert not shell.state.modules
+
+
+def test_a_module_that_ends_who_tries_it_is_told_and_never_imported_here(shell):
+    asked = shell.ask(create())
+    shell.reply(shell.next("create"), {"untried": "Thing.py", "init": ""})
+    shell.end(shell.fork(TRIAL), "signal 11 at Thing.py:3 in <module>")
+    assert asked.result.why == (
+        "module Thing.py ended the process that imported it: signal 11 at Thing.py:3 in <module>"
+    )
+    assert not shell.calls
+    assert not shell.state.tried
+
+
+def test_a_module_that_hangs_is_given_up_in_time_with_its_line(shell):
+    asked = shell.ask(Load("a.py"), timeout_s=2.0)
+    key = shell.fork(TRIAL)
+    shell.feed(ev.CallbackStuck(key, "a.py", "stuck in import since 12:00:00 (a.py:3 in <module>)"))
+    shell.wait(2.0)
+    assert asked.result.kind == "unreachable"
+    assert asked.result.why == (
+        "module a.py was not imported in time:"
+        " it is stuck in import since 12:00:00 (a.py:3 in <module>)"
+    )
+    assert shell.killed() == [key]
 
 
 def test_what_does_not_load_is_not_kept(shell):
     asked = shell.ask(Load("a.py"))
+    key = shell.fork(TRIAL)
     shell.refuse(shell.next("load"), Refused("module does not import"))
     assert (asked.result.kind, asked.result.why) == ("refused", "module does not import")
     assert not shell.state.modules
+    assert shell.killed() == [key]
+
+
+# answers that do not come
+
+
+def test_what_holds_up_an_answer_is_found_out_before_it_is_given_up(shell):
+    key = shell.make("A", "s")
+    asked = shell.ask(SetParameters("A", "default", {}), timeout_s=1.0)
+    shell.now += 1.0
+    (wanted,) = [i for i in shell.core.handle(ev.Tick(), shell.now) if isinstance(i, ev.Inspect)]
+    assert wanted == ev.Inspect(key, 0.5)
+    assert not asked.is_answered
+    shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
+    shell.feed(ev.ProcessInspected(key))
+    why = "no answer from s in time: A is stuck in on_execute since 12:00:00"
+    assert asked.result.why == why
+
+
+def test_an_answer_that_comes_while_it_is_looked_for_counts(shell):
+    shell.make("A", "s")
+    asked = shell.ask(SetParameters("A", "default", {}), timeout_s=1.0)
+    shell.now += 1.0
+    shell.core.handle(ev.Tick(), shell.now)
+    shell.serve()
+    assert asked.result.ok
+
+
+def test_nobody_waits_long_for_what_holds_up_an_answer(shell):
+    shell.make("A", "s")
+    asked = shell.ask(SetParameters("A", "default", {}), timeout_s=1.0)
+    shell.now += 1.0
+    shell.core.handle(ev.Tick(), shell.now)
+    shell.now += 0.2
+    shell.feed(ev.Tick())
+    assert asked.result.why == "no answer from s in time"
+
+
+def test_all_that_an_action_waits_for_takes_its_time_only_once(shell):
+    asked = shell.ask(create("Thing?instance_name=A&manager_name=s"), timeout_s=2.0)
+    shell.wait(1.5)
+    shell.fork("s")
+    shell.wait(0.6)
+    assert asked.result.kind == "unreachable"
 
 
 def test_unloading_reaches_every_slave_also_a_stopped_one(shell):
     s, t = shell.make("A", "s"), shell.make("B", "t")
-    shell.ask(Load("a.py", "i"))
-    shell.serve()
+    load(shell, "a.py")
     shell.feed(ev.SlaveHalted(t, True))
     asked = shell.ask(Unload("a.py"))
     shell.reply(shell.next("unload"))

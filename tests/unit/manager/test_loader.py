@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.modules.loader import Loader
+from rtkit.manager.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import parse_create
 
 THING = '''
@@ -44,6 +44,37 @@ def test_a_module_is_found_by_name_or_path(loader, folder, form):
     assert (profile.path, profile.init) == (path, "ThingInit")
     assert [each.type_name for each in profile.types] == ["Thing"]
     assert make(loader, "Thing").type.description == "One"
+
+
+def test_what_no_other_process_has_imported_is_not_imported_by_a_manager(loader, folder):
+    careful = Loader([str(folder)], imports_untried=False)
+    for ask in (lambda: careful.load("Thing.py"), lambda: make(careful, "Thing")):
+        with pytest.raises(UntriedModule) as untried:
+            ask()
+        assert (untried.value.path, untried.value.init) == ("Thing.py", "")
+    loader.load("Thing.py")
+    careful.tried = {"Thing.py": loader.fingerprint("Thing.py")}
+    assert make(careful, "Thing").instance == "A"
+
+
+def test_a_module_that_was_changed_since_it_was_tried_is_not_imported(loader, folder):
+    loader.load("Thing.py")
+    careful = Loader([str(folder)], imports_untried=False)
+    careful.tried = {"Thing.py": loader.fingerprint("Thing.py")}
+    (folder / "Thing.py").write_text(THING.format(name="Thing", text="Two"))
+    with pytest.raises(UntriedModule):
+        careful.load("Thing.py")
+
+
+@pytest.mark.parametrize("second", ["5", "int", "1 / 0"])
+def test_a_module_that_fails_half_way_leaves_no_type_behind(loader, folder, second):
+    text = THING.format(name="Half", text="Half")
+    (folder / "Half.py").write_text(f"{text}    manager.register_factory({second})\n")
+    with pytest.raises(Refused):
+        loader.load("Half.py")
+    assert loader.factories.types == ()
+    with pytest.raises(NotFound):
+        make(loader, "Thing2")
 
 
 def test_loading_again_changes_nothing(loader, folder):

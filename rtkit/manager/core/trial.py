@@ -1,0 +1,67 @@
+"""Modules are imported by a process of their own before the manager takes them for good.
+
+A module may hang, exit or crash when it is imported: that costs a process that is there for nothing
+else. Only what was imported well so is imported by the manager itself, and only when a component
+is to live in it.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Generator
+from typing import Any
+
+from rtkit.deployment.actions import Result
+from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
+from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.stopping import end_slaves
+from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Signal, Wish
+from rtkit.rtc.plain import decode
+from rtkit.rtc.profiles import ModuleProfile
+
+TRIAL = "@modules"
+"""Name of the process that imports; no slave can have it."""
+
+
+def try_module(state: State, path: str, init: str) -> Generator[Wish, Any, ModuleProfile]:
+    """Have another process import a module; return what it offers.
+
+    Raises:
+        RtkitError: It cannot be imported; tells why, and the line if there is one.
+    """
+    process: Process = yield Need(TRIAL, is_trial=True)
+    try:
+        told = yield Ask(process, {"op": "load", "path": path, "init": init})
+        profile, fingerprint = _read(told)
+    except RtkitError as error:
+        yield Later(_kill(process))
+        if isinstance(error, Unreachable):
+            raise _explained(path, process, error) from error
+        raise
+    yield Later(end_slaves([process]))
+    state.tried[path] = fingerprint
+    return profile
+
+
+def _read(told: Any) -> tuple[ModuleProfile, int]:
+    if not isinstance(told, dict) or not isinstance(told.get("fingerprint"), int):
+        raise Malformed("what was told of the module cannot be read")
+    return decode(ModuleProfile, told.get("module")), told["fingerprint"]
+
+
+def _kill(process: Process) -> Procedure:
+    process.is_wanted = False
+    if process.is_alive:
+        yield Signal(process, signal.SIGKILL)
+    return Result()
+
+
+def _explained(path: str, process: Process, error: Unreachable) -> RtkitError:
+    if not process.is_alive and process.pid:
+        words = f"; its last words: {process.last}" if process.last else ""
+        why = f"{process.reason}{words}"
+        return Refused(f"module {path} ended the process that imported it: {why}")
+    stuck = "; ".join(process.stuck.values())
+    if stuck:
+        return Unreachable(f"module {path} was not imported in time: it is {stuck}")
+    return error

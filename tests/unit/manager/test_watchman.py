@@ -1,0 +1,152 @@
+"""What is stuck is told once, with its line, until it is over; and sooner when somebody asks."""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import re
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from rtkit.manager.core.events import CallbackStuck, ProcessInspected
+from rtkit.manager.holding.beats import Beats
+from rtkit.manager.processes.watchman import Watchman, beats_path, stack_path
+
+KEY = 7
+
+
+class Watched:
+    """This process as one that is watched; its deadline is `deadline_s`."""
+
+    def __init__(self, folder: Path) -> None:
+        pattern = str(folder / "m.%p.data")
+        beats = Beats(beats_path(pattern, os.getpid()))
+        slot = beats.slot()
+        assert slot is not None
+        self.slot = slot
+        self.deadline_s = 1000.0
+        self.does_answer = True
+        self._stack = open(stack_path(pattern, os.getpid()), "a")  # noqa: SIM115
+        self.stack = Path(self._stack.name)
+        self.watchman = Watchman(pattern, lambda _instance: self.deadline_s, self._dump)
+        self.watchman.watch(KEY, os.getpid())
+
+    def _dump(self, _key: int) -> None:
+        if self.does_answer:
+            faulthandler.dump_traceback(self._stack, all_threads=True)
+
+    def close(self) -> None:
+        self.watchman.forget(KEY)
+        self._stack.close()
+
+    def poll(self) -> list[object]:
+        return list(self.watchman.poll())
+
+    def inspect(self, age_s: float) -> list[object]:
+        return list(self.watchman.inspect(KEY, age_s))
+
+
+@pytest.fixture
+def watched(tmp_path):
+    watched = Watched(tmp_path)
+    yield watched
+    watched.close()
+
+
+def text(told):
+    (event,) = told
+    assert isinstance(event, CallbackStuck)
+    assert (event.key, event.instance) == (KEY, "A")
+    return re.sub(r"[\d:]{8}", "NOW", re.sub(r"\(.*\)", "(PLACE)", event.text))
+
+
+def test_what_takes_too_long_is_told_then_its_line_then_its_end(watched):
+    assert watched.poll() == []
+    watched.slot.watch("A", "on_execute")
+    assert watched.poll() == []
+    watched.deadline_s = 0.0
+    assert text(watched.poll()) == "stuck in on_execute since NOW"
+    assert text(watched.poll()) == "stuck in on_execute since NOW (PLACE)"
+    assert watched.poll() == []
+    watched.slot.watch("", "")
+    assert watched.poll() == [CallbackStuck(KEY, "A", "")]
+    assert watched.poll() == []
+
+
+def test_the_same_callback_of_a_later_cycle_is_told_anew(watched):
+    watched.deadline_s = 0.0
+    watched.slot.watch("A", "on_execute")
+    watched.poll()
+    watched.poll()
+    watched.slot.watch("A", "on_execute")
+    assert text(watched.poll()) == "stuck in on_execute since NOW"
+
+
+def test_who_asks_is_told_before_the_deadline_and_that_it_is_all(watched):
+    watched.slot.watch("A", "creation")
+    time.sleep(0.002)
+    assert text(watched.inspect(0.001)) == "stuck in creation since NOW"
+    *lines, last = watched.poll()
+    assert text(lines) == "stuck in creation since NOW (PLACE)"
+    assert last == ProcessInspected(KEY)
+    assert watched.poll() == []  # it stays said, though its deadline is not over
+    watched.slot.watch("", "")
+    assert watched.poll() == [CallbackStuck(KEY, "A", "")]
+
+
+def test_who_asks_when_nothing_takes_long_is_told_so_at_once(watched):
+    watched.slot.watch("A", "on_execute")
+    assert watched.inspect(1000.0) == [ProcessInspected(KEY)]
+    assert watched.poll() == []
+
+
+def test_a_process_without_heartbeats_is_known_to_tell_nothing(watched):
+    assert list(watched.watchman.inspect(8, 0.0)) == [ProcessInspected(8)]
+
+
+def test_a_process_that_writes_no_stack_is_not_waited_for_without_end(watched):
+    watched.does_answer = False
+    watched.slot.watch("A", "on_execute")
+    time.sleep(0.002)
+    watched.inspect(0.001)
+    polls = 0
+    while not (told := watched.poll()):
+        polls += 1
+        assert polls < 100
+    assert text(told[:1]) == "stuck in on_execute since NOW"
+    assert told[1:] == [ProcessInspected(KEY)]
+
+
+def test_the_file_of_stacks_does_not_grow(watched):
+    watched.deadline_s = 0.0
+    sizes = set()
+    for _ in range(5):
+        watched.slot.watch("A", "on_execute")
+        watched.poll()
+        watched.poll()
+        sizes.add(watched.stack.stat().st_size)
+    assert max(sizes) < 2 * min(sizes)
+
+
+def test_the_line_is_that_of_the_thread_that_is_stuck(watched):
+    gate = threading.Event()
+
+    def run():
+        watched.slot.watch("A", "on_execute")
+        begun.set()
+        gate.wait()
+
+    begun = threading.Event()
+    thread = threading.Thread(target=run)
+    thread.start()
+    begun.wait()
+    watched.deadline_s = 0.0
+    watched.poll()
+    (event,) = watched.poll()
+    gate.set()
+    thread.join()
+    assert f"({Path(__file__).name}:" in event.text
+    assert event.text.endswith(" in run)")
