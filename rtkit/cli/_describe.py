@@ -1,18 +1,18 @@
-"""Components, ports, connections and managers as the lines that ``rtcat`` prints.
+"""Components, ports and connections as the lines that ``rtcat`` prints.
 
 `level` tells how much is unfolded: 0 nothing, 1 contexts and ports, 2 everything.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.cli import _out
 from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
 
 if TYPE_CHECKING:
-    from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+    from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.rtc.profiles import (
         ConnectorProfile,
         ExecutionContextProfile,
@@ -22,22 +22,6 @@ if TYPE_CHECKING:
 
 _KINDS = {"PERIODIC": "Periodic", "EVENT_DRIVEN": "Event-driven"}
 _REFERENCES = ("inport_ior", "inport_ref", "outport_ior", "outport_ref")
-_MODULES = (
-    ("Load path", "manager.modules.load_path"),
-    ("Config path", "manager.modules.config_path"),
-    ("Preload", "manager.modules.preload"),
-    ("Init function prefix", "manager.modules.init_func_prefix"),
-    ("Init function suffix", "manager.modules.init_func_suffix"),
-    ("Download allowed", "manager.modules.download_allowed"),
-    ("Absolute path allowed", "manager.modules.abs_path_allowed"),
-)
-_SYSTEM = (
-    ("Version", "os.version"),
-    ("Architecture", "os.arch"),
-    ("Release", "os.release"),
-    ("Host name", "os.hostname"),
-    ("Name", "os.name"),
-)
 
 
 def component_lines(snapshot: Snapshot, facts: ComponentFacts, name: str, level: int) -> list[str]:
@@ -171,34 +155,6 @@ def port_path(snapshot: Snapshot, instance: str, port: str) -> str:
     """Return the path of a port; empty when nobody knows its component."""
     facts = snapshot.component(instance)
     return "" if facts is None else f"{component_path(snapshot, facts)}:{port}"
-
-
-def manager_lines(snapshot: Snapshot, process: ProcessFacts | None) -> list[str]:
-    """Describe the manager, or a slave of it by the facts of its process."""
-    known = snapshot.properties
-    name = snapshot.manager if process is None else process.name
-    title = known.get("manager.instance_name", name) if process is None else name
-    rows = [
-        ("Name", known.get("manager.name", name) if process is None else name),
-        ("Instance name", title),
-        ("Process ID", str(snapshot.pid if process is None else process.pid)),
-        ("Naming format", known.get("manager.naming_formats", "")),
-        ("Refstring path", known.get("manager.refstring_path", "")),
-        ("Components precreate", known.get("manager.components.precreate", "")),
-    ]
-    if process is not None and (process.state != "up" or process.reason):
-        rows += [("State", f"{process.state} {process.reason}")]
-    lines = _titled(rows)
-    lines += ["Modules:", *_titled([(t, known.get(key, "")) for t, key in _MODULES], "  ")]
-    lines += ["OS:", *_titled([(t, known.get(key, "")) for t, key in _SYSTEM], "  ")]
-    lines += ["Loaded modules:"]
-    lines += _titled([("Filepath", module.path) for module in snapshot.modules], "  ")
-    types = [each for module in snapshot.modules for each in module.types]
-    return [*lines, "Loadable modules:", *(f"  {_out.printable(t.id)}" for t in types)]
-
-
-def _titled(rows: Iterable[tuple[str, str]], indent: str = "") -> list[str]:
-    return [f"{indent}{title}: {_out.printable(text)}".rstrip() for title, text in rows]
 
 
 def _bold(text: str) -> str:

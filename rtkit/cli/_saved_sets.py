@@ -105,7 +105,7 @@ def _lines(each: Difference) -> Iterator[str]:
 def _export(facts: ComponentFacts, chosen: Sets, target: str) -> None:
     record = {
         "component": facts.instance,
-        "type": facts.type.id,
+        "type": facts.type.full_id,
         "active": facts.active_set,
         "sets": {name: dict(values) for name, values in chosen.items()},
     }

@@ -177,20 +177,14 @@ class Runner:
 
     def _show_modules(self, snapshot: Snapshot) -> None:
         """List the types of modules that are loaded or could be; the rest with its reason."""
-        files = dict.fromkeys(_types(snapshot), "")
-        problems = []
-        for line in self._app.tree.get("get_loadable_modules").splitlines():
-            name, _, told = line.partition("?")
-            options = parse_create(f"x?{told}").options if told else {}
-            if "problem" in options:
-                problems.append((name, options["problem"]))
-            else:
-                files[name] = options.get("module", "")
+        from rtkit.cli._offers import offers
+
+        files, problems = offers(self._app.tree, snapshot)
         if self._is_json:
-            self._print_json([{"type": name, "module": files[name]} for name in sorted(files)])
+            self._print_json([{"type": name, "module": file} for name, file in files.items()])
             self._print_json([{"module": name, "problem": why} for name, why in problems])
             return
-        self._show({"type": name} for name in sorted(files))
+        self._show({"type": name} for name in files)
         for name, why in problems:
             self._app.fail(f"module cannot be read: {name} ({why})")
 
@@ -226,7 +220,3 @@ class Runner:
         from json import dumps
 
         _out.write(dumps({"schema": "rtkit.mgr/1", **record}) for record in records)
-
-
-def _types(snapshot: Snapshot) -> list[str]:
-    return sorted({each.full_id for module in snapshot.modules for each in module.types})

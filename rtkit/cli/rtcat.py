@@ -27,7 +27,7 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
 
     A + marks what is there but not shown; -l and -ll unfold it.
     """
-    from rtkit.cli._describe import component_lines, manager_lines, port_lines
+    from rtkit.cli._describe import component_lines, port_lines
 
     if not paths:
         raise Malformed("Cannot cat a directory.")
@@ -37,9 +37,7 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
     snapshot = app.tree.part([node.instance])
     facts = snapshot.component(node.instance)
     if node.is_directory:
-        process = _slave(snapshot, node)
-        lines = manager_lines(snapshot, process)
-        record = _manager_record(snapshot, process)
+        lines, record = _manager(app, snapshot, _slave(snapshot, node))
     elif facts is None:
         raise NotFound(f"No such object: {path.typed}")
     elif path.port is None:
@@ -75,6 +73,16 @@ def _node(listing: Listing, path: Path) -> Node:
     return node
 
 
+def _manager(
+    app: App, snapshot: Snapshot, process: ProcessFacts | None
+) -> tuple[list[str], dict[str, Any]]:
+    from rtkit.cli._describe_manager import manager_lines, manager_record
+    from rtkit.cli._offers import offers
+
+    found = offers(app.tree, snapshot)
+    return manager_lines(snapshot, process, found), manager_record(snapshot, process, found)
+
+
 def _slave(snapshot: Snapshot, node: Node) -> ProcessFacts | None:
     if not node.is_slave:
         return None
@@ -107,17 +115,3 @@ def _port_record(snapshot: Snapshot, facts: ComponentFacts, port: PortProfile) -
     end = PortRef(facts.instance, port.name)
     wires = [encode(wire) for wire in snapshot.connectors if end in wire.ports]
     return {"schema": "rtkit.port/1", **encode(port), "connectors": wires}
-
-
-def _manager_record(snapshot: Snapshot, process: ProcessFacts | None) -> dict[str, Any]:
-    from rtkit.rtc.plain import encode
-
-    return {
-        "schema": "rtkit.manager/1",
-        "name": snapshot.manager if process is None else process.name,
-        "pid": snapshot.pid if process is None else process.pid,
-        "state": "up" if process is None else process.state,
-        "version": snapshot.version,
-        "modules": [encode(module) for module in snapshot.modules],
-        "properties": dict(snapshot.properties),
-    }

@@ -253,10 +253,23 @@ def _state(name: str, folder: str, settings: Settings) -> State:
             "manager.pid": str(os.getpid()),
             "manager.started": f"{time.time():.3f}",
             "openrtm.version": __version__,
+            **_system(),
             "rtkit.version": __version__,
         }
     )
     return state
+
+
+def _system() -> dict[str, str]:
+    """Return what this machine is."""
+    told = os.uname()
+    return {
+        "os.name": told.sysname,
+        "os.release": told.release,
+        "os.version": told.version,
+        "os.arch": told.machine,
+        "os.hostname": told.nodename,
+    }
 
 
 def base_paths() -> tuple[str, ...]:

@@ -70,7 +70,7 @@ def _answer(world: World, request: Request) -> str:
         batch = batch_from_text(request.payload)
         return results_to_text(world.batch(batch.actions, batch.is_ordered))
     if request.name == "get_loadable_modules":
-        return ""
+        return world.properties.get(request.name, "")
     if request.payload is not None:
         world.properties[request.name] = request.payload
     if request.name not in world.properties:

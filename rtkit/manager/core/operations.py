@@ -85,7 +85,7 @@ def _component_record(facts: ComponentFacts) -> str:
 
 def _profile(state: State) -> str:
     table = configuring.table(state)
-    return lines({key: value for key, value in table.items() if key in _PROFILE})
+    return lines({key: table[key] for key in table if key in _PROFILE or key.startswith("os.")})
 
 
 def _configuration(state: State) -> str:

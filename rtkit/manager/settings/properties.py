@@ -137,7 +137,7 @@ _PATTERNS = (
     Property("ec.*", "", "text", LIVE, "ec.TYPE.KEY, ec.NAME.KEY: of execution contexts"),
     Property("port.*", "", "text", LIVE, "defaults of ports"),
     Property("sdo.*", "", "text", NONE, "SDO services"),
-    Property("os.*", "", "text", NONE, "operating system"),
+    Property("os.*", "", "text", FIXED, "operating system of the manager"),
     Property("*.*.config_file", "", "text", LIVE, "CATEGORY.TYPE or .INSTANCE: more properties"),
 )
 _READERS: Mapping[str, Callable[[str], object]] = {

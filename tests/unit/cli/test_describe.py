@@ -119,16 +119,20 @@ def test_a_manager_tells_its_modules(world: World, run: Run) -> None:
     world.loaded["/mods/a.py"] = ModuleProfile(
         "/mods/a.py", "aInit", (world.types["Std"].type, world.types["Output"].type)
     )
+    world.properties["get_loadable_modules"] = (
+        "RTC:Me:test:Std:Python:1.0?module=/mods/a.py\nRTC:Me:test:New:Python:2.0?module=/mods/n.py"
+    )
     lines = run("rtcat /localhost/manager.mgr").out.splitlines()
     assert lines[:3] == ["Name: manager", "Instance name: manager", "Process ID: 1000"]
     assert "  Load path: /mods" in lines
     assert "  Name: Linux" in lines
-    assert lines[-5:] == [
+    assert lines[-6:] == [
         "Loaded modules:",
         "  Filepath: /mods/a.py",
         "Loadable modules:",
-        "  RTC:Me:test:Std:1.0",
-        "  RTC:Me:test:Output:1.0",
+        "  RTC:Me:test:New:Python:2.0",
+        "  RTC:Me:test:Output:Python:1.0",
+        "  RTC:Me:test:Std:Python:1.0",
     ]
 
 

@@ -1,0 +1,74 @@
+"""A manager, or a slave of one, as ``rtcat`` shows it: lines, or a record for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from rtkit.cli import _out
+
+if TYPE_CHECKING:
+    from rtkit.cli._offers import Offers
+    from rtkit.deployment.facts import ProcessFacts, Snapshot
+
+_MODULES = (
+    ("Load path", "manager.modules.load_path"),
+    ("Config path", "manager.modules.config_path"),
+    ("Preload", "manager.modules.preload"),
+    ("Init function prefix", "manager.modules.init_func_prefix"),
+    ("Init function suffix", "manager.modules.init_func_suffix"),
+    ("Download allowed", "manager.modules.download_allowed"),
+    ("Absolute path allowed", "manager.modules.abs_path_allowed"),
+)
+_SYSTEM = (
+    ("Version", "os.version"),
+    ("Architecture", "os.arch"),
+    ("Release", "os.release"),
+    ("Host name", "os.hostname"),
+    ("Name", "os.name"),
+)
+
+
+def manager_lines(snapshot: Snapshot, process: ProcessFacts | None, offers: Offers) -> list[str]:
+    """Describe a manager, or a slave of it by the facts of its process."""
+    known = snapshot.properties
+    name = snapshot.manager if process is None else process.name
+    title = known.get("manager.instance_name", name) if process is None else name
+    rows = [
+        ("Name", known.get("manager.name", name) if process is None else name),
+        ("Instance name", title),
+        ("Process ID", str(snapshot.pid if process is None else process.pid)),
+        ("Naming format", known.get("manager.naming_formats", "")),
+        ("Refstring path", known.get("manager.refstring_path", "")),
+        ("Components precreate", known.get("manager.components.precreate", "")),
+    ]
+    if process is not None and (process.state != "up" or process.reason):
+        rows += [("State", f"{process.state} {process.reason}")]
+    lines = _titled(rows)
+    lines += ["Modules:", *_titled([(t, known.get(key, "")) for t, key in _MODULES], "  ")]
+    lines += ["OS:", *_titled([(t, known.get(key, "")) for t, key in _SYSTEM], "  ")]
+    lines += ["Loaded modules:"]
+    lines += _titled([("Filepath", module.path) for module in snapshot.modules], "  ")
+    return [*lines, "Loadable modules:", *(f"  {_out.printable(id)}" for id in offers.types)]
+
+
+def _titled(rows: Iterable[tuple[str, str]], indent: str = "") -> list[str]:
+    return [f"{indent}{title}: {_out.printable(text)}".rstrip() for title, text in rows]
+
+
+def manager_record(
+    snapshot: Snapshot, process: ProcessFacts | None, offers: Offers
+) -> dict[str, Any]:
+    """Return what is known of a manager, or of a slave of it, for JSON."""
+    from rtkit.rtc.plain import encode
+
+    return {
+        "schema": "rtkit.manager/1",
+        "name": snapshot.manager if process is None else process.name,
+        "pid": snapshot.pid if process is None else process.pid,
+        "state": "up" if process is None else process.state,
+        "version": snapshot.version,
+        "modules": [encode(module) for module in snapshot.modules],
+        "loadable": [{"type": id, "module": file} for id, file in offers.types.items()],
+        "properties": dict(snapshot.properties),
+    }
