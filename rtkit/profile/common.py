@@ -9,14 +9,6 @@ P = TypeVar("P")
 
 
 @dataclass(frozen=True, slots=True)
-class Property:
-    """An extension property (``rtsExt:Properties``, ``rtcExt:Properties``)."""
-
-    name: str
-    value: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class ForeignElement:
     """An element that no profile schema knows, kept for the round trip.
 
@@ -43,6 +35,15 @@ class Foreign:
 
 
 NO_FOREIGN = Foreign()
+
+
+@dataclass(frozen=True, slots=True)
+class Property:
+    """An extension property (``rtsExt:Properties``, ``rtcExt:Properties``)."""
+
+    name: str
+    value: str | None = None
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True, order=True)

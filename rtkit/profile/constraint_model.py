@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rtkit.profile.common import NO_FOREIGN, Foreign
+
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
@@ -21,6 +23,7 @@ class Comparison:
     kind: str
     literal: str
     match_case: bool = False
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +33,7 @@ class Between:
     lower_boundary: str
     upper_boundary: str
     kind: str = "propertyIsBetween"
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +45,7 @@ class Like:
     single_char: str
     escape_char: str
     kind: str = "propertyIsLike"
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +53,7 @@ class IsNull:
     """A test that there is no value."""
 
     kind: str = "propertyIsNullType"
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +62,7 @@ class Logical:
 
     kind: str
     constraints: tuple[Constraint, ...] = ()
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +72,7 @@ class ConstraintUnit:
     test: Comparison | Between | Like | IsNull | Logical
     key: str | None = None
     kind: str = "ConstraintUnitType"
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +85,7 @@ class ConstraintGroup:
 
     kind: str
     constraints: tuple[Constraint, ...] = ()
+    foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,3 +93,4 @@ class Constraint:
     """A constraint."""
 
     content: ConstraintUnit | ConstraintGroup
+    foreign: Foreign = NO_FOREIGN

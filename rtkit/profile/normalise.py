@@ -128,12 +128,7 @@ def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findi
             allowed = ", ".join(short(item.name) for item in spec.attributes)
             found.repaired(element, "unknown-attribute", said, **details, allowed=allowed)
             return 0
-    if spec.keeps_foreign:
-        found.remark(element, "foreign-kept", f"foreign attribute {short(name)} kept", **details)
-    else:
-        del element.attrib[name]
-        said = f"foreign attribute {short(name)} dropped"
-        found.repaired(element, "foreign-dropped", said, **details)
+    found.remark(element, "foreign-kept", f"foreign attribute {short(name)} kept", **details)
     return 0
 
 
@@ -281,10 +276,6 @@ def _odd_child(
             element.remove(item)
             return None
     seen = short(item.tag)
-    if not spec.keeps_foreign:
-        found.repaired(item, "foreign-dropped", f"foreign element {seen} dropped", seen=seen)
-        element.remove(item)
-        return None
     found.remark(item, "foreign-kept", f"foreign element {seen} kept", seen=seen)
     _clean_foreign(item, found, depth + 1)
     return None

@@ -7,7 +7,7 @@ from rtkit.profile import rtc_doc_model as d
 from rtkit.profile import rtc_model as m
 from rtkit.profile import rtc_rules as rules
 from rtkit.profile.common import Property
-from rtkit.profile.rts_rules import other_date
+from rtkit.profile.rts_rules import other_date, present_version
 from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Child, Spec, attribute, child
 
 COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
@@ -382,4 +382,5 @@ RTC_PROFILE = Spec(
         child("service_ports", "rtc:ServicePorts", _SERVICE_PORT, many=True),
         child("language", "rtc:Language", _LANGUAGE),
     ],
+    rule=present_version,
 )

@@ -16,11 +16,16 @@ RTS_VERSION = "0.2"
 
 @dataclass(frozen=True, slots=True)
 class ComponentRef:
-    """A component named by another part of the profile: participant, group member."""
+    """A component named by another part of the profile: participant, group member.
+
+    Attributes:
+        around: What else stood in ``rts:Participants``, the element around a participant.
+    """
 
     component_id: str
     instance_name: str
     foreign: Foreign = NO_FOREIGN
+    around: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rtkit.profile.findings import Findings
-from rtkit.profile.xmlnames import clark, split
+from rtkit.profile.xmlnames import NAMESPACES, clark, split
 
 NO_DATE = "1970-01-01T00:00:00"
 """What a profile without any date gets."""
@@ -23,6 +23,9 @@ _ORDERS = (
     "Initializing",
     "Finalizing",
 )
+OLD_VERSIONS = ("0.1", "1.0")
+PRESENT_VERSION = "0.2"
+_OWN = ("", NAMESPACES["rts"], NAMESPACES["rtc"])
 _REF = ("rts:componentId", "rts:instanceName")
 
 
@@ -74,8 +77,22 @@ def add(
     return made
 
 
+def present_version(root: Any, found: Findings) -> None:
+    """Have a document of version 0.1 declare 0.2, the oldest version that has the present form.
+
+    Who reads by the declared version would look for the old spelling otherwise.
+    """
+    for name, value in root.items():
+        namespace, local = split(name)
+        if local == "version" and namespace in _OWN and value in OLD_VERSIONS:
+            root.set(name, PRESENT_VERSION)
+            said = f"version {value!r} taken as {PRESENT_VERSION!r}, whose form it has now"
+            found.repaired(root, "old-form", said, at=name, seen=value, allowed="0.2, 0.3")
+
+
 def version_0_1(root: Any, found: Findings) -> None:
     """Bring the nested form of version 0.1 to the present one."""
+    present_version(root, found)
     components = [c for c in root.iterchildren("{*}*") if split(c.tag)[1] == "Component"]
     if not components:
         return

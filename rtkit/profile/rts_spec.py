@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
 
 from rtkit.profile import rts_model as m
 from rtkit.profile import rts_rules as rules
-from rtkit.profile.common import Property
+from rtkit.profile.common import NO_FOREIGN, Foreign, Property
 from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Spec, attribute, child
 
 DIRECTIONS = ("DOWN", "RIGHT", "UP", "LEFT")
@@ -36,8 +36,10 @@ _OLD_COMPOSITES = {
 }
 
 
-def _only(participant: Any) -> Any:
-    return participant
+def _only(participant: m.ComponentRef | None, around: Foreign) -> m.ComponentRef:
+    if participant is None:
+        raise ValueError("no participant")
+    return replace(participant, around=around) if around != NO_FOREIGN else participant
 
 
 _PROPERTY = Spec(

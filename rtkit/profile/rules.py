@@ -14,7 +14,6 @@ RULES: dict[str, str] = {
     "element-name": "An element of another namespace or spelling is taken as the one meant",
     "element-order": "The children of an element stand in another order than the schema's",
     "empty-value": "An empty value of an attribute that is no text is taken as absent",
-    "foreign-dropped": "Content of another namespace stands where it cannot be kept",
     "foreign-kept": "Content of another namespace is kept as it is",
     "fragment": "A component profile without BasicInfo or Actions is a fragment",
     "missing-attribute": "A required attribute is absent, and nothing can stand for it",

@@ -8,6 +8,7 @@ from dataclasses import MISSING, fields
 from math import isfinite
 from typing import Any, NamedTuple
 
+from rtkit.profile.common import NO_FOREIGN
 from rtkit.profile.xmlnames import clark, split
 
 Supply = str | Callable[[Any], str]
@@ -136,6 +137,7 @@ class Spec:
         also_types: Further types that are right as they stand.
         tag_field: Field that holds the element's local name, for classes with several tags.
         wraps: Field of the only child, where the element has no model class of its own.
+        foreign_field: Field for content of other namespaces.
         blank: Values of the model's fields for an element without attributes and children.
         readers: Place among these and conversion of each attribute, at hand for speed.
         slots: Rank, place, table and whether it may be repeated, of each child, at hand for speed.
@@ -165,11 +167,11 @@ class Spec:
         self.tag_field = tag_field
         self.wraps = wraps
         self.rule = rule
-        self.keeps_foreign = "foreign" in getattr(make, "__slots__", ())
+        self.foreign_field = "around" if wraps else "foreign"
         self.attributes = tuple(attributes)
         self.known = {item.name: item for item in self.attributes}
         self.blank, self._places = _fields(make, wraps)
-        self.foreign_place = self._places.get("foreign", -1)
+        self.foreign_place = self._places[self.foreign_field]
         self.tag_place = self._places[tag_field] if tag_field else None
         self.readers = {
             item.name: (self._places[item.field], item.read) for item in self.attributes
@@ -210,7 +212,7 @@ class Spec:
 def _fields(make: Callable[..., Any], wraps: str | None) -> tuple[list[Any], dict[str, int]]:
     """Return the defaults of a model class, None where there is none, and the places of fields."""
     if wraps is not None:
-        return [None], {wraps: 0}
+        return [None, NO_FOREIGN], {wraps: 0, "around": 1}
     found = fields(make)  # type: ignore[arg-type]
     defaults = [None if item.default is MISSING else item.default for item in found]
     return defaults, {item.name: place for place, item in enumerate(found)}

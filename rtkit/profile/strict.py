@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.profile.build import NotStrict, build_strict
 from rtkit.profile.normalise import MAX_DEPTH
+from rtkit.profile.rts_rules import OLD_VERSIONS
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.spec import Spec
 from rtkit.profile.words import strip_instance
@@ -38,7 +39,7 @@ def is_plain_component(profile: RtcProfile) -> bool:
     names = [port.name for port in profile.data_ports]
     names += [port.name for port in profile.service_ports]
     is_whole = profile.basic_info is not None and profile.actions is not None
-    return is_whole and len(set(names)) == len(names)
+    return is_whole and profile.version not in OLD_VERSIONS and len(set(names)) == len(names)
 
 
 def is_plain_system(profile: RtsProfile) -> bool:
@@ -48,7 +49,8 @@ def is_plain_system(profile: RtsProfile) -> bool:
     ids = [item.connector_id for item in profile.data_port_connectors]
     ids += [item.connector_id for item in profile.service_port_connectors]
     return (
-        len(names) == len(profile.components)
+        profile.version not in OLD_VERSIONS
+        and len(names) == len(profile.components)
         and all(name.strip() for name in names)
         and len(set(ids)) == len(ids)
         and all(key in components for key in _named(profile))

@@ -40,9 +40,7 @@ def plain(value: Any, spec: Spec, tag: str) -> dict[str, Any]:
             made[CONDITION] = {key: told}
         else:
             made[key] = told
-    if spec.keeps_foreign:
-        made |= _foreign(value.foreign)
-    return made
+    return made | _foreign(getattr(value, spec.foreign_field))
 
 
 def _child(part: Child, value: Any) -> Any:

@@ -140,7 +140,7 @@ class _Writer:
         return check_text(text).encode("utf-8")
 
     def _element(self, value: Any, spec: Spec, tag: str, indent: str) -> None:
-        foreign: Foreign | None = value.foreign if spec.keeps_foreign else None
+        foreign: Foreign = getattr(value, spec.foreign_field)
         parts = [f"{indent}<{tag}"]
         if spec.xsi_type_text is not None:
             parts.append(f' xsi:type="{spec.xsi_type_text}"')
@@ -149,16 +149,14 @@ class _Writer:
             if field is not None:
                 text = format_value(item, field).translate(_VALUE_ESCAPES)
                 parts.append(f' {short(item.name)}="{text}"')
-        if foreign is not None:
-            parts += [self._foreign_attribute(*pair) for pair in foreign.attributes]
+        parts += [self._foreign_attribute(*pair) for pair in foreign.attributes]
         start = len(self._out)
         self._out.append("".join(parts))
         inner = indent + _INDENT
         for child in in_order(spec, value):
             self._child(child, value if spec.wraps else getattr(value, child.field), inner)
-        if foreign is not None:
-            for element in foreign.elements:
-                self._out.append(f"{inner}{self._foreign(element, inner)}\n")
+        for element in foreign.elements:
+            self._out.append(f"{inner}{self._foreign(element, inner)}\n")
         if len(self._out) == start + 1:
             self._out[start] += "/>\n"
         else:

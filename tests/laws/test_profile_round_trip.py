@@ -33,6 +33,7 @@ from rtkit.profile.rts_spec import RTS_PROFILE
 from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Spec
 from rtkit.profile.words import normal_data_type, strip_instance
 from rtkit.profile.write import write_profile, write_rtc, write_rts
+from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.resources import resource
 
 TEXTS = st.text(
@@ -44,7 +45,17 @@ NAMES = st.text(st.sampled_from("abc.:_日"), min_size=1, max_size=6)
 DATES = st.datetimes().map(lambda value: value.replace(year=max(1, value.year)).isoformat())
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 WHOLES = st.integers(-(10**18) + 1, 10**18 - 1)
-LOCALS = st.sampled_from(["{urn:f}a", "{urn:f}b", "{urn:g}a-1", "{urn:h}日"])
+LOCALS = st.sampled_from(
+    [
+        "{urn:f}a",
+        "{urn:f}b",
+        "{urn:g}a-1",
+        "{urn:h}日",
+        f"{{{NAMESPACES['rtsExt']}}}newer",
+        f"{{{NAMESPACES['rtcExt']}}}Newer",
+        f"{{{NAMESPACES['rtcDoc']}}}newer",
+    ]
+)
 INNER_LOCALS = LOCALS | st.just("bare")
 
 
@@ -106,7 +117,8 @@ def instances(spec: Spec) -> st.SearchStrategy[Any]:
 @cache
 def of(spec: Spec) -> st.SearchStrategy[Any]:
     if spec.wraps:
-        return instances(spec.children[0].spec)  # type: ignore[arg-type]
+        inner = instances(spec.children[0].spec)  # type: ignore[arg-type]
+        return st.builds(lambda item, around: replace(item, around=around), inner, FOREIGN)
     optional = {item.name for item in fields(spec.make) if item.default is not MISSING}  # type: ignore[arg-type]
     made: dict[str, st.SearchStrategy[Any]] = {}
     for attribute in spec.attributes:
@@ -118,37 +130,42 @@ def of(spec: Spec) -> st.SearchStrategy[Any]:
             made[child.field] = st.lists(one, min_size=child.least, max_size=2).map(tuple)
         else:
             made[child.field] = st.none() | one if child.field in optional else one
-    if spec.keeps_foreign:
-        made["foreign"] = FOREIGN
+    made["foreign"] = FOREIGN
     return st.builds(spec.make, **made)
 
 
-UNITS = st.one_of(
-    st.builds(c.Comparison, st.sampled_from(COMPARISONS), TEXTS, st.booleans()),
-    st.builds(c.Between, TEXTS, TEXTS),
-    st.builds(c.Like, TEXTS, TEXTS, TEXTS, TEXTS),
-    st.just(c.IsNull()),
-)
+def units(
+    tests: st.SearchStrategy[Any], foreign: st.SearchStrategy[Foreign]
+) -> st.SearchStrategy[c.Constraint]:
+    unit = st.builds(c.ConstraintUnit, tests, st.none() | TEXTS, foreign=foreign)
+    return st.builds(c.Constraint, unit, foreign)
 
 
-def units(tests: st.SearchStrategy[Any]) -> st.SearchStrategy[c.Constraint]:
-    return st.builds(c.ConstraintUnit, tests, st.none() | TEXTS).map(c.Constraint)
+def constraints(foreign: st.SearchStrategy[Foreign]) -> st.SearchStrategy[c.Constraint]:
+    """Generate constraints with such content of other namespaces in all places."""
 
+    def combined(below: st.SearchStrategy[c.Constraint]) -> st.SearchStrategy[c.Constraint]:
+        two = st.lists(below, min_size=2, max_size=3).map(tuple)
+        negated = below.map(lambda one: (one,))
+        groups = st.sampled_from(["ConstraintListType", "ConstraintHashType"])
+        some = st.lists(below, max_size=2).map(tuple)
+        return st.one_of(
+            units(st.builds(c.Logical, st.just("Not"), negated, foreign), foreign),
+            units(st.builds(c.Logical, st.sampled_from(["And", "Or"]), two, foreign), foreign),
+            st.builds(c.Constraint, st.builds(c.ConstraintGroup, groups, some, foreign), foreign),
+        )
 
-def combined(below: st.SearchStrategy[c.Constraint]) -> st.SearchStrategy[c.Constraint]:
-    two = st.lists(below, min_size=2, max_size=3).map(tuple)
-    return st.one_of(
-        units(st.builds(c.Logical, st.just("Not"), below.map(lambda one: (one,)))),
-        units(st.builds(c.Logical, st.sampled_from(["And", "Or"]), two)),
-        st.builds(
-            c.ConstraintGroup,
-            st.sampled_from(["ConstraintListType", "ConstraintHashType"]),
-            st.lists(below, max_size=2).map(tuple),
-        ).map(c.Constraint),
+    tests = st.one_of(
+        st.builds(c.Comparison, st.sampled_from(COMPARISONS), TEXTS, st.booleans(), foreign),
+        st.builds(c.Between, TEXTS, TEXTS, foreign=foreign),
+        st.builds(c.Like, TEXTS, TEXTS, TEXTS, TEXTS, foreign=foreign),
+        st.builds(c.IsNull, foreign=foreign),
     )
+    return st.recursive(units(tests, foreign), combined, max_leaves=4)
 
 
-CONSTRAINTS = st.recursive(units(UNITS), combined, max_leaves=4)
+CONSTRAINTS = constraints(FOREIGN)
+PLAIN_CONSTRAINTS = constraints(st.just(NO_FOREIGN))
 
 
 def referring(profile: RtsProfile) -> RtsProfile:
@@ -265,7 +282,7 @@ def test_every_form_becomes_every_other(profile: RtsProfile | RtcProfile, forms:
     assert write_profile(there, forms[0]) == write_profile(profile, forms[0])
 
 
-@given(CONSTRAINTS)
+@given(PLAIN_CONSTRAINTS)
 @settings(deadline=None)
 def test_a_constraint_comes_back_equal_from_its_line(constraint: c.Constraint) -> None:
     line = format_constraint(constraint)

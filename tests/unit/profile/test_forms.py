@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
 import pytest
 import yaml
+from lxml import etree
 
 from rtkit.errors import Malformed, NotFound
 from rtkit.profile.common import Note
@@ -17,11 +19,16 @@ from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.forms import FORMS, form_of
 from rtkit.profile.read import explain, profile_kind, read_file, read_profile, read_rtc, read_rts
 from rtkit.profile.rtc_model import RtcProfile
+from rtkit.profile.rtc_spec import RTC_PROFILE
 from rtkit.profile.rts_model import RtsProfile
+from rtkit.profile.rts_spec import RTS_PROFILE
+from rtkit.profile.spec import Spec
 from rtkit.profile.write import write_profile
+from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.resources import resource
 
 CORPUS = Path(__file__).parents[4] / "shared" / "corpus"
+SAMPLES = Path(__file__).parent / "samples"
 SHIPPED = sorted(Path(resource("profiles")).rglob("*.xml"))
 needs_corpus = pytest.mark.skipif(not CORPUS.is_dir(), reason="corpus absent")
 
@@ -71,6 +78,40 @@ def test_other_readers_find_plain_data(file: Path) -> None:
     root = "rtsProfile" if isinstance(profile, RtsProfile) else "rtcProfile"
     assert list(as_yaml) == [root]
     assert as_yaml[root]["version"] == profile.version
+
+
+@pytest.mark.parametrize("kind", ["rtc", "rts"])
+@pytest.mark.parametrize("form", FORMS)
+def test_the_samples_of_each_form(kind: str, form: str) -> None:
+    """They hold every element and attribute there is; a form that was published stays."""
+    profile = read_file(str(SAMPLES / f"{kind}.xml"), strict=True).profile
+    sample = SAMPLES / f"{kind}.{form}"
+    reading = read_file(str(sample))
+    assert reading.profile == profile
+    assert {note.rule for note in reading.notes} == {"foreign-kept"}
+    assert write_profile(profile, form) == sample.read_bytes()
+
+
+@pytest.mark.parametrize(("kind", "spec"), [("rtc", RTC_PROFILE), ("rts", RTS_PROFILE)])
+def test_the_samples_are_whole(kind: str, spec: Spec) -> None:
+    seen: set[tuple[str, str]] = set()
+    for element in etree.parse(SAMPLES / f"{kind}.xml").iter():
+        parent = element.getparent()
+        seen.add(("" if parent is None else parent.tag, element.tag))
+        seen |= {(element.tag, name) for name in element.attrib}
+    root = f"{{{NAMESPACES[kind]}}}{kind.capitalize()}Profile"
+    assert not set(parts(spec, root, set())) - seen
+
+
+def parts(spec: Spec, tag: str, done: set[tuple[str, int]]) -> Iterator[tuple[str, str]]:
+    if (tag, id(spec)) in done:
+        return
+    done.add((tag, id(spec)))
+    yield from ((tag, item.name) for item in spec.attributes)
+    for child in spec.children:
+        yield tag, child.name
+        if child.spec is not None:
+            yield from parts(child.spec, child.name, done)
 
 
 @needs_corpus
@@ -132,7 +173,7 @@ def test_a_component_of_version_0_1() -> None:
     (file,) = corpus("yaml/*SampleYaml.yaml")
     reading = read_rtc(file.read_bytes(), file.name)
     profile = reading.profile
-    assert profile.version == "1.0"
+    assert profile.version == "0.2"
     assert [port.position for port in profile.data_ports] == ["LEFT", "LEFT", "RIGHT", "RIGHT"]
     assert profile.data_ports[0].subscription_type == "Periodic,New,Flush"
     assert profile.data_ports[0].variable_name == "In1Var"
