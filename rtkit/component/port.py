@@ -124,6 +124,7 @@ class InPort(DataPort[T]):
     ) -> None:
         super().__init__(data_type, name, properties, doc=doc)
         self._buffers: tuple[Buffer[T], ...] = ()
+        self._left: Buffer[T] | None = None
         self._policies: dict[str, tuple[Buffer[T], EmptyPolicy]] = {}
         self._waits = False
         self._reads_back = True
@@ -223,14 +224,20 @@ class InPort(DataPort[T]):
         )
 
     def close(self, connector_id: str) -> None:
-        """Close a connector; what it still held is lost, who waits is woken."""
+        """Close a connector; who waits is woken.
+
+        What had arrived by the last connector that was closed can still be read.
+        """
         with self._lock:
             self._dismiss(connector_id)
             self._renewals.pop(connector_id, None)
             closed = self._policies.pop(connector_id, None)
+            if closed is not None:
+                buffer = closed[0]
+                buffer.close()
+                if not isinstance(buffer, Pulled) and len(buffer):
+                    self._left = buffer
             self._refresh()
-        if closed is not None:
-            closed[0].close()
 
     def _add(self, connector_id: str, buffer: Buffer[T], policy: EmptyPolicy) -> None:
         with self._lock:
@@ -240,7 +247,11 @@ class InPort(DataPort[T]):
 
     def _refresh(self) -> None:
         policies = [policy for _, policy in self._policies.values()]
-        self._buffers = tuple(buffer for buffer, _ in self._policies.values())
+        left = self._left
+        if left is not None and not len(left):
+            left = self._left = None
+        buffers = (buffer for buffer, _ in self._policies.values())
+        self._buffers = (*buffers,) if left is None else (left, *buffers)
         self._waits = EmptyPolicy.BLOCK in policies
         self._reads_back = not policies or EmptyPolicy.READBACK in policies
 

@@ -8,11 +8,14 @@ stopped.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import queue
+import struct
 import threading
 from collections.abc import Callable
 from typing import Any
+from uuid import uuid4
 
 import zenoh
 
@@ -20,22 +23,52 @@ from rtkit.errors import Unreachable
 from rtkit.link import zenoh as control
 
 Deliver = Callable[[bytes], object]
+_NUMBER = struct.Struct("<Q")
 
 
 class Outlet:
     """The sending end of one stream; `put` may be called from any one thread at a time."""
 
-    def __init__(self, publisher: zenoh.Publisher, release: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        session: zenoh.Session,
+        publisher: zenoh.Publisher,
+        release: Callable[[], None],
+        *,
+        is_numbered: bool,
+    ) -> None:
+        self._session = session
         self._publisher = publisher
         self._release = release
+        self._numbers = itertools.count() if is_numbered else None
 
     def put(self, payload: bytes) -> bool:
         """Send one value; False when the stream is closed."""
+        number = None if self._numbers is None else _NUMBER.pack(next(self._numbers))
         try:
-            self._publisher.put(payload)
+            self._publisher.put(payload, attachment=number)
         except (zenoh.ZError, RuntimeError):  # the latter while it is being closed
             return False
         return True
+
+    def flush(self, timeout_s: float) -> bool:
+        """Wait until the receiver has everything that was put before; False when it did not tell.
+
+        A mark follows the values, which the receiver sends back when it comes to it.
+        """
+        key = str(self._publisher.key_expr)
+        arrived = threading.Event()
+        mark = f"{key}/flushed/{uuid4().hex}"
+        try:
+            heard = self._session.declare_subscriber(mark, lambda _sample: arrived.set())
+            try:
+                block = zenoh.CongestionControl.BLOCK
+                self._session.put(key, b"", attachment=mark.encode(), congestion_control=block)
+                return arrived.wait(timeout_s)
+            finally:
+                heard.undeclare()  # type: ignore[no-untyped-call]
+        except zenoh.ZError:
+            return False
 
     def close(self) -> None:
         """End this end; the other one just hears nothing more."""
@@ -47,15 +80,53 @@ class Outlet:
 
 
 class Inlet:
-    """The end of one stream that listens: it receives values, or is asked for them."""
+    """The end of one stream that listens: it receives values, or is asked for them.
 
-    def __init__(self, declared: zenoh.Subscriber[None] | zenoh.Queryable[None]) -> None:
-        self._declared = declared
+    Attributes:
+        lost: Values that were sent and did not arrive, where the sender numbers them.
+    """
+
+    def __init__(self) -> None:
+        self._declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | None = None
+        self._next: int | None = None
+        self.lost = 0
+
+    def receive(self, session: zenoh.Session, key: str, deliver: Deliver) -> None:
+        """Have `deliver` called with each value from now on."""
+
+        def heard(sample: zenoh.Sample) -> None:
+            attachment = sample.attachment
+            if attachment is None:
+                deliver(sample.payload.to_bytes())
+            elif len(attachment) == _NUMBER.size:
+                self._count(*_NUMBER.unpack(attachment.to_bytes()))
+                deliver(sample.payload.to_bytes())
+            else:
+                session.put(attachment.to_string(), b"")
+
+        self._declared = session.declare_subscriber(key, heard)
+
+    def answer(self, session: zenoh.Session, key: str, reply: Callable[[], bytes | None]) -> None:
+        """Answer with the next value whenever it is asked for from now on."""
+
+        def asked(query: zenoh.Query) -> None:
+            with query:
+                value = reply()
+                if value is not None:
+                    query.reply(key, value)
+
+        self._declared = session.declare_queryable(key, asked)
+
+    def _count(self, number: int) -> None:
+        if self._next is not None and number > self._next:
+            self.lost += number - self._next
+        self._next = number + 1
 
     def close(self) -> None:
         """Take no part in the stream any more."""
-        with contextlib.suppress(zenoh.ZError):
-            self._declared.undeclare()  # type: ignore[no-untyped-call]
+        if self._declared is not None:
+            with contextlib.suppress(zenoh.ZError):
+                self._declared.undeclare()  # type: ignore[no-untyped-call]
 
 
 class Fetcher:
@@ -179,12 +250,9 @@ class Streams:
         Raises:
             Unreachable: The socket cannot be made.
         """
-        session = self._listening()
-
-        def heard(sample: zenoh.Sample) -> None:
-            deliver(sample.payload.to_bytes())
-
-        return self._endpoint, Inlet(session.declare_subscriber(key, heard))
+        inlet = Inlet()
+        inlet.receive(self._listening(), key, deliver)
+        return self._endpoint, inlet
 
     def answer(self, key: str, next_value: Callable[[], bytes | None]) -> tuple[str, Inlet]:
         """Be asked for values on `key`; return the endpoint for who asks and the stream's end.
@@ -192,15 +260,9 @@ class Streams:
         Raises:
             Unreachable: The socket cannot be made.
         """
-        session = self._listening()
-
-        def asked(query: zenoh.Query) -> None:
-            with query:
-                value = next_value()
-                if value is not None:
-                    query.reply(key, value)
-
-        return self._endpoint, Inlet(session.declare_queryable(key, asked))
+        inlet = Inlet()
+        inlet.answer(self._listening(), key, next_value)
+        return self._endpoint, inlet
 
     def ask(self, endpoint: str, key: str, timeout_s: float) -> Fetcher:
         """Open the end of a pull stream that asks.
@@ -230,8 +292,19 @@ class Streams:
         session = self._sender(endpoint, timeout_s)
         return Caller(session, key, lambda: self._release(endpoint))
 
-    def send(self, endpoint: str, key: str, is_blocking: bool, timeout_s: float) -> Outlet:
+    def send(
+        self,
+        endpoint: str,
+        key: str,
+        timeout_s: float,
+        *,
+        is_blocking: bool = False,
+        is_numbered: bool = False,
+    ) -> Outlet:
         """Open the sending end of a stream; returns when the receiver was found.
+
+        A blocking one waits where another would lose values. One that numbers its values lets the
+        receiver count what is lost.
 
         Raises:
             Unreachable: It was not, within `timeout_s` [s].
@@ -239,7 +312,9 @@ class Streams:
         session = self._sender(endpoint, timeout_s)
         congestion = zenoh.CongestionControl.BLOCK if is_blocking else zenoh.CongestionControl.DROP
         publisher = session.declare_publisher(key, congestion_control=congestion)
-        outlet = Outlet(publisher, lambda: self._release(endpoint))
+        outlet = Outlet(
+            session, publisher, lambda: self._release(endpoint), is_numbered=is_numbered
+        )
         matched = threading.Event()
 
         def changed(status: zenoh.MatchingStatus) -> None:

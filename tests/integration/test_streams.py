@@ -30,7 +30,7 @@ def test_every_value_arrives_in_order(ends: tuple[Streams, Streams]) -> None:
     receiver, sender = ends
     heard: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     endpoint, _ = receiver.receive(KEY, heard.put)
-    outlet = sender.send(endpoint, KEY, True, 5.0)
+    outlet = sender.send(endpoint, KEY, 5.0, is_blocking=True)
     values = [b"%d" % n for n in range(1000)]
     assert all(outlet.put(value) for value in values)
     assert [heard.get(timeout=5.0) for _ in values] == values
@@ -40,14 +40,54 @@ def test_a_sender_without_receiver_is_told(ends: tuple[Streams, Streams]) -> Non
     receiver, sender = ends
     endpoint, _ = receiver.receive(KEY, lambda _: None)
     with pytest.raises(Unreachable, match="nobody takes data"):
-        sender.send(endpoint, KEY + "/other", False, 0.2)
+        sender.send(endpoint, KEY + "/other", 0.2)
+
+
+def test_a_flush_returns_when_everything_has_arrived(ends: tuple[Streams, Streams]) -> None:
+    receiver, sender = ends
+    heard: list[bytes] = []
+    endpoint, _ = receiver.receive(KEY, heard.append)
+    outlet = sender.send(endpoint, KEY, 5.0, is_blocking=True)
+    values = [b"%d" % n for n in range(1000)]
+    assert all(outlet.put(value) for value in values)
+    assert outlet.flush(5.0)
+    assert heard == values
+
+
+def test_a_flush_to_nobody_says_so(ends: tuple[Streams, Streams]) -> None:
+    receiver, sender = ends
+    endpoint, inlet = receiver.receive(KEY, lambda _: None)
+    outlet = sender.send(endpoint, KEY, 5.0)
+    inlet.close()
+    assert not outlet.flush(0.1)
+
+
+def test_values_that_get_lost_are_counted(ends: tuple[Streams, Streams]) -> None:
+    receiver, sender = ends
+    is_slow = threading.Event()
+    heard: list[bytes] = []
+
+    def hear(payload: bytes) -> None:
+        is_slow.wait(5.0)
+        heard.append(payload)
+
+    endpoint, inlet = receiver.receive(KEY, hear)
+    outlet = sender.send(endpoint, KEY, 5.0, is_numbered=True)
+    for _ in range(2000):
+        outlet.put(bytes(100_000))
+    is_slow.set()
+    assert outlet.flush(10.0)
+    outlet.put(b"last")
+    assert outlet.flush(10.0)
+    assert inlet.lost > 0
+    assert inlet.lost + len(heard) == 2001
 
 
 def test_an_end_closes_while_another_thread_writes(ends: tuple[Streams, Streams]) -> None:
     receiver, sender = ends
     endpoint, _ = receiver.receive(KEY, lambda _: None)
     for _ in range(50):
-        outlet = sender.send(endpoint, KEY, False, 5.0)
+        outlet = sender.send(endpoint, KEY, 5.0)
         is_writing = threading.Event()
         failures: list[BaseException] = []
 

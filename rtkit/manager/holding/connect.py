@@ -26,9 +26,11 @@ from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
 from rtkit.errors import Malformed
 from rtkit.link import keys
-from rtkit.link.streams import Caller, Fetcher, Outlet, Streams
+from rtkit.link.streams import Caller, Fetcher, Inlet, Outlet, Streams
 from rtkit.rtc.profiles import ConnectorProfile
 
+NUMBERED = "rtkit.numbered"
+"""Property of a connector between processes whose values are numbered, so that losses show."""
 MATCH_S = 5.0
 """How long a sender looks for its receiver [s]."""
 
@@ -100,8 +102,14 @@ class Wires:
     def find_receiver(self, wire: ConnectorProfile, endpoint: str) -> Outlet:
         """Reach for the receiving end; on a thread of its own, because it may be stopped."""
         options = parse_options(wire.properties)
-        is_blocking = FullPolicy.BLOCK in (options.inport.full_policy, options.outport.full_policy)
-        return self._streams.send(endpoint, self._key(wire), is_blocking, MATCH_S)
+        policies = (options.inport.full_policy, options.outport.full_policy)
+        return self._streams.send(
+            endpoint,
+            self._key(wire),
+            MATCH_S,
+            is_blocking=FullPolicy.BLOCK in policies,
+            is_numbered=wire.properties.get(NUMBERED, "").upper() == "YES",
+        )
 
     def send(self, wire: ConnectorProfile, out: OutPort[Any], outlet: Outlet) -> None:
         """Have a port send to the receiving end that was found."""
@@ -141,6 +149,19 @@ class Wires:
     def find_provider(self, wire: ConnectorProfile, end: int, endpoint: str) -> Caller:
         """Reach for the end of a service connector that is called; on a thread of its own."""
         return self._streams.caller(endpoint, f"{self._key(wire)}/{end}", MATCH_S)
+
+    def flush(self, timeout_s: float) -> bool:
+        """Wait until all that was sent has arrived; False when that cannot be said in time."""
+        until = time.monotonic() + timeout_s
+        outlets = [end for end in self._all_ends() if isinstance(end, Outlet)]
+        return all(outlet.flush(max(0.0, until - time.monotonic())) for outlet in outlets)
+
+    def lost(self) -> int:
+        """Return how many values were sent to this process on numbered streams and not received."""
+        return sum(end.lost for end in self._all_ends() if isinstance(end, Inlet))
+
+    def _all_ends(self) -> list[_End]:
+        return [end for ends in list(self._ends.values()) for end in ends]
 
     def cut(self, connector_id: str) -> None:
         """Close what this process holds of a connector."""
