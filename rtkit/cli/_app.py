@@ -108,8 +108,7 @@ class App:
         from rtkit.rtc.names import parse_path
 
         path = parse_path(typed, working_directory())
-        if self._is_own_tree:
-            self._note_place(path)
+        self.note_place(path)
         return path
 
     def shown(self, names: Sequence[str]) -> str:
@@ -120,7 +119,14 @@ class App:
 
         return shown(names[0], self.tree.manager, self._place or "")
 
-    def _note_place(self, path: Path) -> None:
+    def note_place(self, path: Path) -> None:
+        """Note which manager is to be asked for a path.
+
+        Raises:
+            Refused: Another path led to another manager.
+        """
+        if not self._is_own_tree:
+            return
         from rtkit.tree.place import manager_of
 
         place = manager_of(path)
@@ -222,7 +228,9 @@ def command(
     def decorate(function: Callable[..., int | None]) -> Main:
         make: Any = click.command(name=name, context_settings=_SETTINGS, **settings)
         made: click.Command = make(pass_app(function))
-        made.params += common_options(is_local=is_local)
+        own = {text for each in made.params for text in each.opts}
+        offered = common_options(is_local=is_local)
+        made.params += [each for each in offered if own.isdisjoint(each.opts)]
         # The mark of text that is not to be filled, as a raw docstring has it.
         made.help = made.help and made.help.replace("\\b\n", "\b\n")
         return Main(name, made)

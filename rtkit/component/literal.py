@@ -1,7 +1,8 @@
 """Values written as JSON, checked against a data type; nothing is ever evaluated.
 
 ``{"tm": {"sec": 1, "nsec": 0}, "data": 3}``; a time stamp that is left out is filled in by the
-caller, and for a type of nothing but ``tm`` and ``data`` the data alone will do: ``3``.
+caller, and for a type of nothing but ``tm`` and ``data`` the data alone will do: ``3``. Octets are
+a list of numbers, or ``{"base64": "AAEC"}``.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from rtkit.errors import Malformed
 
 _STAMP = "tm"
 _DATA = "data"
+_BASE64 = "base64"
 
 
 class Literal:
@@ -150,12 +152,23 @@ def _sequence(layout: Items | Array, data: Any, where: str) -> Any:
 
 
 def _octets(data: Any, where: str) -> bytes:
+    if isinstance(data, dict) and data.keys() == {_BASE64}:
+        return _unpacked(data[_BASE64], where)
     if not isinstance(data, list):
         _wrong(where, data, "sequence<octet>")
     for item in data:
         if type(item) is not int or not 0 <= item < 256:
             _wrong(where, item, "octet")
     return bytes(data)
+
+
+def _unpacked(text: Any, where: str) -> bytes:
+    import base64
+
+    try:
+        return base64.b64decode(text, validate=True)
+    except (ValueError, TypeError):
+        raise Malformed(f"{where}: not base64: {_short(str(text))}") from None
 
 
 def _member(layout: Enumeration, data: Any, where: str) -> Any:

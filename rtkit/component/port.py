@@ -138,6 +138,11 @@ class InPort(DataPort[T]):
         """Whether a value is there that was not read yet."""
         return any(len(buffer) for buffer in self._buffers)
 
+    @property
+    def lost(self) -> int:
+        """How many values its buffers dropped or refused, as far as their kinds count that."""
+        return sum(getattr(buffer, "lost", 0) for buffer in self._buffers)
+
     def read(self) -> T | None:
         """Return the oldest value not read yet.
 
@@ -186,14 +191,14 @@ class InPort(DataPort[T]):
         with self._lock:
             if renew is not None:
                 self._renewals[connector.connector_id] = (ring.write, renew)
-            return _heard(ring.write, self._listener)
+            return self._heard(ring.write)
 
     def renew(self, connector_id: str) -> None:
         """Tell again which sink to use, to who opened the connector."""
         with self._lock:
             if connector_id in self._renewals:
                 write, renew = self._renewals[connector_id]
-                renew(_heard(write, self._listener))
+                renew(self._heard(write))
 
     def listen(self, listener: Listener | None) -> None:
         """Have `listener` called after each value that is pushed in, by the thread that brings it.
@@ -205,7 +210,7 @@ class InPort(DataPort[T]):
                 return
             self._listener = listener
             for write, renew in self._renewals.values():
-                renew(_heard(write, listener))
+                renew(self._heard(write))
 
     def open_pull(self, connector: ConnectorProfile, source: Source[T]) -> None:
         """Open a pull connector: reading asks `source`.
@@ -273,18 +278,18 @@ class InPort(DataPort[T]):
                 return value
         return None
 
+    def _heard(self, write: Sink[T]) -> Sink[T]:
+        """Return a sink that calls the listener, if there is one, after each value."""
+        listener = self._listener
+        if listener is None:
+            return write
 
-def _heard(write: Sink[T], listener: Listener | None) -> Sink[T]:
-    """Return a sink that calls the listener, if there is one, after each value."""
-    if listener is None:
-        return write
+        def write_and_tell(value: T) -> PortStatus | None:
+            refused = write(value)
+            listener()
+            return refused
 
-    def write_and_tell(value: T) -> PortStatus | None:
-        refused = write(value)
-        listener()
-        return refused
-
-    return write_and_tell
+        return write_and_tell
 
 
 class OutPort(DataPort[T]):

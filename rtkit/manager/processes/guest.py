@@ -28,8 +28,8 @@ class Guest:
     """A visit of this process at a manager.
 
     Attributes:
-        gone: Called with the instance name when a component was ended from outside, by a thread
-            of the guest's own.
+        changed: Called after a component was ended, or a connection removed, from outside; by a
+            thread of the guest's own.
     """
 
     def __init__(self, manager: str, host: str, name: str) -> None:
@@ -38,13 +38,13 @@ class Guest:
         self._contact = Contact(
             places.control_socket(manager), f"{name}_{os.getpid()}", self._ending, is_guest=True
         )
-        streams = Streams(places.data_socket(manager, os.getpid()))
-        self._holder = Holder(self._send, Wires(host, streams), Loader([]))
+        self._wires = Wires(host, Streams(places.data_socket(manager, os.getpid())))
+        self._holder = Holder(self._send, self._wires, Loader([]))
         self._held: set[str] = set()
         self._is_empty = threading.Event()
         self._welcome: list[str] | None = None
         self._welcomed = threading.Event()
-        self.gone: Callable[[str], object] = lambda instance: None
+        self.changed: Callable[[], object] = lambda: None
         self._threads: list[threading.Thread] = []
 
     def enter(self, components: Sequence[Component], timeout_s: float) -> None:
@@ -66,6 +66,19 @@ class Guest:
         for instance in sorted(self._held - set(self._welcome or ())):
             raise Refused(f"{instance} exists already")
 
+    @property
+    def holds(self) -> frozenset[str]:
+        """Instance names of the components that live."""
+        return frozenset(self._held)
+
+    def flush(self, timeout_s: float) -> bool:
+        """Wait until all that was sent has arrived; False when that cannot be said in time."""
+        return self._wires.flush(timeout_s)
+
+    def lost(self) -> int:
+        """Return how many values were sent to its ports, numbered, and did not arrive."""
+        return self._wires.lost()
+
     def leave(self) -> None:
         """End all components and the visit; without effect when that was done already."""
         for instance in list(self._held):
@@ -84,6 +97,8 @@ class Guest:
             self._welcomed.set()
         else:
             self._holder.put(message)
+            if message.get("op") == "unlink":
+                self._holder.post(self.changed)
 
     def tell_all(self, tell: Callable[[Message], object]) -> None:
         """Call `tell` with everything that is held."""
@@ -115,7 +130,7 @@ class Guest:
             self._held.discard(instance)
             if not self._held:
                 self._is_empty.set()
-            self.gone(instance)
+            self.changed()
 
     def _start(self, name: str, work: Callable[[], object]) -> None:
         thread = threading.Thread(target=work, name=f"guest {name}", daemon=True)

@@ -1,0 +1,47 @@
+"""What the data tools share: their common options, and the streams that the user named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rtkit.cli._app import App, WrongArguments, working_directory
+
+if TYPE_CHECKING:
+    from rtkit.probe.spec import Stream
+    from rtkit.rtc.enums import PortType
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def module_options(function: F) -> F:
+    """Add ``--mod`` and ``--path``: where data types of the user's own come from."""
+    function = click.option(
+        "-p", "--path", "folders", multiple=True, metavar="DIR", help="Look for modules here too."
+    )(function)
+    return click.option(
+        "-m",
+        "--mod",
+        "modules",
+        multiple=True,
+        metavar="MODULE",
+        help="Import a module that defines data types (repeatable).",
+    )(function)
+
+
+def named_streams(app: App, typed: Sequence[str], wanted: PortType) -> tuple[Stream, ...]:
+    """Return the streams of the ports that the user named.
+
+    Raises:
+        RtkitError: There are none, or one of them is not there or not of that kind.
+    """
+    from rtkit.probe.spec import find_streams, parse_spec
+
+    if not typed:
+        raise WrongArguments("No ports specified.")
+    specs = [parse_spec(each, working_directory()) for each in typed]
+    for spec in specs:
+        app.note_place(spec.path)
+    return find_streams(app.tree, specs, wanted)

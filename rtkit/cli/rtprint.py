@@ -1,0 +1,176 @@
+"""``rtprint``: print the values that come out of ports."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtkit.cli._app import App, command
+from rtkit.cli._data import module_options, named_streams
+from rtkit.errors import Refused
+
+if TYPE_CHECKING:
+    from rtkit.probe.spec import Stream
+    from rtkit.probe.tap import Arrival
+
+Line = Callable[["Arrival"], str]
+
+
+@command("rtprint")
+@click.option(
+    "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N values."
+)
+@click.option(
+    "-r",
+    "--rate",
+    type=click.FloatRange(min=0.0, min_open=True, max=100_000),
+    metavar="HZ",
+    help="Look this often and take at most one value of each port; -n then counts looks.",
+)
+@click.option(
+    "-t",
+    "--timeout",
+    "duration_s",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Stop after this time; -n then has no effect.",
+)
+@module_options
+@click.option(
+    "-f",
+    "--field",
+    "fields",
+    multiple=True,
+    metavar="FIELD",
+    help="Print only data.x (repeatable).",
+)
+@click.option("--full", "is_full", is_flag=True, help="Do not shorten long contents.")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.option(
+    "--lossless", is_flag=True, help="Rather hold up the component that writes than lose a value."
+)
+@click.argument("ports", nargs=-1, metavar="PORT[.STREAM][#FORMATTER]...")
+def main(
+    app: App,
+    ports: tuple[str, ...],
+    number: int | None,
+    rate: float | None,
+    duration_s: float | None,
+    modules: tuple[str, ...],
+    folders: tuple[str, ...],
+    fields: tuple[str, ...],
+    is_full: bool,
+    is_json: bool,
+    lossless: bool,
+) -> int:
+    """Print the values that come out of ports, as they come.
+
+    It ends after N values, after some time, or when its connections are gone. The status is 1
+    when nothing came at all. While it runs a component of its own, rtprint_reader0, is connected
+    to the ports.
+
+    A value of nothing but a time stamp and data is printed as [seconds] data. FORMATTER is a
+    function of one argument, MODULE.NAME, or rawpy for the full text of every value.
+    """
+    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+    from rtkit.probe.types import import_modules
+    from rtkit.rtc.enums import PortType
+
+    import_modules(modules, folders)
+    streams = named_streams(app, ports, PortType.OUT)
+    lines = _lines(streams, fields, is_full=is_full, is_json=is_json)
+    until = None if duration_s is None else time.monotonic() + duration_s
+    limit = None if duration_s is not None else number
+    count = 0
+    with Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe:
+        probe.connect(LOSSLESS if lossless else {})
+        app.tell(f"{probe.component.instance} is connected")
+        for piece in _limited(probe.arrivals(until), limit, is_by_piece=rate is not None):
+            count += len(piece)
+            sys.stdout.write("".join(f"{lines[each.stream](each)}\n" for each in piece))
+            sys.stdout.flush()
+        lost = probe.lost
+        is_cut = not probe.is_connected
+    if lost:
+        app.say(f"{app.name}: {lost} values were lost")
+    if is_cut:
+        raise Refused("no connection is left: the components or the connections have gone")
+    return 0 if count else 1
+
+
+def _limited(
+    pieces: Iterator[list[Arrival]], limit: int | None, *, is_by_piece: bool
+) -> Iterator[list[Arrival]]:
+    """Yield pieces until there were so many of them, or of their values."""
+    left = limit
+    for piece in pieces:
+        taken = piece if left is None or is_by_piece else piece[:left]
+        yield taken
+        if left is not None:
+            left -= 1 if is_by_piece else len(taken)
+            if left <= 0:
+                return
+
+
+def _lines(
+    streams: tuple[Stream, ...], fields: tuple[str, ...], *, is_full: bool, is_json: bool
+) -> dict[str, Line]:
+    """Return what makes a line of an arrival, by stream."""
+    from rtkit.component.codec import codec_for
+    from rtkit.probe.types import data_type
+
+    made: dict[str, Line] = {}
+    for stream in streams:
+        decode = codec_for(data_type(stream.data_type, stream.ends[0].path.typed)).decode
+        if is_json:
+            made[stream.name] = _json_line(stream, decode, fields)
+        else:
+            show = _shower(stream, fields, is_full=is_full)
+            made[stream.name] = _text_line(decode, show)
+    return made
+
+
+def _text_line(decode: Callable[[bytes], Any], show: Callable[[Any], str]) -> Line:
+    return lambda arrival: show(decode(arrival.payload))
+
+
+def _json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str, ...]) -> Line:
+    import json
+
+    from rtkit.probe.text import field_reader, plain
+
+    readers = {text: field_reader(text) for text in fields}
+    ports = [str(end.path) for end in stream.ends]
+
+    def line(arrival: Arrival) -> str:
+        value = decode(arrival.payload)
+        told = {text: plain(read(value)) for text, read in readers.items()} or plain(value)
+        record = {
+            "schema": "rtkit.value/1",
+            "stream": stream.name,
+            "ports": ports,
+            "type": stream.data_type,
+            "received_ns": arrival.time_ns,
+            "value": told,
+        }
+        return json.dumps(record, ensure_ascii=False)
+
+    return line
+
+
+def _shower(stream: Stream, fields: tuple[str, ...], *, is_full: bool) -> Callable[[Any], str]:
+    from rtkit.cli._out import printable
+    from rtkit.probe.formatters import formatter
+    from rtkit.probe.text import field_reader, text_of
+
+    if stream.formatter:
+        form = formatter(stream.formatter)
+        return lambda value: printable(form(value))
+    readers = [field_reader(text) for text in fields] or [lambda value: value]
+    return lambda value: "\t".join(
+        printable(text_of(read(value), is_full=is_full)) for read in readers
+    )

@@ -1,0 +1,1 @@
+"""Ports of a tool's own on the ports of components: what data tools read with and write with."""

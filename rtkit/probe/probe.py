@@ -1,0 +1,218 @@
+"""A tool's temporary component: a guest of the manager, connected to the ports that were named."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from types import TracebackType
+from typing import Any, Self
+from uuid import uuid4
+
+from rtkit.component.base import Component
+from rtkit.component.contexts import PERIODIC
+from rtkit.component.options import PortStatus
+from rtkit.component.port import OutPort, Port
+from rtkit.deployment.actions import Action, ChangeState, Connect
+from rtkit.errors import Refused, RtkitError, from_kind
+from rtkit.manager.holding.connect import NUMBERED
+from rtkit.manager.processes.guest import Guest
+from rtkit.probe.spec import Stream
+from rtkit.probe.tap import Arrival, Tap
+from rtkit.rtc.enums import Transition
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.tree.client import Tree
+from rtkit.tree.wiring import End, make_connector
+
+_TRIES = 20
+_FLUSH_S = 5.0
+SURE = {"dataport.outport.buffer.write.full_policy": "block"}
+"""Connector properties by which a writer waits where the transport would drop a value."""
+LOSSLESS = {
+    "dataport.inport.buffer.write.full_policy": "block",
+    "dataport.inport.buffer.write.timeout": "60",
+}
+"""Connector properties by which a reader that is slow holds up who writes, and loses nothing."""
+
+
+class Tool(Component):
+    """A tool's end of connections."""
+
+    vendor = "rtkit"
+    category = "tool"
+    execution_type = "EventDrivenExecutionContext"
+
+    def __init__(self, instance: str, ports: Sequence[Port], rate: float) -> None:
+        super().__init__(instance, _polling(rate) if rate else {})
+        self._is_polling = rate > 0
+        self.arrived: queue.SimpleQueue[list[Arrival]] = queue.SimpleQueue()
+        for port in ports:
+            self._add(port)
+        self._taps = [port for port in ports if isinstance(port, Tap)]
+
+    def on_execute(self, context: str) -> None:
+        """Hand over what arrived, in one piece."""
+        if self._is_polling:
+            arrivals = [tap.take_one() for tap in self._taps if tap.is_new()]
+        else:
+            arrivals = [arrival for tap in self._taps for arrival in tap.take()]
+        if arrivals:
+            self.arrived.put(arrivals)
+
+
+class Probe:
+    """A visit with one component of a tool; leave it as a context manager.
+
+    With a rate [Hz] it takes at most one value of each port at a time, that often; else all that
+    there are, as they come.
+
+    Attributes:
+        component: The tool's component.
+    """
+
+    def __init__(
+        self,
+        tree: Tree,
+        kind: str,
+        streams: Sequence[Stream],
+        ports: Sequence[Port],
+        rate: float = 0.0,
+    ) -> None:
+        self._tree = tree
+        self._kind = kind
+        self._streams = streams
+        self._ports = ports
+        self._rate = rate
+        self._ended = threading.Event()
+        self._guest, self.component = self._enter()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def connect(self, properties: Mapping[str, str]) -> None:
+        """Activate the component and connect its ports.
+
+        Raises:
+            Refused: A connection is not possible, or failed; names the port as typed.
+        """
+        own = {port.name: port for port in self._ports}
+        wires: list[ConnectorProfile] = []
+        typed = [""]
+        for stream in self._streams:
+            port = own[stream.name].profile
+            mine = End(stream.ends[0].path, PortRef(self.component.instance, stream.name), port)
+            for end in stream.ends:
+                given = {NUMBERED: "YES", **properties}
+                wires.append(make_connector(mine, end, str(uuid4()), "", given))
+                typed.append(f"{end.path.typed}: ")
+        self._guest.changed = self._look
+        activate = ChangeState(self.component.instance, "0", Transition.ACTIVATE)
+        actions: list[Action] = [activate, *(Connect(wire) for wire in wires)]
+        for where, result in zip(typed, self._tree.apply(actions), strict=False):
+            if not result.ok:
+                raise from_kind(result.kind, f"{where}{result.why}")
+
+    @property
+    def lost(self) -> int:
+        """How many values were sent to it and are not among its arrivals."""
+        taps = (port for port in self._ports if isinstance(port, Tap))
+        return self._guest.lost() + sum(tap.lost for tap in taps)
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether any connection is left."""
+        return any(port.connectors for port in self._ports)
+
+    def arrivals(self, until: float | None) -> Iterator[list[Arrival]]:
+        """Yield what arrives, piece by piece, until a monotonic time [s] or until nothing can.
+
+        Nothing can when its connections were removed, or the component was ended from outside.
+        """
+        while not self._ended.is_set():
+            wait_s = None if until is None else until - time.monotonic()
+            if wait_s is not None and wait_s <= 0:
+                return
+            try:
+                piece = self.component.arrived.get(timeout=wait_s)
+            except queue.Empty:
+                return
+            if piece:
+                yield piece
+        while not self.component.arrived.empty():
+            if piece := self.component.arrived.get():
+                yield piece
+
+    def wait(self, until: float) -> bool:
+        """Wait until a monotonic time [s]; False when there is nobody left to write to."""
+        return not self._ended.wait(max(0.0, until - time.monotonic()))
+
+    def write(self, port: str, value: Any) -> None:
+        """Write a value to one of its out ports.
+
+        Raises:
+            Refused: It was not taken.
+        """
+        own = self.component.ports[port]
+        status = own.write(value) if isinstance(own, OutPort) else PortStatus.ERROR
+        if status is not PortStatus.OK:
+            raise Refused(f"value not taken: {status}")
+
+    def flush(self) -> bool:
+        """Wait until everything that was written has arrived; False when that cannot be said."""
+        return self._guest.flush(_FLUSH_S)
+
+    def close(self) -> None:
+        """End the component and the visit."""
+        self._guest.changed = lambda: None
+        self._guest.leave()
+
+    def _enter(self) -> tuple[Guest, Tool]:
+        """Enter under the first name that is free."""
+        taken = {row.instance for row in self._tree.listing().rows}
+        error: RtkitError | None = None
+        for number in range(_TRIES + len(taken)):
+            name = f"{self._kind}{number}"
+            if name in taken:
+                continue
+            component = Tool(name, self._ports, self._rate)
+            guest = Guest(self._tree.manager, self._tree.host, self._kind)
+            try:
+                guest.enter([component], self._tree.timeout_s)
+            except Refused as refused:
+                error = refused  # somebody was quicker
+                guest.leave()
+                continue
+            return guest, component
+        raise error or Refused(f"no name is free for {self._kind}")
+
+    def _look(self) -> None:
+        if not (self._guest.holds and self.is_connected):
+            self._ended.set()
+            self.component.arrived.put([])
+
+
+def _polling(rate: float) -> dict[str, str]:
+    return {"exec_cxt.periodic.type": PERIODIC, "exec_cxt.periodic.rate": repr(rate)}
+
+
+def tap_ports(streams: Sequence[Stream]) -> list[Tap]:
+    """Return a port for each stream, whose buffer counts what it drops."""
+    counted = {
+        "dataport.inport.buffer.length": "4096",
+        "dataport.inport.buffer.read.empty_policy": "block",
+    }
+    return [Tap(stream.name, counted) for stream in streams]
+
+
+def out_ports(types: Mapping[str, type]) -> list[OutPort[Any]]:
+    """Return an out port for each stream, by name and data type."""
+    return [OutPort(data_type, name) for name, data_type in types.items()]

@@ -1,0 +1,115 @@
+"""Port specifications of data tools: ``PATH:PORT[.STREAM][#FORMATTER]``.
+
+Ports that are given the same stream name share one port of the tool.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.enums import PortType
+from rtkit.rtc.names import Path, parse_path
+from rtkit.rtc.profiles import PortProfile, PortRef
+from rtkit.tree.resolve import component_of_port
+from rtkit.tree.view import build
+from rtkit.tree.wiring import End, Facts
+
+_FORMATTER = re.compile(r"[A-Za-z_][\w.]*")
+_STREAM = re.compile(r"\w+")
+_WORDS = {PortType.OUT: "output", PortType.IN: "input"}
+_STREAMS = {PortType.OUT: "input", PortType.IN: "output"}
+"""What the tool's own port is to a component's: streams that are not named are numbered so."""
+
+
+class PortSpec(NamedTuple):
+    """What a user wrote for one port.
+
+    Attributes:
+        path: With everything behind the colon but the formatter as the port, since a port's name
+            may have dots too.
+        formatter: Name of what makes text of values, "" for the usual form.
+    """
+
+    typed: str
+    path: Path
+    formatter: str = ""
+
+
+class Stream(NamedTuple):
+    """One port of the tool, and the ports of components that it is connected to."""
+
+    name: str
+    ends: tuple[End, ...]
+    formatter: str = ""
+
+    @property
+    def data_type(self) -> str:
+        """Data type of its values; empty where the port takes any."""
+        return next((end.port.data_type for end in self.ends if end.port.data_type), "")
+
+
+def parse_spec(typed: str, cwd: str = "/") -> PortSpec:
+    """Read a port specification, relative to the working directory `cwd`.
+
+    Raises:
+        Malformed: It has no port, or a part that cannot be one.
+    """
+    text, hash_mark, formatter = typed.partition("#")
+    if hash_mark and not _FORMATTER.fullmatch(formatter):
+        raise Malformed(f"Bad port specification: {typed}")
+    try:
+        path = parse_path(text, cwd)
+    except Malformed:
+        raise Malformed(f"Bad port specification: {typed}") from None
+    if path.port is None:
+        raise Malformed(f"Bad port specification: {typed}")
+    return PortSpec(typed, path, formatter)
+
+
+def find_streams(facts: Facts, specs: Sequence[PortSpec], wanted: PortType) -> tuple[Stream, ...]:
+    """Return the streams of the ports that were specified, all of the kind that is `wanted`.
+
+    Raises:
+        NotFound: A component or a port does not exist.
+        Refused: A port of another kind, or streams of one name that do not go together.
+    """
+    listing = facts.listing()
+    root = build(listing)
+    paths = [spec.path for spec in specs]
+    instances = [component_of_port(root, path, listing.host).instance for path in paths]
+    snapshot = facts.part(instances)
+    found: dict[str, list[tuple[End, PortSpec]]] = {}
+    for spec, instance in zip(specs, instances, strict=True):
+        component = snapshot.component(instance)
+        if component is None:
+            raise NotFound(f"No such object: {spec.path.typed}")
+        port, name = _port_and_stream(spec, {port.name: port for port in component.ports})
+        if port.port_type is not wanted:
+            raise Refused(f"Port is not {_WORDS[wanted]}: {spec.path.typed}")
+        end = End(spec.path, PortRef(instance, port.name), port)
+        number = sum(len(group) for group in found.values())
+        found.setdefault(name or f"{_STREAMS[wanted]}{number}", []).append((end, spec))
+    return tuple(_stream(name, group) for name, group in found.items())
+
+
+def _port_and_stream(spec: PortSpec, ports: dict[str, PortProfile]) -> tuple[PortProfile, str]:
+    text = spec.path.port or ""
+    if text in ports:
+        return ports[text], ""
+    name, dot, stream = text.rpartition(".")
+    if dot and name in ports:
+        if not _STREAM.fullmatch(stream):
+            raise Malformed(f"Bad port specification: {spec.typed}")
+        return ports[name], stream
+    raise NotFound(f"Port not found: {spec.path.typed}")
+
+
+def _stream(name: str, group: Sequence[tuple[End, PortSpec]]) -> Stream:
+    stream = Stream(name, tuple(end for end, _ in group), group[0][1].formatter)
+    for end, spec in group:
+        if spec.formatter != stream.formatter or end.port.data_type != stream.data_type:
+            raise Refused(f"Streams of the same name, {name}, have different properties")
+    return stream

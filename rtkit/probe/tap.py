@@ -1,0 +1,53 @@
+"""In ports that keep what arrives as it was sent, with the time of its arrival."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import NamedTuple, cast
+
+from rtkit.component.buffer import Sink
+from rtkit.component.options import PortStatus
+from rtkit.component.port import InPort
+
+
+class Arrival(NamedTuple):
+    """One value.
+
+    Attributes:
+        stream: Name of the stream that brought it.
+        time_ns: When it arrived, Unix time [ns].
+        payload: The value in CDR.
+    """
+
+    stream: str
+    time_ns: int
+    payload: bytes
+
+
+class Tap(InPort[bytes]):
+    """An in port of any data type; what is read from it are arrivals."""
+
+    def __init__(self, name: str, properties: Mapping[str, str] | None = None) -> None:
+        super().__init__(bytes, name, properties)
+
+    def copy(self) -> Tap:
+        """Return a port of the same kind without connectors."""
+        return Tap(self.name, self.properties)
+
+    def take(self) -> list[Arrival]:
+        """Return what arrived since it was last asked."""
+        return cast("list[Arrival]", self.read_all())
+
+    def take_one(self) -> Arrival:
+        """Return the oldest value that is there."""
+        return cast(Arrival, self.read())
+
+    def _heard(self, write: Sink[bytes]) -> Sink[bytes]:
+        keep = super()._heard(write)
+        name = self.name
+
+        def stamp(payload: bytes) -> PortStatus | None:
+            return keep(cast(bytes, Arrival(name, time.time_ns(), payload)))
+
+        return stamp

@@ -1,0 +1,46 @@
+"""The data types that a tool reads and writes: those of the standard, and those of modules."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from rtkit.component.typenames import type_by_name
+from rtkit.errors import NotFound, Refused
+
+
+def import_modules(names: Sequence[str], folders: Sequence[str]) -> None:
+    """Import modules that define data types, looked for in these folders too.
+
+    Raises:
+        NotFound: There is no such module.
+        Refused: It does not import; tells why.
+    """
+    sys.path[:0] = [os.path.abspath(folder) for folder in folders]
+    for name in names:
+        try:
+            import_module(name)
+        except ModuleNotFoundError as error:
+            if error.name is None or not f"{name}.".startswith(f"{error.name}."):
+                raise Refused(f"module {name} does not import: {error}") from error
+            raise NotFound(f"Module not found: {name}") from None
+        except Exception as error:
+            raise Refused(
+                f"module {name} does not import: {type(error).__name__}: {error}"
+            ) from error
+
+
+def data_type(name: str, typed: str) -> type:
+    """Return the class of a data type; bytes for a port that carries any.
+
+    Raises:
+        NotFound: Nobody defined it.
+    """
+    if not name:
+        return bytes
+    found = type_by_name(name)
+    if found is None:
+        raise NotFound(f"Type not found: {name} of {typed} (-m imports the module that defines it)")
+    return found

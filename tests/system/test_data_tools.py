@@ -1,0 +1,96 @@
+"""rtprint and rtinject at ports of real components in real processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "basic"
+DOUBLER = "/localhost/Doubler0.rtc"
+
+
+@pytest.fixture
+def doubler(manager: Any) -> Any:
+    """A shell with an active component, in a slave, that writes twice each number."""
+    shutil.copy(EXAMPLES / "Doubler.py", manager.modules)
+    manager.ok("rtmgr localhost/manager.mgr -c Doubler?manager_name=s")
+    manager.ok(f"rtact {DOUBLER}")
+    return manager
+
+
+def connected(shell: Any, line: str) -> Any:
+    """Start a data tool and wait until it is connected."""
+    process = shell.open(f"{line} -v")
+    told = process.stderr.readline()
+    assert "is connected" in told, told + process.stderr.read() + shell.log()
+    return process
+
+
+def test_every_value_that_is_injected_is_printed(doubler: Any) -> None:
+    lines = "".join(f"{number}\n" for number in range(1000))
+    printing = connected(doubler, f"rtprint --lossless --json -n 1000 {DOUBLER}:out")
+    assert doubler.run(f"rtinject --lossless {DOUBLER}:in", text=lines) == (0, "", "")
+    out, err = printing.communicate(timeout=30)
+    assert (printing.returncode, err) == (0, "")
+    records = [json.loads(line) for line in out.splitlines()]
+    assert [record["value"]["data"] for record in records] == [2 * n for n in range(1000)]
+
+
+def test_a_single_value_arrives_although_the_tool_is_gone_by_then(doubler: Any) -> None:
+    printing = connected(doubler, f"rtprint -f data -n 20 {DOUBLER}:out")
+    for number in range(20):
+        assert doubler.run(f"rtinject -c {number} {DOUBLER}:in") == (0, "", "")
+    out, _ = printing.communicate(timeout=30)
+    assert [int(line) for line in out.split()] == [2 * number for number in range(20)]
+
+
+def test_tools_leave_nothing_in_the_tree(doubler: Any) -> None:
+    before = doubler.ok("rtls -lR")
+    printing = connected(doubler, f"rtprint {DOUBLER}:out")
+    assert "rtprint_reader0.rtc" in doubler.ok("rtls localhost")
+    another = connected(doubler, f"rtprint {DOUBLER}:out")
+    assert "rtprint_reader1.rtc" in doubler.ok("rtls localhost")
+    printing.kill()
+    printing.communicate(timeout=30)
+    another.send_signal(signal.SIGINT)
+    _, err = another.communicate(timeout=30)
+    assert (another.returncode, err.strip()) == (-signal.SIGINT, "rtprint: interrupted")
+    assert doubler.ok("rtls -lR") == before
+    assert doubler.run(f"rtinject -c 1 {DOUBLER}:in").status == 0
+
+
+def test_a_reader_notices_that_its_component_is_gone(doubler: Any) -> None:
+    printing = connected(doubler, f"rtprint {DOUBLER}:out")
+    doubler.ok(f"rtexit {DOUBLER}")
+    _, err = printing.communicate(timeout=30)
+    assert printing.returncode == 1
+    assert "no connection is left" in err
+
+
+def test_a_reader_runs_on_while_the_manager_is_killed_and_started_again(doubler: Any) -> None:
+    printing = connected(doubler, f"rtprint -f data -n 1 {DOUBLER}:out")
+    status = json.loads(doubler.ok("rtmgr status --json"))
+    os.kill(status["pid"], signal.SIGKILL)
+    doubler.ok("rtmgr start")
+    assert doubler.run(f"rtinject -c 21 {DOUBLER}:in") == (0, "", "")
+    out, err = printing.communicate(timeout=30)
+    assert (printing.returncode, out.strip()) == (0, "42"), err
+
+
+def test_nothing_came(doubler: Any) -> None:
+    assert doubler.run(f"rtprint -t 0.2 {DOUBLER}:out") == (1, "", "")
+
+
+def test_a_saved_system_does_not_have_the_tool_in_it(doubler: Any) -> None:
+    printing = connected(doubler, f"rtprint {DOUBLER}:out")
+    saved = doubler.ok("rtcryo --all")
+    printing.kill()
+    printing.communicate(timeout=30)
+    assert "Doubler0" in saved
+    assert "rtprint" not in saved
