@@ -88,6 +88,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtkit conf -h", "Tell about one verb."),
         ("rtkit shell-init bash", "What bash evaluates to know rtcwd."),
     ),
+    "rtinject": (
+        ("rtinject -c 42 Robot0.rtc:speed", "One value, and wait until it has arrived."),
+        ("rtinject -c '{vx: 0.5}' -r 10 -t 3 Robot0.rtc:velocity", "Ten a second for 3 s."),
+        ("rtinject --lossless Robot0.rtc:way < points.jsonl", "Each line of a file."),
+    ),
     "rtls": (
         ("rtls -l /localhost", "State, ports and connections of what runs here."),
         ("rtls -R /", "Everything."),
