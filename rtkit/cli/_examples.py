@@ -115,6 +115,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
         ("rtmgr stop", "End the manager with everything that it holds."),
     ),
+    "rtprint": (
+        ("rtprint Robot0.rtc:pose", "Every value, until Ctrl-C."),
+        ("rtprint -n 1 -f data.position.x Robot0.rtc:pose", "One field of the next value."),
+        ("rtprint -t 5 --json A0.rtc:out B0.rtc:out", "All values of 5 s as JSON lines."),
+    ),
     "rtprofile": (
         ("rtprofile validate robot.xml", "Is it valid, and what had to be put right?"),
         ("rtprofile validate --strict profiles systems", "Whole folders, without forgiveness."),
