@@ -120,6 +120,7 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> None:
         places.check_socket_length(path)
     take_lock(name, stack)
     remove_stale(name)
+    stack.callback(remove_stale, name)  # of an earlier manager that was just dying at the start
     stack.enter_context(open_log(name, is_shown=is_shown))
 
 
@@ -339,7 +340,16 @@ def _is_of_the_dead(entry: str, name: str) -> bool:
     """
     pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
     is_one = entry == f"{name}.{pid}.{kind}" and pid.isdigit() and kind in _KINDS
-    return is_one and not os.path.exists(f"/proc/{pid}")
+    return is_one and _has_ended(int(pid))
+
+
+def _has_ended(pid: int) -> bool:
+    """Whether no process has that pid, or only one that waits to be reaped."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
+            return file.read().rpartition(") ")[2][:1] in "ZX"
+    except (FileNotFoundError, ProcessLookupError):
+        return True
 
 
 def main() -> int:
