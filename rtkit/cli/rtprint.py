@@ -49,6 +49,9 @@ Line = Callable[["Arrival"], str]
     help="Print only data.x (repeatable).",
 )
 @click.option("--full", "is_full", is_flag=True, help="Do not shorten long contents.")
+@click.option(
+    "--stats", "is_stats", is_flag=True, help="Print no values but how they came, at the end."
+)
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.option(
     "--lossless", is_flag=True, help="Rather hold up the component that writes than lose a value."
@@ -64,6 +67,7 @@ def main(
     folders: tuple[str, ...],
     fields: tuple[str, ...],
     is_full: bool,
+    is_stats: bool,
     is_json: bool,
     lossless: bool,
 ) -> int:
@@ -75,6 +79,9 @@ def main(
 
     A value of nothing but a time stamp and data is printed as [seconds] data. FORMATTER is a
     function of one argument, MODULE.NAME, or rawpy for the full text of every value.
+
+    With --stats: how many values came, their rate, the intervals between them with the standard
+    deviation as jitter, their size in CDR, and their age on arrival by their time stamps.
     """
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.probe.types import import_modules
@@ -82,24 +89,75 @@ def main(
 
     import_modules(modules, folders)
     streams = named_streams(app, ports, PortType.OUT)
-    lines = _lines(streams, fields, is_full=is_full, is_json=is_json)
+    sink = _Counter(streams) if is_stats else _Printer(streams, fields, is_full, is_json)
     until = None if duration_s is None else time.monotonic() + duration_s
     limit = None if duration_s is not None else number
-    count = 0
     with Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe:
         probe.connect(LOSSLESS if lossless else {})
         app.tell(f"{probe.component.instance} is connected")
         for piece in _limited(probe.arrivals(until), limit, is_by_piece=rate is not None):
-            count += len(piece)
-            sys.stdout.write("".join(f"{lines[each.stream](each)}\n" for each in piece))
-            sys.stdout.flush()
+            sink.take(piece)
         lost = probe.lost
         is_cut = not probe.is_connected
+    sink.finish(is_json)
     if lost:
         app.say(f"{app.name}: {lost} values were lost")
     if is_cut:
         raise Refused("no connection is left: the components or the connections have gone")
-    return 0 if count else 1
+    return 0 if sink.count else 1
+
+
+class _Printer:
+    """Prints every value."""
+
+    def __init__(
+        self, streams: tuple[Stream, ...], fields: tuple[str, ...], is_full: bool, is_json: bool
+    ) -> None:
+        self._lines = _lines(streams, fields, is_full=is_full, is_json=is_json)
+        self.count = 0
+
+    def take(self, piece: list[Arrival]) -> None:
+        self.count += len(piece)
+        sys.stdout.write("".join(f"{self._lines[each.stream](each)}\n" for each in piece))
+        sys.stdout.flush()
+
+    def finish(self, is_json: bool) -> None:
+        """Do nothing: all is printed."""
+
+
+class _Counter:
+    """Tells at the end how values came."""
+
+    def __init__(self, streams: tuple[Stream, ...]) -> None:
+        from rtkit.probe.stats import Stats, stamp_reader
+        from rtkit.probe.types import data_type
+
+        self._streams = streams
+        self._stats = {
+            each.name: Stats(stamp_reader(data_type(each.data_type, each.ends[0].path.typed)))
+            for each in streams
+        }
+
+    @property
+    def count(self) -> int:
+        return sum(stats.count for stats in self._stats.values())
+
+    def take(self, piece: list[Arrival]) -> None:
+        for arrival in piece:
+            self._stats[arrival.stream].take(arrival)
+
+    def finish(self, is_json: bool) -> None:
+        import json
+
+        from rtkit.cli._out import printable, write
+        from rtkit.probe.report import lines_of, record_of
+
+        for stream in self._streams:
+            told = self._stats[stream.name].summary()
+            if is_json:
+                write([json.dumps(record_of(stream, told))])
+            else:
+                write(map(printable, lines_of(stream, told)))
 
 
 def _limited(

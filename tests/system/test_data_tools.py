@@ -94,3 +94,13 @@ def test_a_saved_system_does_not_have_the_tool_in_it(doubler: Any) -> None:
     printing.communicate(timeout=30)
     assert "Doubler0" in saved
     assert "rtprint" not in saved
+
+
+def test_statistics_of_what_came(doubler: Any) -> None:
+    printing = connected(doubler, f"rtprint --stats --json -n 50 --lossless {DOUBLER}:out")
+    assert doubler.run(f"rtinject --lossless -c 1 -n 50 -r 500 {DOUBLER}:in") == (0, "", "")
+    out, _ = printing.communicate(timeout=30)
+    told = json.loads(out)
+    assert (told["values"], told["size_bytes"]["most"]) == (50, 16)
+    assert told["interval_s"]["mean"] > 0
+    assert told["latency_s"]["median"] > 0

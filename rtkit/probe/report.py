@@ -1,0 +1,70 @@
+"""Statistics of streams as lines for people and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rtkit.probe.spec import Stream
+from rtkit.probe.stats import Spread, Summary
+
+SCHEMA = "rtkit.stream-stats/1"
+_SIZES = ("B", "kB", "MB", "GB", "TB")
+
+
+def lines_of(stream: Stream, told: Summary) -> Iterator[str]:
+    """Yield the lines about one stream."""
+    yield f"{stream.name}  {' '.join(str(end.path) for end in stream.ends)}"
+    yield f"  values    {told.values}"
+    if told.interval_s is not None:
+        yield f"  rate      {told.rate_hz:.4g} Hz, {size_text(told.bytes_per_s)}/s"
+        yield f"  interval  {_times(told.interval_s)}"
+    if told.size_bytes is not None:
+        least, most = size_text(told.size_bytes.least), size_text(told.size_bytes.most)
+        yield f"  size      {least}" + (f" to {most}" if least != most else "")
+    if told.latency_s is not None:
+        yield f"  latency   {_times(told.latency_s)}"
+
+
+def record_of(stream: Stream, told: Summary) -> dict[str, Any]:
+    """Return the same as data for JSON; times in seconds."""
+    return {
+        "schema": SCHEMA,
+        "stream": stream.name,
+        "ports": [str(end.path) for end in stream.ends],
+        "type": stream.data_type,
+        "values": told.values,
+        "rate_hz": told.rate_hz,
+        "bytes_per_s": told.bytes_per_s,
+        "interval_s": told.interval_s._asdict() if told.interval_s else None,
+        "size_bytes": told.size_bytes._asdict() if told.size_bytes else None,
+        "latency_s": told.latency_s._asdict() if told.latency_s else None,
+    }
+
+
+def size_text(size: float) -> str:
+    """Return a number of bytes with three digits and a unit."""
+    for unit in _SIZES[:-1]:
+        if size < 999.5:
+            return f"{size:.3g} {unit}"
+        size /= 1000
+    return f"{size:.3g} {_SIZES[-1]}"
+
+
+def _times(spread: Spread) -> str:
+    parts = (
+        ("mean", spread.mean),
+        ("jitter", spread.deviation),
+        ("min", spread.least),
+        ("median", spread.median),
+        ("99 %", spread.p99),
+        ("max", spread.most),
+    )
+    return ", ".join(f"{name} {_time_text(value)}" for name, value in parts)
+
+
+def _time_text(seconds: float) -> str:
+    for limit, scale, unit in ((1e-3, 1e6, "µs"), (1.0, 1e3, "ms")):
+        if abs(seconds) < limit:
+            return f"{seconds * scale:.3g} {unit}"
+    return f"{seconds:.4g} s"

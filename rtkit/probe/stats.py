@@ -1,0 +1,125 @@
+"""How values of a stream come: rate, intervals, sizes, and their age by their time stamps."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from rtkit.component.layout import Struct, layout_of
+from rtkit.component.types import Time
+from rtkit.probe.tap import Arrival
+
+_KEPT = 100_000
+"""Of how many values, the latest, percentiles are told."""
+
+_HEADER = 4
+_STAMP = {b"\x00\x01": struct.Struct("<II"), b"\x00\x00": struct.Struct(">II")}
+Stamp = Callable[[bytes], "int | None"]
+
+
+class Spread(NamedTuple):
+    """How one quantity is spread; `deviation` is the standard deviation."""
+
+    mean: float
+    deviation: float
+    least: float
+    median: float
+    p99: float
+    most: float
+
+
+class Summary(NamedTuple):
+    """What came on a stream.
+
+    Attributes:
+        rate_hz: Values per second, 0 for fewer than two.
+        interval_s: Between arrivals [s]; None for fewer than two values.
+        size_bytes: Of the values in CDR; None without any.
+        latency_s: From time stamp to arrival [s]; None where values have no stamp.
+    """
+
+    values: int
+    rate_hz: float
+    bytes_per_s: float
+    interval_s: Spread | None
+    size_bytes: Spread | None
+    latency_s: Spread | None
+
+
+class Stats:
+    """Takes arrivals of one stream and tells what they were like, in bounded memory."""
+
+    def __init__(self, stamp: Stamp) -> None:
+        self._stamp = stamp
+        self._first_ns = self._last_ns = 0
+        self._bytes = 0
+        self.count = 0
+        self._intervals: deque[float] = deque(maxlen=_KEPT)
+        self._sizes: deque[float] = deque(maxlen=_KEPT)
+        self._latencies: deque[float] = deque(maxlen=_KEPT)
+
+    def take(self, arrival: Arrival) -> None:
+        """Count one value."""
+        size = len(arrival.payload)
+        if self.count:
+            self._intervals.append((arrival.time_ns - self._last_ns) * 1e-9)
+        else:
+            self._first_ns = arrival.time_ns
+        self._last_ns = arrival.time_ns
+        self.count += 1
+        self._bytes += size
+        self._sizes.append(size)
+        stamp = self._stamp(arrival.payload)
+        if stamp:
+            self._latencies.append((arrival.time_ns - stamp) * 1e-9)
+
+    def summary(self) -> Summary:
+        """Return what has come so far."""
+        span_s = (self._last_ns - self._first_ns) * 1e-9
+        steps = self.count - 1
+        rate = steps / span_s if steps > 0 and span_s > 0 else 0.0
+        mean_size = self._bytes / self.count if self.count else 0.0
+        return Summary(
+            self.count,
+            rate,
+            rate * mean_size,
+            _spread(self._intervals),
+            _spread(self._sizes),
+            _spread(self._latencies),
+        )
+
+
+def stamp_reader(cls: type) -> Stamp:
+    """Return what reads the time stamp of a value in CDR, Unix time [ns]; None without one.
+
+    It does not decode the value: a stamp is what a value begins with.
+    """
+    if cls is bytes:
+        return lambda _payload: None
+    fields = layout_of(cls).fields
+    head = fields[0][1] if fields else None
+    if not isinstance(head, Struct) or head.cls is not Time:
+        return lambda _payload: None
+
+    def read(payload: bytes) -> int | None:
+        form = _STAMP.get(payload[:2])
+        if form is None or len(payload) < _HEADER + form.size:
+            return None
+        seconds, nanoseconds = form.unpack_from(payload, _HEADER)
+        return int(seconds) * 1_000_000_000 + int(nanoseconds)
+
+    return read
+
+
+def _spread(values: deque[float]) -> Spread | None:
+    if not values:
+        return None
+    ranked = sorted(values)
+    count = len(ranked)
+    mean = math.fsum(ranked) / count
+    deviation = math.sqrt(math.fsum((value - mean) ** 2 for value in ranked) / count)
+    p99 = ranked[min(count - 1, math.ceil(0.99 * count) - 1)]
+    return Spread(mean, deviation, ranked[0], ranked[count // 2], p99, ranked[-1])
