@@ -11,7 +11,7 @@ import sys
 
 from bench.harness import table
 
-GROUPS = ("commands", "launch", "ports", "rates", "faults")
+GROUPS = ("commands", "launch", "ports", "rates", "faults", "static")
 
 
 def main(names: list[str]) -> int:

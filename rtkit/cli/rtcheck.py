@@ -6,13 +6,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli import _out, _system
-from rtkit.cli._app import App, command
+from rtkit.cli import _out, _static, _system
+from rtkit.cli._app import App, check_at_most_one, command
+from rtkit.errors import Refused, UsageProblem
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 
 if TYPE_CHECKING:
     from rtkit.deployment.check import Deviation
 
+TOOL = "rtcheck --static"
 STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
 
 
@@ -26,6 +28,13 @@ STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
 )
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a deviation, on stdout.")
 @click.option("--diff", "is_diff", is_flag=True, help="Both sides of each deviation, on stdout.")
+@click.option(
+    "--static",
+    "is_static",
+    is_flag=True,
+    help="Ask nobody: compare with RTC profiles, as rtprofile check does.",
+)
+@_static.static_options
 @_system.system_options
 def main(
     app: App,
@@ -33,6 +42,10 @@ def main(
     state: str,
     is_json: bool,
     is_diff: bool,
+    is_static: bool,
+    components: tuple[str, ...],
+    report: str | None,
+    ignored: tuple[str, ...],
     dry_run: bool,
     strict: bool,
     mapped: tuple[str, ...],
@@ -43,10 +56,23 @@ def main(
     deviation is a line on stderr. Exit status 1 when something required deviates. With --diff a
     line beginning with - tells what the profile says, one with + what lives; what lives besides
     is shown too, and is no deviation.
+
+    With --static nothing that lives is asked: the components of the profile are compared with the
+    RTC profiles of their types (see rtprofile check).
     """
+    if is_static:
+        if is_diff or dry_run:
+            raise UsageProblem("--static compares with no live system: no --diff, no --dry-run")
+        check_at_most_one(files, "file")
+        from rtkit.statics.verdict import Options
+
+        form = "json" if is_json else report or _static.TEXT
+        options = Options(strict, ignored)
+        return _static.check(app, files, components, report=form, tool=TOOL, options=options)
+    if components or report or ignored:
+        raise UsageProblem("--components, --format and --ignore are for --static")
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import Live
-    from rtkit.errors import Refused
 
     profile = _system.read_profile(app, files, strict=strict)
     snapshot = _system.look(app, dry_run=dry_run)

@@ -83,34 +83,48 @@ def _orders(order: rts.Order | None, name: str, profile: rts.RtsProfile) -> Orde
     found: dict[Target, tuple[Condition, ...]] = {}
     try:
         for entry in order.targets if order is not None else ():
-            target = _target(entry.target_component, contexts)
-            found[target] = (*found.get(target, ()), *_conditions(entry, contexts))
-        ring = _ring(found)
+            target = target_of(entry.target_component, contexts)
+            found[target] = (*found.get(target, ()), *conditions_of(entry, contexts))
+        circle = ring(found)
     except InvalidDocument as error:
         raise InvalidDocument(f"{name}: {error}") from error
-    if ring:
-        told = " waits for ".join(_named(target, contexts) for target in [*ring, ring[0]])
+    if circle:
+        told = " waits for ".join(named(target, contexts) for target in [*circle, circle[0]])
         raise InvalidDocument(f"{name}: conditions in a circle: {told}")
     return found
 
 
-def _target(named: rts.TargetComponent, contexts: Mapping[str, Sequence[str]]) -> Target:
-    """Find what an entry names: a context by its id, else by its number."""
-    ids = contexts.get(named.instance_name)
+def target_of(entry: rts.TargetComponent, contexts: Mapping[str, Sequence[str]]) -> Target:
+    """Find what an entry names: a context by its id, else by its number.
+
+    Args:
+        entry: A target, or what comes before it.
+        contexts: The ids of the execution contexts of each component.
+
+    Raises:
+        InvalidDocument: There is none.
+    """
+    name, id = entry.instance_name, entry.id
+    ids = contexts.get(name)
     if ids is None:
-        raise InvalidDocument(f"unknown target: component {named.instance_name} is not listed")
-    if named.id in ids:
-        return Target(named.instance_name, ids.index(named.id))
-    is_number = named.id.isascii() and named.id.isdigit() and len(named.id) < 9
-    if is_number and int(named.id) < len(ids):
-        return Target(named.instance_name, int(named.id))
+        raise InvalidDocument(f"unknown target: component {name} is not listed")
+    if id in ids:
+        return Target(name, ids.index(id))
+    is_number = id.isascii() and id.isdigit() and len(id) < 9
+    if is_number and int(id) < len(ids):
+        return Target(name, int(id))
     known = f"it has {', '.join(ids)}" if ids else "it has none"
-    raise InvalidDocument(
-        f"unknown target: execution context {named.id} of component {named.instance_name} ({known})"
-    )
+    raise InvalidDocument(f"unknown target: execution context {id} of component {name} ({known})")
 
 
-def _conditions(entry: rts.Condition, contexts: Mapping[str, Sequence[str]]) -> Iterator[Condition]:
+def conditions_of(
+    entry: rts.Condition, contexts: Mapping[str, Sequence[str]]
+) -> Iterator[Condition]:
+    """Yield what the target of an entry waits for.
+
+    Raises:
+        InvalidDocument: What comes before it does not exist, or a time is negative.
+    """
     wait_ms = entry.wait_time.wait_time if entry.wait_time is not None else 0
     preceding = entry.preceding or rts.Preceding()
     timeout_ms = preceding.timeout or 0
@@ -120,13 +134,13 @@ def _conditions(entry: rts.Condition, contexts: Mapping[str, Sequence[str]]) -> 
             raise InvalidDocument(f"{what} of component {name} is negative: {value}")
     is_sync = preceding.sending_timing in (None, "SYNC")
     for component in preceding.preceding_components:
-        first = _target(component, contexts)
+        first = target_of(component, contexts)
         yield Condition(entry.sequence, 0, first, is_sync, timeout_ms)
     if wait_ms or not preceding.preceding_components:
         yield Condition(entry.sequence, wait_ms)
 
 
-def _ring(orders: Orders) -> list[Target]:
+def ring(orders: Orders) -> list[Target]:
     """Return targets each of which waits for the next, the last one for the first; else none."""
     done: set[Target] = set()
     for root in orders:
@@ -150,6 +164,7 @@ def _before(orders: Orders, target: Target) -> Iterator[Target]:
     return (c.preceding for c in orders.get(target, ()) if c.preceding is not None)
 
 
-def _named(target: Target, contexts: Mapping[str, Sequence[str]]) -> str:
+def named(target: Target, contexts: Mapping[str, Sequence[str]]) -> str:
+    """Return a target in words."""
     ids = contexts[target.instance]
     return target.instance if len(ids) == 1 else f"{target.instance} in {ids[target.number]}"

@@ -5,11 +5,12 @@ For who reports on profiles. Who wants the profile reads it (`rtkit.profile.read
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from rtkit.profile.common import Note
 from rtkit.profile.findings import InvalidProfile
+from rtkit.profile.positions import Positions
 from rtkit.profile.read import STDIN, as_it_stands, outcome
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ class Examination:
         errors: What no mode forgives.
         repairs: What was put right; errors to who asks for the strict form.
         remarks: What is allowed but worth knowing.
+        positions: Where the parts of `profile` stand; None where it is None.
     """
 
     kind: str
@@ -34,6 +36,7 @@ class Examination:
     errors: tuple[Note, ...] = ()
     repairs: tuple[Note, ...] = ()
     remarks: tuple[Note, ...] = ()
+    positions: Positions | None = field(default=None, compare=False, repr=False)
 
 
 def examine(
@@ -51,7 +54,10 @@ def examine(
     return Examination(
         seen.kind,
         seen.profile,
-        *(tuple(sorted(notes)) for notes in (seen.errors, seen.repairs, seen.remarks)),
+        tuple(sorted(seen.errors)),
+        tuple(sorted(seen.repairs)),
+        tuple(sorted(seen.remarks)),
+        None if seen.profile is None else Positions(seen.root, seen.spec, seen.found),
     )
 
 

@@ -89,8 +89,13 @@ class Findings:
         allowed: str | None = None,
     ) -> Note:
         """Make a note; `at` is the attribute that it is about, `seen` what stands there."""
-        path = self._places.path(element, at)
-        return Note(element.sourceline or 0, text, path, rule, seen, allowed or "")
+        return Note(
+            element.sourceline or 0, text, self.path(element, at), rule, seen, allowed or ""
+        )
+
+    def path(self, element: Any, attribute: str | None = None) -> str:
+        """Return the XPath of an element, or of its attribute, in the document as it was read."""
+        return self._places.path(element, attribute)
 
     def add(self, parent: Any, tag: str, like: Any) -> Any:
         """Append an element that is not in the document: its line and place are those of `like`."""

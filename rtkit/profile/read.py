@@ -255,13 +255,20 @@ def as_it_stands(
 
 
 class Outcome(NamedTuple):
-    """A document looked through: the profile, None where there are errors, and what was found."""
+    """A document looked through: the profile, None where there are errors, and what was found.
+
+    Attributes:
+        root: The tree that the profile was built from along `spec`; `found` knows its places.
+    """
 
     kind: str
     profile: Any
     errors: list[Note]
     repairs: list[Note]
     remarks: list[Note]
+    root: Any
+    spec: Spec
+    found: Findings
 
 
 def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) -> Outcome:
@@ -280,12 +287,13 @@ def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) 
         profile = None if found.errors else built(root, grammar.spec, found.scope)
         is_valid = profile is not None and not violations(root, grammar.schema)
         if is_valid and grammar.is_plain(profile):
-            return Outcome(grammar.kind, profile, [], [], [])
+            return Outcome(grammar.kind, profile, [], [], [], root, grammar.spec, found)
         del profile
         _normalise(root, found, grammar)
         errors = found.errors or violations(root, grammar.schema)
         profile = None if errors else build(root, grammar.spec)
-        return Outcome(grammar.kind, profile, errors, found.repairs, found.remarks)
+        notes = (errors, found.repairs, found.remarks)
+        return Outcome(grammar.kind, profile, *notes, root, grammar.spec, found)
 
 
 def _normalise(root: Any, found: Findings, grammar: Grammar) -> None:

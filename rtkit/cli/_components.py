@@ -1,0 +1,94 @@
+"""Where RTC profiles of components are looked for: what was named, beside modules, the shipped."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.cli._known import SEARCH_PATH
+from rtkit.errors import NotFound
+
+if TYPE_CHECKING:
+    from rtkit.statics.stock import Document
+
+MODULE_PATH = "RTKIT_MODULE_PATH"
+_MODULE = ".py"
+_USUAL = "RTC"
+_MOST = 16 * 2**20
+
+
+def documents(paths: Sequence[str]) -> Iterator[Document]:
+    """Yield what may be RTC profiles, each file once: first what was named, last what is shipped.
+
+    Folders that were named are looked through with all that is below them. No code is run:
+    of a module only a file beside it counts, of the same name or ``RTC.xml``.
+
+    Raises:
+        NotFound: A file or folder that was named cannot be read.
+    """
+    from rtkit.statics.stock import Document, may_be_profile
+
+    seen: set[str] = set()
+    for path, is_named in _candidates(paths):
+        real = os.path.realpath(path)
+        if real in seen:
+            continue
+        seen.add(real)
+        try:
+            with open(path, "rb") as stream:
+                data = stream.read(8192)
+                if may_be_profile(data):
+                    yield Document(path, data + stream.read(_MOST))
+        except OSError as error:
+            if is_named:
+                raise NotFound(f"cannot read {path}: {error.strerror}") from error
+
+
+def _candidates(paths: Sequence[str]) -> Iterator[tuple[str, bool]]:
+    from rtkit.resources import resource
+
+    for path in paths:
+        if os.path.isdir(path):
+            yield from ((file, False) for file in _below(path))
+        else:
+            yield path, True
+    for folder in _listed(SEARCH_PATH):
+        yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
+    for folder in (os.curdir, *_listed(MODULE_PATH)):
+        yield from ((file, False) for file in _beside_modules(folder))
+    shipped = resource("profiles")
+    yield from ((os.path.join(shipped, name), False) for name in _profiles(shipped))
+
+
+def _listed(variable: str) -> list[str]:
+    return [folder for folder in os.environ.get(variable, "").split(os.pathsep) if folder]
+
+
+def _below(folder: str) -> Iterator[str]:
+    for place, folders, _ in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        yield from (os.path.join(place, name) for name in _profiles(place))
+
+
+def _profiles(folder: str) -> list[str]:
+    from rtkit.profile.forms import form_of_name
+
+    try:
+        return [name for name in sorted(os.listdir(folder)) if form_of_name(name)]
+    except OSError:
+        return []
+
+
+def _beside_modules(folder: str) -> Iterator[str]:
+    try:
+        modules = {name.removesuffix(_MODULE) for name in os.listdir(folder) if _is_module(name)}
+    except OSError:
+        return
+    for name in _profiles(folder) if modules else ():
+        if os.path.splitext(name)[0] in (*modules, _USUAL):
+            yield os.path.normpath(os.path.join(folder, name))
+
+
+def _is_module(name: str) -> bool:
+    return name.endswith(_MODULE) and not name.startswith(".")

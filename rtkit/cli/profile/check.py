@@ -1,0 +1,45 @@
+"""``rtprofile check``: check systems against the RTC profiles of their components."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli import _static, _system
+from rtkit.cli._app import App, command
+
+TOOL = "rtprofile check"
+
+
+@command("check", is_local=True)
+@_static.static_options
+@click.option("--strict", is_flag=True, help="Take warnings, and what needs repair, for errors.")
+@click.option("--json", "is_json", is_flag=True, help="The same as --format json.")
+@_system.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
+@click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
+@click.argument("paths", nargs=-1, metavar="[SYSTEM|FOLDER|-]...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    components: tuple[str, ...],
+    report: str | None,
+    ignored: tuple[str, ...],
+    strict: bool,
+    is_json: bool,
+    quiet: bool,
+) -> int:
+    """Check systems against the RTC profiles of their components; nothing is run.
+
+    Ports, directions, data types, service interfaces and who provides them, what connectors ask
+    of ports, configuration parameters with their types and constraints, execution contexts,
+    orders, names. RTC profiles are looked for in the folders given, $RTKIT_PROFILE_PATH, beside
+    modules (here and in $RTKIT_MODULE_PATH), and among those that ship; a component is known by
+    vendor, category and name. One that is not is a warning. The exit status is 1 when there is
+    an error.
+    """
+    from rtkit.statics.verdict import Options
+
+    form = "json" if is_json else report or _static.TEXT
+    options = Options(strict, ignored)
+    return _static.check(
+        app, paths, components, report=form, tool=TOOL, options=options, is_quiet=quiet
+    )

@@ -1,0 +1,34 @@
+"""Check a system before anything runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtkit.profile.rts_model import RtsProfile
+from rtkit.statics.catalogue import Catalogue
+from rtkit.statics.connectors import connector_remarks
+from rtkit.statics.contexts import context_remarks
+from rtkit.statics.names import name_remarks
+from rtkit.statics.orders import order_remarks
+from rtkit.statics.parameters import parameter_remarks
+from rtkit.statics.ports import port_remarks
+from rtkit.statics.remark import Remark
+from rtkit.statics.services import service_remarks
+from rtkit.statics.view import View
+
+_RULES = (
+    name_remarks,
+    port_remarks,
+    parameter_remarks,
+    context_remarks,
+    connector_remarks,
+    service_remarks,
+    order_remarks,
+)
+
+
+def remarks(profile: RtsProfile, catalogue: Catalogue) -> Iterator[Remark]:
+    """Yield all that is wrong with a system, as far as the types in `catalogue` tell."""
+    view = View(profile, catalogue)
+    for look in _RULES:
+        yield from look(view)

@@ -1,0 +1,51 @@
+"""The orders of a system (Activation …): conditions that name nothing, or go in a circle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from rtkit.deployment.conditions import Condition, Target, conditions_of, named, ring, target_of
+from rtkit.deployment.described import contexts_of
+from rtkit.errors import InvalidDocument
+from rtkit.profile.rts_model import Order
+from rtkit.profile.rts_spec import ORDERS
+from rtkit.report.finding import ERROR
+from rtkit.statics.remark import TOP, Place, Remark
+from rtkit.statics.view import View
+
+_Orders = dict[Target, tuple[Condition, ...]]
+
+
+def order_remarks(view: View) -> Iterator[Remark]:
+    """Yield what is wrong with the orders."""
+    contexts = {
+        part.name: tuple(each.id for each in contexts_of(part.component.execution_contexts))
+        for part in view.parts
+    }
+    for field, name in ORDERS:
+        order = getattr(view.profile, field)
+        if order is not None:
+            yield from _order(order, name, TOP.below(field), contexts)
+
+
+def _order(
+    order: Order, name: str, place: Place, contexts: Mapping[str, Sequence[str]]
+) -> Iterator[Remark]:
+    found: _Orders = {}
+    places: dict[Target, Place] = {}
+    for number, entry in enumerate(order.targets):
+        where = place.below("targets", number)
+        try:
+            target = target_of(entry.target_component, contexts)
+            conditions = tuple(conditions_of(entry, contexts))
+        except InvalidDocument as error:
+            yield Remark(ERROR, "condition-target", f"{name}: {error}", where)
+            continue
+        found[target] = (*found.get(target, ()), *conditions)
+        places.setdefault(target, where)
+    while circle := ring(found):
+        told = " waits for ".join(named(target, contexts) for target in [*circle, circle[0]])
+        text = f"{name}: conditions in a circle: {told}"
+        yield Remark(ERROR, "condition-circle", text, places[circle[0]], told)
+        for target in circle:
+            found[target] = tuple(c for c in found[target] if c.preceding not in circle)

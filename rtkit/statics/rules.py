@@ -1,0 +1,32 @@
+"""The rules of the static check; their ids are stable, so that checks can be told by them."""
+
+from __future__ import annotations
+
+RULES: dict[str, str] = {
+    "condition-circle": "Conditions wait for each other in a circle",
+    "condition-target": "A condition names an execution context that is not there, or a bad time",
+    "connector-direction": "A data connector joins two out ports, or two in ports",
+    "connector-reversed": "A data connector names its in port first",
+    "context-kind": "An execution context is of another kind than the type's",
+    "context-rate": "A rate is none, or another than the type's",
+    "data-type": "Data types do not match",
+    "dataflow-type": "A port does not offer the dataflow type of its connector",
+    "interface-type": "A port does not offer the interface type of its connector",
+    "name-clash": "Two components have one name on one manager",
+    "no-profile": "There is no RTC profile for a component",
+    "parameter-constraint": "A value breaks the constraint of its parameter",
+    "parameter-type": "A value is not of its parameter's type",
+    "path-clash": "Two components are registered under one path",
+    "port-direction": "A port has another direction than the type's",
+    "service-interface": "Service ports have no interface in common",
+    "service-polarity": "An interface is provided, or required, at both ends of a connector",
+    "several-profiles": "Different RTC profiles describe one type",
+    "subscription-type": "A port does not offer the subscription type of its connector",
+    "unconnected-service": "Nobody provides what a service port requires",
+    "unknown-parameter": "A type has no such configuration parameter",
+    "unknown-port": "A type has no such port",
+    "unknown-set": "The active configuration set is none that can be active",
+    "unreadable-profile": "An RTC profile cannot be read",
+    "version": "The RTC profile is of another version than the component",
+}
+"""What each rule is about, by its id."""

@@ -1,0 +1,536 @@
+"""Each rule: a sound system changed in one place, and what is found there."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import pytest
+from lxml import etree
+
+from rtkit.profile.xmlnames import NAMESPACES
+from rtkit.report.finding import ERROR, NOTE, WARNING
+from rtkit.statics.rules import RULES
+from rtkit.statics.verdict import Options
+
+ROBOT, SERVICE, KEYS = "sensor-controller-motor", "my-service", "microwave"
+SYSTEMS = ("console", "microwave", "my-service", "sensor-controller-motor", "seq")
+MOTOR = "RTC:rtkit:example:Motor:1.0"
+
+
+class Case(NamedTuple):
+    """A change of a system, and the one thing that is found because of it."""
+
+    system: str
+    old: str
+    new: str
+    severity: str
+    rule: str
+    found: str | None
+    allowed: str
+    text: str
+
+
+CASES = [
+    Case(
+        ROBOT,
+        '<rts:DataPorts xsi:type="rtsExt:dataport_ext" rts:name="Motor0.pose"',
+        '<rts:DataPorts xsi:type="rtsExt:dataport_ext" rts:name="Motor0.place"/>\n'
+        '<rts:DataPorts xsi:type="rtsExt:dataport_ext" rts:name="Motor0.pose"',
+        ERROR,
+        "unknown-port",
+        "Motor0.place",
+        "velocity, pose",
+        "Motor0 has no data port place",
+    ),
+    Case(
+        SERVICE,
+        '<rts:ServicePorts xsi:type="rtsExt:serviceport_ext" rts:name="MyServiceConsumer0',
+        '<rts:ServicePorts xsi:type="rtsExt:serviceport_ext" rts:name="value"/>\n'
+        '<rts:ServicePorts xsi:type="rtsExt:serviceport_ext" rts:name="MyServiceConsumer0',
+        ERROR,
+        "unknown-port",
+        "value",
+        "myservice",
+        "MyServiceConsumer0 has no service port value; value is a data port",
+    ),
+    Case(
+        ROBOT,
+        'rts:portName="Sensor0.pose"',
+        'rts:portName="nose"',
+        ERROR,
+        "unknown-port",
+        "nose",
+        "pose, distance",
+        "Sensor0 has no data port nose",
+    ),
+    Case(
+        ROBOT,
+        '"How to drive"/>\n            <rtsExt:Properties rtsExt:name="port.port_type"'
+        ' rtsExt:value="DataInPort"',
+        '"How to drive"/>\n            <rtsExt:Properties rtsExt:name="port.port_type"'
+        ' rtsExt:value="dataoutport"',
+        ERROR,
+        "port-direction",
+        "dataoutport",
+        "DataInPort",
+        "port velocity of Motor0 is to be a dataoutport, but is a DataInPort",
+    ),
+    Case(
+        ROBOT,
+        '<rtsExt:Properties rtsExt:name="dataport.data_type" rtsExt:value="IDL:RTC/TimedPose2D:1.0',
+        '<rtsExt:Properties rtsExt:name="dataport.data_type" rtsExt:value="RTC::TimedPose3D',
+        ERROR,
+        "data-type",
+        "RTC::TimedPose3D",
+        "RTC::TimedPose2D",
+        "port pose of Motor0 is to carry RTC::TimedPose3D, but carries RTC::TimedPose2D",
+    ),
+    Case(
+        ROBOT,
+        'rts:dataType="IDL:RTC/TimedDouble:1.0"',
+        'rts:dataType="TimedLong"',
+        ERROR,
+        "data-type",
+        "TimedLong",
+        "RTC::TimedDouble",
+        "connector Sensor0.distance-Controller0.distance is for TimedLong,"
+        " but Sensor0.distance carries RTC::TimedDouble",
+    ),
+    Case(
+        ROBOT,
+        'rts:portName="Sensor0.pose"',
+        'rts:portName="Sensor0.distance"',
+        ERROR,
+        "connector-direction",
+        "Sensor0.distance",
+        "an in port",
+        "connector Motor0.pose-Sensor0.pose joins two out ports, Motor0.pose and Sensor0.distance",
+    ),
+    Case(
+        ROBOT,
+        'rts:dataflowType="push" rts:subscriptionType="new" rtsExt:visible="true">\n'
+        '        <rts:sourceDataPort xsi:type="rtsExt:target_port_ext" rts:componentId="' + MOTOR,
+        'rts:dataflowType="shove" rts:subscriptionType="new" rtsExt:visible="true">\n'
+        '        <rts:sourceDataPort xsi:type="rtsExt:target_port_ext" rts:componentId="' + MOTOR,
+        ERROR,
+        "dataflow-type",
+        "shove",
+        "pull, push",
+        "connector Motor0.pose-Sensor0.pose: Motor0.pose and Sensor0.pose do not offer"
+        " dataflow type shove",
+    ),
+    Case(
+        SERVICE,
+        'rts:portName="MyServiceProvider0.myservice"',
+        'rts:portName="MyServiceProvider0.other"',
+        ERROR,
+        "unknown-port",
+        "MyServiceProvider0.other",
+        "myservice",
+        "MyServiceProvider0 has no service port other",
+    ),
+    Case(
+        ROBOT,
+        'rts:name="patience" rts:data="0.5"',
+        'rts:name="patients" rts:data="0.5"',
+        ERROR,
+        "unknown-parameter",
+        "patients",
+        "patience",
+        "Motor0 has no configuration parameter patients (set default)",
+    ),
+    Case(
+        ROBOT,
+        'rts:name="patience" rts:data="0.5"',
+        'rts:name="patience" rts:data="long"',
+        ERROR,
+        "parameter-type",
+        "long",
+        "double",
+        "default.patience of Motor0 cannot be 'long': it is no number",
+    ),
+    Case(
+        ROBOT,
+        'rts:instanceName="Motor0" rts:isRequired="true" rts:activeConfigurationSet="default"',
+        'rts:instanceName="Motor0" rts:isRequired="true" rts:activeConfigurationSet="slow"',
+        WARNING,
+        "unknown-set",
+        "slow",
+        "default",
+        "Motor0: configuration set slow is active, but is not listed",
+    ),
+    Case(
+        ROBOT,
+        'rts:instanceName="Motor0" rts:isRequired="true" rts:activeConfigurationSet="default"',
+        'rts:instanceName="Motor0" rts:isRequired="true" rts:activeConfigurationSet="__type__"',
+        ERROR,
+        "unknown-set",
+        "__type__",
+        "default",
+        "Motor0: configuration set __type__ is hidden and cannot be active",
+    ),
+    Case(
+        ROBOT,
+        'rts:kind="PERIODIC" rts:rate="100.0"',
+        'rts:kind="EVENT_DRIVEN" rts:rate="100.0"',
+        ERROR,
+        "context-kind",
+        "EVENT_DRIVEN",
+        "PERIODIC",
+        "execution context 0 of Controller0 is EVENT_DRIVEN, its type's is PERIODIC",
+    ),
+    Case(
+        ROBOT,
+        'rts:kind="PERIODIC" rts:rate="100.0"',
+        'rts:kind="PERIODIC" rts:rate="0"',
+        ERROR,
+        "context-rate",
+        "0",
+        "more than 0 Hz",
+        "execution context 0 of Controller0 has a rate of 0 Hz",
+    ),
+    Case(
+        ROBOT,
+        'rts:kind="PERIODIC" rts:rate="100.0"',
+        'rts:kind="PERIODIC" rts:rate="10"',
+        WARNING,
+        "context-rate",
+        "10",
+        "100",
+        "execution context 0 of Controller0 has a rate of 10 Hz, its type's is 100 Hz",
+    ),
+    Case(
+        KEYS,
+        'rts:kind="EVENT_DRIVEN" rts:rate="0.0"',
+        'rts:kind="PeriodicExecutionContext"',
+        ERROR,
+        "context-kind",
+        "PeriodicExecutionContext",
+        "EVENT_DRIVEN",
+        "execution context 0 of Microwave0 is PeriodicExecutionContext, its type's is EVENT_DRIVEN",
+    ),
+    Case(
+        ROBOT,
+        'rts:pathUri="localhost/Motor0.rtc"',
+        'rts:pathUri="127.0.0.1:2809/Sensor0.rtc"',
+        ERROR,
+        "path-clash",
+        "localhost/Sensor0.rtc",
+        "a path of its own",
+        "Sensor0 is registered as localhost/Sensor0.rtc, and so is Motor0",
+    ),
+    Case(
+        ROBOT,
+        "RTC:rtkit:example:Motor:1.0",
+        "RTC:rtkit:example:Motor:0.9",
+        NOTE,
+        "version",
+        "RTC:rtkit:example:Motor:0.9",
+        "RTC:rtkit:example:Motor:1.0",
+        "Motor0 is checked against version 1.0 (Motor.xml)",
+    ),
+    Case(
+        ROBOT,
+        "RTC:rtkit:example:Motor:1.0",
+        "RTC:others:example:Motor:1.0",
+        WARNING,
+        "no-profile",
+        "RTC:others:example:Motor:1.0",
+        "",
+        "no RTC profile is known for Motor0 (RTC:others:example:Motor:1.0);"
+        " of that name there is RTC:rtkit:example:Motor:1.0",
+    ),
+]
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_what_ships_is_sound(name: str, check: Any, text_of: Any) -> None:
+    checked = check(text_of(name))
+    assert checked.findings == ()
+    assert checked.what.startswith("system of ")
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.rule}: {case.text[:40]}")
+def test_one_change_is_one_finding_at_its_place(case: Case, check: Any, text_of: Any) -> None:
+    text = text_of(case.system)
+    assert case.old in text
+    # An identity stands in several places, and is to be changed in all of them.
+    text = text.replace(case.old, case.new, -1 if case.old.startswith("RTC:") else 1)
+    findings = [f for f in check(text).findings if f.rule != "unconnected-service"]
+    assert [(f.severity, f.rule, f.found, f.allowed, f.text) for f in findings] == [case[3:]]
+    finding = findings[0]
+    assert finding.rule in RULES
+    assert finding.file == "sys"
+    found = etree.fromstring(text.encode()).xpath(finding.path, namespaces=NAMESPACES)
+    if case.found is not None and "@" in finding.path:
+        assert len(found) == 1
+        assert {found[0], str(found[0]).removesuffix(".0")} & {case.found, case.found + ".0"}
+        assert found[0] in text.splitlines()[finding.line - 1]
+
+
+@pytest.mark.parametrize(
+    ("key", "rule"),
+    [
+        ("subscription_type", "subscription-type"),
+        ("dataflow_type", "dataflow-type"),
+        ("interface_type", "interface-type"),
+    ],
+)
+def test_the_property_of_a_connector_counts(key: str, rule: str, check: Any, text_of: Any) -> None:
+    head, connectors, tail = text_of("console").partition("<rts:DataPortConnectors")
+    old = f'rtsExt:name="dataport.{key}" rtsExt:value="'
+    before, found, rest = tail.partition(old)
+    assert found
+    text = head + connectors + before + old + 'odd"' + rest.partition('"')[2]
+    (finding,) = check(text).findings
+    assert (finding.severity, finding.rule, finding.found) == (ERROR, rule, "odd")
+    assert "Properties" in finding.path
+    assert "odd" in text.splitlines()[finding.line - 1]
+
+
+def test_what_a_port_offers_comes_from_its_profile_first(
+    check: Any, text_of: Any, profile_of: Any
+) -> None:
+    old = 'rtc:portType="DataInPort" rtc:name="in" rtc:type="RTC::TimedLong"'
+    profile = profile_of("ConsoleOut")
+    assert old in profile
+    offers = f'{old} rtc:subscriptionType="Periodic" rtc:interfaceType="CORBA_Any, other"'
+    checked = check(text_of("console"), {"ConsoleOut.xml": profile.replace(old, offers)})
+    told = [(f.rule, f.found, f.allowed) for f in checked.findings]
+    assert told == [
+        ("interface-type", "corba_cdr", "corba_any, other"),
+        ("subscription-type", "new", "periodic"),
+    ]
+    any_type = offers.replace("Periodic", "Any").replace("other", "data_service")
+    assert check(text_of("console"), {"ConsoleOut.xml": profile.replace(old, any_type)}).is_valid
+
+
+def test_a_pulled_connector_needs_no_subscription(check: Any, text_of: Any) -> None:
+    text = text_of("console").replace('Type="push"', 'Type="pull"')
+    text = text.replace('"push"/>', '"pull"/>').replace(
+        'subscriptionType="new"', 'subscriptionType="x"'
+    )
+    assert check(text).findings == ()
+
+
+def test_a_reversed_connector_is_noted(check: Any, text_of: Any) -> None:
+    text = text_of("console")
+    head, mark, tail = text.partition("<rts:DataPortConnectors")
+    swapped = tail.replace("sourceDataPort", "?").replace("targetDataPort", "sourceDataPort")
+    (finding,) = check(head + mark + swapped.replace("?", "targetDataPort")).findings
+    assert (finding.severity, finding.rule) == (NOTE, "connector-reversed")
+    assert finding.text.endswith("taken from ConsoleIn0.out to ConsoleOut0.in")
+
+
+def test_any_data_type_can_be_forced(check: Any, text_of: Any, profile_of: Any) -> None:
+    profile = profile_of("ConsoleOut").replace("RTC::TimedLong", "RTC::TimedDouble")
+    text = text_of("console")
+    told = check(text, {"ConsoleOut.xml": profile}).findings
+    assert [(f.rule, f.found, f.allowed) for f in told] == [
+        ("data-type", "IDL:RTC/TimedLong:1.0", "RTC::TimedDouble"),
+        ("data-type", "RTC::TimedDouble", "RTC::TimedLong"),
+    ]
+    forced = '<rtsExt:Properties rtsExt:name="rtkit.any_data_type" rtsExt:value="YES"/>'
+    text = text.replace("</rts:DataPortConnectors>", forced + "</rts:DataPortConnectors>")
+    assert len(check(text, {"ConsoleOut.xml": profile}).findings) == 1
+    open_type = profile.replace("RTC::TimedDouble", "Any")
+    assert check(text_of("console"), {"ConsoleOut.xml": open_type}).is_valid
+
+
+def without_connectors(text: str) -> str:
+    head, mark, tail = text.partition("    <rts:ServicePortConnectors")
+    assert mark
+    return head + tail.partition("</rts:ServicePortConnectors>\n")[2]
+
+
+def test_what_is_required_has_to_be_provided(check: Any, text_of: Any) -> None:
+    text = without_connectors(text_of("my-service"))
+    (finding,) = check(text).findings
+    assert (finding.severity, finding.rule) == (ERROR, "unconnected-service")
+    assert finding.text == (
+        "MyServiceConsumer0.myservice requires a provider of MyService, but is connected to nothing"
+    )
+    assert finding.allowed == "a connector to a provider of MyService"
+    assert finding.path == "/rts:RtsProfile/rts:Components[1]/rts:ServicePorts"
+    assert "MyServiceConsumer0.myservice" in text.splitlines()[finding.line - 1]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (
+            'rtc:type="MyService"',
+            'rtc:type="Other::MyService2"',
+            {"service-interface", "unconnected-service"},
+        ),
+        (
+            'rtc:direction="Provided"',
+            'rtc:direction="Required"',
+            {"service-polarity", "unconnected-service"},
+        ),
+        ('rtc:type="MyService"', 'rtc:type="SimpleService::MyService"', set()),
+    ],
+)
+def test_services_have_to_match(
+    old: str, new: str, told: set[str], check: Any, text_of: Any, profile_of: Any
+) -> None:
+    profile = profile_of("MyServiceProvider")
+    assert old in profile
+    checked = check(text_of("my-service"), {"MyServiceProvider.xml": profile.replace(old, new)})
+    assert {f.rule for f in checked.findings} == told
+    assert all(f.severity == ERROR for f in checked.findings)
+
+
+def test_an_unknown_partner_may_provide_what_is_required(check: Any, text_of: Any) -> None:
+    text = text_of("my-service").replace("RTC:rtkit:example:MyServiceProvider", "RTC:a:b:Provider")
+    assert [f.rule for f in check(text).findings] == ["no-profile"]
+
+
+@pytest.mark.parametrize(
+    ("key", "rules"),
+    [
+        ("MyServiceProvider0.port.myservice.provided.MyService.myservice0", []),
+        ("MyServiceProvider0.port.myservice.required.MyService.myservice0", ["service-polarity"]),
+        ("MyServiceProvider0.port.myservice.provided.Mine.myservice0", ["service-interface"]),
+        ("Other0.port.myservice.provided.Mine.myservice0", []),
+    ],
+)
+def test_properties_of_a_connector_tell_of_interfaces(
+    key: str, rules: list[str], check: Any, text_of: Any
+) -> None:
+    told = f'<rtsExt:Properties rtsExt:name="{key}" rtsExt:value="IOR:00"/>'
+    end = "</rts:ServicePortConnectors>"
+    text = text_of("my-service").replace(end, told + end)
+    assert [f.rule for f in check(text).findings] == rules
+
+
+def test_two_of_one_name(check: Any, text_of: Any) -> None:
+    text = text_of("console")
+    begin = text.index("    <rts:Components")
+    end = text.index("</rts:Components>\n") + len("</rts:Components>\n")
+    second = text[begin:end].replace(
+        "RTC:rtkit:example:ConsoleIn:1.0", "RTC:rtkit:example:SeqOut:1.0"
+    )
+    for uri, rules in (
+        ("localhost/ConsoleIn0.rtc", ["name-clash"]),
+        ("localhost:2809/more/ConsoleIn0.rtc", ["name-clash"]),
+        ("otherhost/ConsoleIn0.rtc", []),
+        ("localhost/other.mgr/ConsoleIn0.rtc", []),
+    ):
+        twice = text[:begin] + second.replace("localhost/ConsoleIn0.rtc", uri) + text[begin:]
+        found = check(twice).findings
+        assert [f.rule for f in found if f.rule in ("name-clash", "path-clash")] == rules
+        if rules:
+            clash = next(f for f in found if f.rule == "name-clash")
+            assert clash.text == "two components are named ConsoleIn0 on localhost"
+            assert clash.path == "/rts:RtsProfile/rts:Components[2]/@rts:instanceName"
+
+
+def target(instance: str, before: str = "", **more: str) -> str:
+    kind = instance.rstrip("0")
+    ref = 'rts:componentId="RTC:rtkit:example:{0}:1.0" rts:instanceName="{0}0" rts:id="{1}"'
+    wait = '<rts:WaitTime rts:waitTime="5"/>'
+    if before:
+        first = ref.format(before.rstrip("0"), more.get("context", "0"))
+        wait = f"<rts:Preceding><rts:PrecedingComponents {first}/></rts:Preceding>"
+    own = ref.format(kind, "0")
+    return f'<rts:targets rts:sequence="1">{wait}<rts:TargetComponent {own}/></rts:targets>\n'
+
+
+@pytest.mark.parametrize("order", ["Activation", "Deactivation", "Resetting", "Finalizing"])
+def test_conditions_in_a_circle(order: str, check: Any, text_of: Any) -> None:
+    targets = [
+        target("Sensor0", "Motor0"),
+        target("Motor0", "Controller0"),
+        target("Controller0", "Sensor0"),
+    ]
+    text = text_of(ROBOT).replace(
+        "</rts:RtsProfile>", f"<rts:{order}>\n{''.join(targets)}</rts:{order}></rts:RtsProfile>"
+    )
+    (finding,) = check(text).findings
+    assert (finding.severity, finding.rule) == (ERROR, "condition-circle")
+    told = "Sensor0 waits for Motor0 waits for Controller0 waits for Sensor0"
+    assert finding.text == f"{order}: conditions in a circle: {told}"
+    assert finding.found == told
+    assert finding.path == f"/rts:RtsProfile/rts:{order}/rts:targets[1]"
+    assert "Sensor0" in text.splitlines()[finding.line - 1]
+    straight = text.replace(targets[2], target("Controller0"))
+    assert check(straight).findings == ()
+
+
+def test_each_circle_is_told_and_bad_targets_too(check: Any, text_of: Any) -> None:
+    targets = (
+        target("Sensor0", "Sensor0"),
+        target("Motor0", "Controller0"),
+        target("Controller0", "Motor0"),
+        target("Controller0", "Motor0", context="7"),
+        target("Motor0").replace('waitTime="5"', 'waitTime="-5"'),
+    )
+    text = text_of(ROBOT).replace(
+        "</rts:RtsProfile>",
+        f"<rts:Activation>\n{''.join(targets)}</rts:Activation></rts:RtsProfile>",
+    )
+    found = [f for f in check(text).findings if f.rule.startswith("condition-")]
+    assert [(f.rule, f.text) for f in found] == [
+        ("condition-circle", "Activation: conditions in a circle: Sensor0 waits for Sensor0"),
+        (
+            "condition-circle",
+            "Activation: conditions in a circle: Motor0 waits for Controller0 waits for Motor0",
+        ),
+        (
+            "condition-target",
+            "Activation: unknown target: execution context 7 of component Motor0 (it has 0)",
+        ),
+        ("condition-target", "Activation: waitTime of component Motor0 is negative: -5"),
+    ]
+
+
+def test_strict_makes_warnings_errors_and_rules_can_be_ignored(check: Any, text_of: Any) -> None:
+    text = text_of("console").replace("RTC:rtkit:example:ConsoleIn", "RTC:a:b:ConsoleIn")
+    assert check(text).is_valid
+    strict = check(text, options=Options(strict=True))
+    assert [(f.severity, f.rule) for f in strict.findings] == [(ERROR, "no-profile")]
+    assert check(text, options=Options(strict=True, ignored=("no-profile",))).findings == ()
+
+
+def test_a_composite_shows_ports_of_its_members(check: Any, text_of: Any) -> None:
+    text = text_of("my-service")
+    composite = (
+        '<rts:Components xsi:type="rtsExt:component_ext" rts:id="RTC:rtkit:composite:Any:1.0"'
+        ' rts:pathUri="localhost/C0.rtc" rts:instanceName="C0" rts:isRequired="true"'
+        ' rts:compositeType="PeriodicECShared">'
+        '<rts:ServicePorts xsi:type="rtsExt:serviceport_ext"'
+        ' rts:name="C0.MyServiceConsumer0.myservice"/>'
+        "<rts:Participants><rts:Participant rts:componentId="
+        '"RTC:rtkit:example:MyServiceConsumer:1.0" rts:instanceName="MyServiceConsumer0"/>'
+        "</rts:Participants></rts:Components>\n"
+    )
+    end = (
+        'rts:componentId="RTC:rtkit:example:MyServiceConsumer:1.0"'
+        ' rts:instanceName="MyServiceConsumer0" rts:portName="MyServiceConsumer0.myservice"'
+    )
+    assert end in text
+    through = (
+        'rts:componentId="RTC:rtkit:composite:Any:1.0" rts:instanceName="C0"'
+        ' rts:portName="C0.MyServiceConsumer0.myservice"'
+    )
+    text = text.replace("    <rts:ServicePortC", composite + "    <rts:ServicePortC", 1)
+    assert check(text.replace(end, through)).findings == ()
+
+
+def test_what_a_system_says_itself_is_held_against_it(check: Any, text_of: Any) -> None:
+    text = text_of(ROBOT).replace("RTC:rtkit:example", "RTC:a:b")
+    text = text.replace('rts:name="patience" rts:data="0.5"', 'rts:name="patience" rts:data="y"')
+    text = text.replace('rts:dataType="IDL:RTC/TimedDouble:1.0"', 'rts:dataType="TimedLong"')
+    found = [f for f in check(text).findings if f.rule != "no-profile"]
+    assert [(f.severity, f.rule, f.found) for f in found] == [
+        (WARNING, "parameter-type", "y"),
+        (WARNING, "data-type", "TimedLong"),
+    ]
+
+
+def test_a_document_that_is_no_system_is_told_of(check: Any, profile_of: Any) -> None:
+    checked = check(profile_of("Motor"))
+    assert not checked.is_valid
+    assert [f.rule for f in checked.findings] == ["wrong-root"]
+    assert checked.what == ""
