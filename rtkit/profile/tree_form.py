@@ -14,6 +14,9 @@ import re
 from rtkit.profile.xmlnames import NAMESPACES, short, split
 
 ROOTS = {"rtc": "rtcProfile", "rts": "rtsProfile"}
+SCHEMA_KEY = "$schema"
+"""A key beside the root's that editors look for; readers do not."""
+
 FOREIGN_ATTRIBUTES, FOREIGN_ELEMENTS = "foreign::attributes", "foreign::elements"
 FOREIGN_PARTS = ("name", "attributes", "text", "tail", "children")
 CONDITION, WAITS = "condition", ("wait_time", "preceding")

@@ -16,6 +16,7 @@ from rtkit.profile.tree_form import (
     FOREIGN_ELEMENTS,
     FOREIGN_PARTS,
     ROOTS,
+    SCHEMA_KEY,
     date_text,
     name_of,
 )
@@ -33,9 +34,11 @@ def root_of(node: Node, source: str) -> tuple[str, Text, Node]:
         InvalidProfile: It is no profile.
     """
     wanted = " or ".join(ROOTS.values())
-    if not isinstance(node, Table) or len(node.items) != 1:
+    keys = node.items if isinstance(node, Table) else ()
+    keys = tuple(item for item in keys if item[0].text != SCHEMA_KEY)
+    if len(keys) != 1:
         raise refused(source, node.line, "wrong-root", f"the root is a table of one key, {wanted}")
-    ((key, body),) = node.items
+    ((key, body),) = keys
     for kind, root in ROOTS.items():
         if key.text[:1].lower() + key.text[1:] == root:
             return kind, key, body

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import MISSING, fields, is_dataclass, replace
 from functools import cache
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import xmlschema
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
 from lxml import etree
 
 from rtkit.errors import Malformed
@@ -264,13 +266,27 @@ def test_a_component_comes_back_equal(profile: RtcProfile) -> None:
     assert write_rtc(read_rtc(written).profile) == written
 
 
+@cache
+def json_validator(name: str) -> Draft202012Validator:
+    with open(resource("schemas", name), encoding="utf-8") as stream:
+        return Draft202012Validator(json.load(stream))
+
+
+def json_schema(profile: RtsProfile | RtcProfile) -> Draft202012Validator:
+    kind = "Rts" if isinstance(profile, RtsProfile) else "Rtc"
+    return json_validator(f"{kind}Profile.schema.json")
+
+
 @given(SYSTEMS | COMPONENTS)
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=60)
 def test_every_form_holds_the_same(profile: RtsProfile | RtcProfile) -> None:
     for form in FORMS:
         written = write_profile(profile, form)
         assert read_profile(written, form=form).profile == profile
         assert read_profile(written).profile == profile, "the form is found out"
+        if form == "json":
+            found = json_schema(profile).iter_errors(json.loads(written))
+            assert not [str(error)[:300] for error in found]
 
 
 @given(SYSTEMS | COMPONENTS, st.permutations(FORMS))
