@@ -15,7 +15,15 @@ import click
 
 from rtkit.cli import _process
 from rtkit.cli._out import printable
-from rtkit.errors import BUG_EXIT, Malformed, Partial, Refused, RtkitError, Unreachable
+from rtkit.errors import (
+    BUG_EXIT,
+    InvalidDocument,
+    Malformed,
+    Partial,
+    Refused,
+    RtkitError,
+    Unreachable,
+)
 
 if TYPE_CHECKING:
     from rtkit.rtc.address import Address
@@ -350,5 +358,7 @@ def _show(app: App, error: RtkitError) -> None:
     if isinstance(error, Partial):
         for _, failure in error.failures:
             app.fail(str(failure))
-    if str(error):
-        app.fail(str(error))
+    # A document may have many faults, each a line; in any other message a line break is none.
+    told = str(error).split("\n") if isinstance(error, InvalidDocument) else [str(error)]
+    for line in filter(None, told):
+        app.fail(line)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,13 +10,12 @@ from click.core import ParameterSource
 
 from rtkit.cli import _running, _system
 from rtkit.cli._app import App
-from rtkit.errors import InvalidDocument
 
 if TYPE_CHECKING:
+    from rtkit.cli._document import Document
     from rtkit.deployment.live import Live
     from rtkit.deployment.system import System
     from rtkit.deployment.turns import StartPlan
-    from rtkit.profile.rts_model import RtsProfile
 
 
 def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -32,30 +30,16 @@ def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any
     return decorate
 
 
-@contextmanager
-def naming(files: tuple[str, ...]) -> Iterator[None]:
-    """Put the file in front of what is found wrong in its orders.
-
-    Raises:
-        InvalidDocument: What was raised inside.
-    """
-    try:
-        yield
-    except InvalidDocument as error:
-        source = files[0] if files and files[0] != _system.STDIN else "<stdin>"
-        raise InvalidDocument(f"{source}: {error}") from error
-
-
 def run(
     app: App,
-    profile: RtsProfile,
+    document: Document,
     plan_for: Callable[[System, Live], StartPlan],
     *,
     draws: bool,
     dry_run: bool,
     mapped: tuple[str, ...],
 ) -> None:
-    """Carry out a plan for the system of `profile`, or only print it.
+    """Carry out a plan for the system of `document`, or only print it.
 
     Raises:
         Refused: It was broken off; the message tells how far it went.
@@ -65,7 +49,7 @@ def run(
     from rtkit.deployment.running import active_now
 
     snapshot = _system.nothing() if draws else _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(app, profile, snapshot, mapped=mapped)
+    system = _system.wanted_system(app, document, snapshot, mapped=mapped)
     plan = plan_for(system, Live(snapshot, system))
     for text in plan.warnings():
         app.fail(f"warning: {text}")

@@ -1,25 +1,22 @@
-"""What the system commands share: reading the profile, the wanted system, talking on stderr."""
+"""What the system commands share: their options, the wanted system, talking on stderr."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli._app import App, check_at_most_one
+from rtkit.cli._app import App
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
+    from rtkit.cli._document import Document
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.plan import Plan
     from rtkit.deployment.system import KnownType, System
     from rtkit.deployment.turns import StartPlan
-    from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.apply import Runner
-
-STDIN = "-"
 
 
 def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -66,27 +63,6 @@ def form_options(verb: str, default: str, *forms: str) -> Callable[..., Any]:
     return decorate
 
 
-def read_profile(app: App, files: tuple[str, ...], *, strict: bool) -> RtsProfile:
-    """Read the system profile that was named, or stdin; tell repairs when verbose.
-
-    Raises:
-        NotFound: The file cannot be read.
-        InvalidDocument: It is no system profile.
-    """
-    from rtkit.profile.parse import MAX_BYTES
-    from rtkit.profile.read import read_bytes, read_rts
-
-    check_at_most_one(files, "file")
-    source = files[0] if files else STDIN
-    if source == STDIN:
-        reading = read_rts(sys.stdin.buffer.read(MAX_BYTES + 1), form=app.form, strict=strict)
-    else:
-        reading = read_rts(read_bytes(source), source, form=app.form, strict=strict)
-    for note in reading.notes:
-        app.tell(f"{source}:{note.line}: {note.text}")
-    return reading.profile
-
-
 def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
     """Read ``HOST=HOST`` options.
 
@@ -104,7 +80,7 @@ def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
 
 def wanted_system(
     app: App,
-    profile: RtsProfile,
+    document: Document,
     snapshot: Snapshot,
     *,
     stand_in: bool = False,
@@ -112,18 +88,23 @@ def wanted_system(
     mapped: tuple[str, ...] = (),
     known_types: Mapping[str, KnownType] | None = None,
 ) -> System:
-    """Return the wanted system; what had to be decided is told when verbose."""
+    """Return the wanted system; what had to be decided is told when verbose.
+
+    Raises:
+        InvalidDocument: What it says of a component makes no sense; names the line.
+    """
     from rtkit.deployment.wanted import wanted
 
-    system = wanted(
-        profile,
-        snapshot.host,
-        stand_in=stand_in,
-        transmit=transmit,
-        host_map=host_map(mapped),
-        known_types=known_types,
-        stand_ins={c.instance for c in snapshot.components if c.is_stand_in},
-    )
+    with document.naming():
+        system = wanted(
+            document.profile,
+            snapshot.host,
+            stand_in=stand_in,
+            transmit=transmit,
+            host_map=host_map(mapped),
+            known_types=known_types,
+            stand_ins={c.instance for c in snapshot.components if c.is_stand_in},
+        )
     for note in system.notes:
         app.tell(note)
     return system

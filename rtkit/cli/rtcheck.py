@@ -8,6 +8,7 @@ import click
 
 from rtkit.cli import _out, _static, _system
 from rtkit.cli._app import App, check_at_most_one, command
+from rtkit.cli._document import read_document
 from rtkit.errors import Refused, UsageProblem
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 
@@ -74,9 +75,9 @@ def main(
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import Live
 
-    profile = _system.read_profile(app, files, strict=strict)
+    document = read_document(app, files, strict=strict)
     snapshot = _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(app, profile, snapshot, mapped=mapped)
+    system = _system.wanted_system(app, document, snapshot, mapped=mapped)
     if dry_run:
         for line in check_lines(system, state):
             click.echo(line)

@@ -11,6 +11,8 @@ from rtkit.cli import _system
 from rtkit.cli._app import App, command
 from rtkit.errors import NotFound
 
+STDOUT = "-"
+
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
 
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 @click.option("-n", "--system-name", "name", default="RTSystem", help="Name of the system.")
 @click.option("-v", "--system-version", default="0", help="Version of the system.")
 @click.option("-e", "--vendor", default="Me", help="Who made the system.")
-@click.option("-o", "--output", default=_system.STDIN, metavar="FILE", help="Where to write it.")
+@click.option("-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it.")
 @_system.form_options(
     "Write", "; without one of these, as the name of FILE ends, else XML", "json", "yaml", "xml"
 )
@@ -78,7 +80,7 @@ def _tell_gaps(app: App, snapshot: Snapshot) -> None:
 
 
 def _write(data: bytes, output: str) -> None:
-    if output == _system.STDIN:
+    if output == STDOUT:
         sys.stdout.buffer.write(data)
         return
     import os

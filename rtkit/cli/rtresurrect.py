@@ -6,6 +6,7 @@ import click
 
 from rtkit.cli import _system
 from rtkit.cli._app import App, command
+from rtkit.cli._document import read_document
 from rtkit.errors import UsageProblem
 
 
@@ -50,25 +51,27 @@ def main(
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
-    profile = _system.read_profile(app, files, strict=strict)
+    document = read_document(app, files, strict=strict)
     if strict_path:
         from rtkit.deployment.strict_paths import check_paths
 
-        check_paths(profile)
+        with document.naming():
+            check_paths(document.profile)
     before = _system.look(app, dry_run=dry_run)
     system = _system.wanted_system(
         app,
-        profile,
+        document,
         before,
         stand_in=stand_in,
         transmit=transmit,
         mapped=mapped,
-        known_types=None if no_create or stand_in else known_types(profile, before),
+        known_types=None if no_create or stand_in else known_types(document.profile, before),
     )
-    if dry_run:
+    with document.naming():
+        if not dry_run:
+            resurrect(app.tree, system, before, _system.runner(app), may_create=not no_create)
+            return
         live = Live(before, system)
         creation = creation_plan(system, live, may_create=not no_create)
-        _system.show(creation)
-        _system.show(wiring_plan(system, live, creation.made))
-        return
-    resurrect(app.tree, system, before, _system.runner(app), may_create=not no_create)
+    _system.show(creation)
+    _system.show(wiring_plan(system, live, creation.made))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rtkit.cli import _starting, _system
 from rtkit.cli._app import App, command
+from rtkit.cli._document import read_document
 
 
 @command("rtstart")
@@ -31,13 +32,13 @@ def main(
     from rtkit.deployment.conditions import start_orders, stop_orders
     from rtkit.deployment.running import start_plan
 
-    profile = _system.read_profile(app, files, strict=strict)
-    with _starting.naming(files):
-        orders = start_orders(profile)
-        stop_orders(profile)  # what cannot be stopped as written is not started
+    document = read_document(app, files, strict=strict)
+    with document.naming():
+        orders = start_orders(document.profile)
+        stop_orders(document.profile)  # what cannot be stopped as written is not started
     _starting.run(
         app,
-        profile,
+        document,
         lambda system, live: start_plan(system, live, orders, wait=not no_wait),
         draws=draws,
         dry_run=dry_run,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rtkit.cli import _starting, _system
 from rtkit.cli._app import App, command
+from rtkit.cli._document import read_document
 from rtkit.errors import InvalidDocument
 
 
@@ -31,19 +32,19 @@ def main(
     from rtkit.deployment.conditions import NO_ORDERS, start_orders, stop_orders
     from rtkit.deployment.running import stop_plan
 
-    profile = _system.read_profile(app, files, strict=strict)
-    with _starting.naming(files):
-        orders = stop_orders(profile)
+    document = read_document(app, files, strict=strict)
+    with document.naming():
+        orders = stop_orders(document.profile)
     started = NO_ORDERS
     try:
         if not orders:
-            with _starting.naming(files):
-                started = start_orders(profile)
+            with document.naming():
+                started = start_orders(document.profile)
     except InvalidDocument as error:
         app.fail(f"{error}; stopped in reverse of the order of the components")
     _starting.run(
         app,
-        profile,
+        document,
         lambda system, live: stop_plan(system, live, orders, started=started, wait=not no_wait),
         draws=draws,
         dry_run=dry_run,

@@ -6,6 +6,7 @@ import click
 
 from rtkit.cli import _running, _system
 from rtkit.cli._app import App, command
+from rtkit.cli._document import read_document
 
 
 @command("rtteardown")
@@ -26,9 +27,9 @@ def main(
     from rtkit.deployment.live import Live
     from rtkit.deployment.running import left_now, teardown_plan
 
-    profile = _system.read_profile(app, files, strict=strict)
+    document = read_document(app, files, strict=strict)
     snapshot = _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(app, profile, snapshot, mapped=mapped)
+    system = _system.wanted_system(app, document, snapshot, mapped=mapped)
     plan = teardown_plan(system, Live(snapshot, system), ends_components=ends)
     if dry_run:
         _system.show(plan)

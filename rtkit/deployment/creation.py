@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterable, Iterator
 from rtkit.deployment.actions import Attach, Create, Load
 from rtkit.deployment.live import Live, mismatch
 from rtkit.deployment.plan import Check, Layer, Plan, Step, layer
-from rtkit.deployment.system import System, WantedComponent
-from rtkit.errors import NotFound
+from rtkit.deployment.system import BadComponent, System, WantedComponent
+from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import ModuleProfile
@@ -19,11 +19,14 @@ def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Pla
 
     Raises:
         NotFound: A component that is to be made names a host that nobody knows.
-        Malformed: A component that is to be made has a name that none may bear.
+        BadComponent: A component that is to be made has a name that none may bear.
     """
     missing = [c for c in system.components if may_create and _is_to_be_made(c, live)]
     for component in missing:
-        check_instance_name(component.instance)
+        try:
+            check_instance_name(component.instance)
+        except Malformed as error:
+            raise BadComponent(system.components.index(component), str(error)) from error
     pending = {c.instance for c in missing}
     unmakable = {c.instance for c in system.components if may_create and not _how(c, live)}
     return Plan(
@@ -59,7 +62,8 @@ def _attachments(system: System, live: Live) -> Iterator[Step]:
             if guest in driven.get(context, ()):
                 yield Step(text, None, holds=True)
             else:
-                yield Step(text, Attach(component.instance, context, guest))
+                attach = Attach(component.instance, context, guest)
+                yield Step(text, attach, where=component.path)
 
 
 def _members(create: str) -> list[str]:
@@ -175,4 +179,4 @@ def _creation(component: WantedComponent, live: Live) -> Step:
         where = "in a slave of its own"
     text = f'Create component "{component.id}", "{component.instance}" at path {component.path}'
     action = Create(create, (component.name,), component.pattern)
-    return Step(f"{text} {where}", action, component.is_required)
+    return Step(f"{text} {where}", action, component.is_required, where=component.path)

@@ -109,7 +109,7 @@ class Execution:
         self._over.add(turn.target)
         self._moved_at = now
         if not result.ok:
-            self._failed(turn, result.why)
+            self._failed(turn, turn.step.told(result.why))
 
     def cancel(self, why: str) -> None:
         """Begin nothing more; what was begun is still waited for."""

@@ -32,6 +32,7 @@ class Step:
         action: None when it cannot be done (see `blocked`), or need not be (see `holds`).
         blocked: Why it cannot be done, known beforehand.
         holds: What it wants is so already.
+        where: Path of the component, or paths of the ports, for messages.
     """
 
     text: str
@@ -39,6 +40,11 @@ class Step:
     is_required: bool = False
     blocked: str = ""
     holds: bool = False
+    where: str = ""
+
+    def told(self, why: str) -> str:
+        """Return why it failed, with where it was unless that is said already."""
+        return why if not self.where or self.where in why else f"{self.where}: {why}"
 
     @property
     def line(self) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from rtkit.deployment.actions import ChangeState, Delete, Disconnect
 from rtkit.deployment.conditions import NO_ORDERS, Orders, Target
 from rtkit.deployment.creation import absence, component_checks
@@ -44,11 +46,17 @@ def stop_plan(
 
 
 def teardown_plan(system: System, live: Live, *, ends_components: bool = False) -> Plan:
-    """Return the removal of every connection, and of the components in reverse order."""
+    """Return the removal of every connection, and of the components in reverse order.
+
+    Where the components end, that something is gone already is just what is wanted.
+    """
     ends = reversed(system.components) if ends_components else ()
+    removals = [_removal(wire, system, live) for wire in system.connectors]
+    if ends_components:
+        removals = [replace(step, blocked="", holds=step.action is None) for step in removals]
     return Plan(
         layers=(
-            *layer("disconnect", (_removal(wire, system, live) for wire in system.connectors)),
+            *layer("disconnect", removals),
             *layer("exit", (_end(component, live) for component in ends), is_ordered=True),
         )
     )
@@ -104,7 +112,7 @@ def _turn(
     action = None
     if not blocked:
         action = ChangeState(watched.instance, watched.context, transition, wait)
-    step = Step(text, action, is_required, blocked)
+    step = Step(text, action, is_required, blocked, where=component.path)
     return Turn(Target(component.instance, number), name, watched, step)
 
 
@@ -123,6 +131,6 @@ def _end(component: WantedComponent, live: Live) -> Step:
     text = f'Exit component "{component.id}", "{component.instance}" at path {component.path}'
     entry = live.entry(component.instance)
     if entry is None:
-        return Step(text, None, blocked=f"Component missing: {component.path}")
+        return Step(text, None, holds=True)
     blocked = mismatch(component, entry)
     return Step(text, None if blocked else Delete(entry.instance), blocked=blocked)

@@ -5,11 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from rtkit.errors import Malformed
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 
 HIDDEN = "__"
 """Configuration sets whose names begin so hold hints about parameters, not their values."""
+
+
+class BadComponent(Malformed):
+    """What a profile says of a component makes no sense.
+
+    Attributes:
+        position: Of the component within the profile, from 0.
+    """
+
+    def __init__(self, position: int, message: str) -> None:
+        super().__init__(message)
+        self.position = position
 
 
 @dataclass(frozen=True, slots=True)

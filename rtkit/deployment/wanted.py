@@ -24,7 +24,13 @@ from rtkit.deployment.described import (
 from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.port_types import settle_types
-from rtkit.deployment.system import KnownType, System, WantedComponent, WantedConnector
+from rtkit.deployment.system import (
+    BadComponent,
+    KnownType,
+    System,
+    WantedComponent,
+    WantedConnector,
+)
 from rtkit.errors import Malformed
 from rtkit.profile.common import Property
 from rtkit.profile.rts_model import (
@@ -84,7 +90,8 @@ def wanted(
         stand_ins: Instances that are stand-ins, also after their process died.
 
     Raises:
-        Malformed: Two components of one name, or a property of rtkit that cannot be read.
+        BadComponent: Two components of one name, or a property of rtkit that cannot be read.
+        Malformed: A host is mapped to one that nobody knows.
     """
     hosts = Hosts(hostname, host_map or {}, stand_in)
     check_map(hosts)
@@ -106,8 +113,12 @@ def _components(
     wiring = _wiring(profile)
     notes: list[str] = []
     components: dict[str, WantedComponent] = {}
-    for each in profile.components:
-        made, note = _component(each, wiring, choices, {c.name for c in components.values()})
+    for position, each in enumerate(profile.components):
+        taken = {c.name for c in components.values()}
+        try:
+            made, note = _component(each, wiring, choices, taken)
+        except Malformed as error:
+            raise BadComponent(position, str(error)) from error
         components[made.instance] = made
         notes += [note] if note else []
     return components, notes
@@ -115,11 +126,12 @@ def _components(
 
 def _check_instances(components: Iterable[Component]) -> None:
     seen: set[str] = set()
-    for component in components:
+    for position, component in enumerate(components):
         if component.instance_name in seen:
-            raise Malformed(
+            raise BadComponent(
+                position,
                 f"two components are named {component.instance_name};"
-                " instance names must differ within one manager"
+                " instance names must differ within one manager",
             )
         seen.add(component.instance_name)
 

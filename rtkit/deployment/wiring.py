@@ -72,7 +72,7 @@ def _connection(
     is_free = not {end.instance for end in wire.ports} & set(pending)
     holds = not blocked and is_free and is_same_wire(live.wire(wire.connector_id), wire)
     action = None if blocked or holds else Connect(wire)
-    return Step(text, action, wanted.is_required, blocked, holds)
+    return Step(text, action, wanted.is_required, blocked, holds, f"{source} to {target}")
 
 
 def _parameters(component: WantedComponent, live: Live, pending: Collection[str]) -> Iterator[Step]:
@@ -92,21 +92,23 @@ def _parameters(component: WantedComponent, live: Live, pending: Collection[str]
                 action = (
                     None if made_so else SetParameters(component.instance, set_id, {name: value})
                 )
-                yield Step(text, action, holds=made_so)
+                yield Step(text, action, holds=made_so, where=component.path)
             elif away or facts is None:
                 yield Step(text, None, blocked=away)
             else:
-                yield _parameter(text, facts, set_id, name, value)
+                wanted = SetParameters(facts.instance, set_id, {name: value})
+                yield _parameter(text, facts, wanted, component.path)
 
 
-def _parameter(text: str, facts: ComponentFacts, set_id: str, name: str, value: str) -> Step:
-    present = facts.sets.get(set_id)
+def _parameter(text: str, facts: ComponentFacts, wanted: SetParameters, path: str) -> Step:
+    ((name, value),) = wanted.values.items()
+    present = facts.sets.get(wanted.set_id)
     if present is None or name not in present:
-        what = f"parameter: {name}" if present is not None else f"set: {set_id}"
-        return Step(text, None, blocked=f"No such configuration {what} ({facts.instance})")
+        what = f"parameter: {name}" if present is not None else f"set: {wanted.set_id}"
+        return Step(text, None, blocked=f"No such configuration {what} (on {path})")
     if present[name] == value:
         return Step(text, None, holds=True)
-    return Step(text, SetParameters(facts.instance, set_id, {name: value}))
+    return Step(text, wanted, where=path)
 
 
 def _active_set(component: WantedComponent, live: Live, pending: Collection[str]) -> Iterator[Step]:
@@ -119,9 +121,10 @@ def _active_set(component: WantedComponent, live: Live, pending: Collection[str]
     action = ActivateSet(component.instance, component.active_set)
     if component.instance in pending:
         made_so = component.pattern is not None
-        yield Step(text, None if made_so else action, holds=made_so)
+        yield Step(text, None if made_so else action, holds=made_so, where=component.path)
         return
     away = absence(component, live)
     facts = live.at(component.instance)
     holds = facts is not None and not away and facts.active_set == component.active_set
-    yield Step(text, None if away or holds else action, blocked=away, holds=holds)
+    todo = None if away or holds else action
+    yield Step(text, todo, blocked=away, holds=holds, where=component.path)

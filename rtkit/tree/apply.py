@@ -84,12 +84,14 @@ class Runner:
             if result.ok:
                 self.done += together
             elif any(step.is_required for step in together):
-                failures.append(result.why)
+                failures.append(together[0].told(result.why))
             else:
-                self._failed(together, result.why)
+                self._failed(together, together[0].told(result.why))
         if failures:
-            more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
-            raise Refused(f"Required action failed: {failures[0]}{more}")
+            *others, last = failures
+            for why in others:
+                self._report(f"Required action failed: {why}")
+            raise Refused(f"Required action failed: {last}")
 
     def _run_in_order(self, layer: Layer) -> None:
         for step in layer.steps:
@@ -102,7 +104,7 @@ class Runner:
             if result.ok:
                 self.done.append(step)
             else:
-                self._failed([step], result.why)
+                self._failed([step], step.told(result.why))
 
     def _failed(self, steps: Iterable[Step], why: str) -> None:
         if any(step.is_required for step in steps):

@@ -222,7 +222,7 @@ def test_a_component_killed_while_others_wait_for_it_is_named(manager: Any) -> N
     status, err = end(command)
     assert status == 1
     assert err.splitlines() == [
-        "rtstart: Action failed: slave slaveA ended: signal 9",
+        "rtstart: Action failed: /localhost/A.rtc: slave slaveA ended: signal 9",
         "rtstart: Error executing plan: Preceding condition timed out: action {2} waited 200ms for:"
         " Sync to /localhost/A.rtc (it is zombie (signal 9)); not run: {2}, {3}; active now: none",
     ]

@@ -243,7 +243,7 @@ def test_a_preceding_condition_that_is_not_met_in_time(run: Run, file: Any, worl
     status, out, err = run("rtstart", path)
     assert (status, out) == (1, "")
     assert err.splitlines()[2:] == [
-        "rtstart: Action failed: no luck",
+        "rtstart: Action failed: A.rtc: no luck",
         f"Executing {{2}} Activate C.rtc {EC} (Required)",
         "rtstart: Error executing plan: Preceding condition timed out: action {3} waited 10ms for:"
         " Sync to A.rtc (it is zombie (signal 9)); not run: {3}, {4}; active now: C.rtc",
@@ -268,7 +268,7 @@ def test_a_required_failure_cancels_the_rest(run: Run, file: Any, world: World) 
     status, _, err = run("rtstart", file(*FOUR_KINDS))
     assert status == 1
     last = err.splitlines()[-1]
-    assert last.startswith("rtstart: Required action failed: no luck; ")
+    assert last.startswith("rtstart: Required action failed: B.rtc: no luck; ")
     assert last.endswith("active now: A.rtc, C.rtc, D.rtc")
 
 

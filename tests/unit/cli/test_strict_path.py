@@ -36,8 +36,8 @@ def test_another_path_is_refused_before_anything_is_done(
     assert text.count(told) == 1
     saved.write_text(text.replace(told, 'rtsExt:value="elsewhere/Output0.rtc"'))
     why = (
-        "rtresurrect: connector wire: COMPONENT_PATH_ID of Output0 is elsewhere/Output0.rtc,"
-        " but its path is localhost/local.host_cxt/Output0.rtc\n"
+        f"rtresurrect: {saved}: connector wire: COMPONENT_PATH_ID of Output0"
+        " is elsewhere/Output0.rtc, but its path is localhost/local.host_cxt/Output0.rtc\n"
     )
     assert run(f"rtresurrect --strict-path {saved}") == (1, "", why)
     assert run(f"rtresurrect --exit-detail --strict-path {saved}").status == 3

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -242,7 +243,8 @@ def test_known_component_profiles_tell_how(run, tmp_path, world, monkeypatch):
     assert run("rtresurrect", str(path)) == (
         0,
         "",
-        "rtresurrect: Action failed: No such configuration parameter: gain (Sensor0)\n",
+        "rtresurrect: Action failed: No such configuration parameter: gain"
+        " (on /localhost/Sensor0.rtc)\n",
     )
     assert [type(action) for action in world.performed] == [act.Load, act.Create]
 
@@ -292,7 +294,8 @@ def test_nothing_half_made(run, file, world):
     assert run("rtresurrect", file(sink="Nobody")) == (
         1,
         "",
-        "rtresurrect: Required action failed: no component type Nobody; removed again: Source0\n",
+        f"rtresurrect: Required action failed: {SINK}: no component type Nobody;"
+        " removed again: Source0\n",
     )
     assert world.snapshot() == before
 
@@ -301,7 +304,7 @@ def test_optional_failures_are_told_and_forgiven(run, file, world):
     status, out, err = run("rtresurrect", file(sink="Nobody", required="false"))
     assert (status, out) == (0, "")
     assert err.splitlines() == [
-        "rtresurrect: Action failed: no component type Nobody",
+        f"rtresurrect: Action failed: {SINK}: no component type Nobody",
         f"rtresurrect: Action failed: Destination component missing: {SINK}",
         f"rtresurrect: Action failed: Component missing: {SINK}",
     ]
@@ -315,13 +318,14 @@ def test_start_tells_the_truth(run, file, world):
     status, out, err = run("rtstart", path)
     assert (status, out) == (1, "")
     assert err == START + (
-        "rtstart: Required action failed: precondition not met (state is Error);"
+        f"rtstart: Required action failed: {SINK}: precondition not met (state is Error);"
         f" active now: {SOURCE}\n"
     )
     run("rtstop", path)
     status, out, err = run("rtstop", path)
     assert (status, out) == (0, "")
-    assert err.splitlines()[1] == "rtstop: Action failed: precondition not met (state is Error)"
+    told = f"rtstop: Action failed: {SINK}: precondition not met (state is Error)"
+    assert err.splitlines()[1] == told
 
 
 def test_start_and_stop_may_not_wait(run, file, world):
@@ -523,7 +527,8 @@ def test_a_manager_that_goes_away(run, file, world):
     world.fault = lambda action: lost if isinstance(action, act.Connect) else None
     status, _, err = run("rtresurrect", file())
     assert status == 1
-    assert "Required action failed: slave s ended: signal 9; removed again" in err
+    where = f"{SOURCE}:out to {SINK}:in"
+    assert f"Required action failed: {where}: slave s ended: signal 9; removed again" in err
 
 
 def test_notes_only_when_verbose(run, file, world):
@@ -536,3 +541,40 @@ def test_notes_only_when_verbose(run, file, world):
         "exit: 2 of 2 to be done",
     ]
     assert run("rtresurrect", "--strict", file())[0] == 1
+
+
+def test_what_makes_no_sense_is_named_with_its_line(run, tmp_path, world):
+    kinds = {"port": "out", "required": "true", "host": "localhost", "create": ""}
+    component = " ".join(COMPONENT.format(kind="Source", **kinds).split())
+    other = component.replace("RTC:Me:test:Source", "RTC:Me:test:Other")
+    path = tmp_path / "twice.xml"
+    text = PROFILE.format(components=f"{component}\n{other}", connectors="")
+    path.write_text(text, encoding="utf-8")
+    line = text[: text.index(other)].count("\n") + 1
+    why = "two components are named Source0; instance names must differ within one manager"
+    for command in ("rtresurrect", "rtstart", "rtcheck", "rtteardown"):
+        assert run(command, str(path)) == (1, "", f"{command}: {path}:{line}: {why}\n")
+        assert run(command, "--exit-detail", str(path))[0] == 3
+    assert world.performed == []
+
+
+def test_each_problem_of_a_profile_is_a_line(run, file):
+    path = Path(file())
+    text = path.read_text(encoding="utf-8").replace('isRequired="true"', 'isRequired="maybe"')
+    path.write_text(text, encoding="utf-8")
+    status, _, err = run("rtcheck", str(path))
+    lines = err.splitlines()
+    assert (status, len(lines)) == (1, 2)
+    assert all(line.startswith(f"rtcheck: {path}:") for line in lines)
+
+
+def test_names_that_none_may_bear_are_named_with_their_line(run, tmp_path):
+    kinds = {"port": "out", "required": "true", "host": "localhost"}
+    component = COMPONENT.format(kind="Source", create=CREATE.format(kind="Source"), **kinds)
+    text = PROFILE.format(components=component, connectors="")
+    path = tmp_path / "star.xml"
+    path.write_text(text.replace('instanceName="Source0"', 'instanceName="*S"'), encoding="utf-8")
+    status, _, err = run("rtresurrect", str(path))
+    assert status == 1
+    assert err.startswith(f"rtresurrect: {path}:")
+    assert err.endswith(": instance name begins with *, the mark of zombies: *S\n")

@@ -306,7 +306,7 @@ def test_a_required_failure_ends_the_plan(begin, make):
     clock.go()
     assert clock.go(0.005) == "2"
     clock.reply("2", NO)
-    assert clock.execution.failure == "Required action failed: no luck"
+    assert clock.execution.failure == "Required action failed: /localhost/Sink2.rtc: no luck"
     assert (clock.go(1), clock.reports) == ("", [])
     assert clock.execution.is_over
 
@@ -315,7 +315,7 @@ def test_an_optional_failure_is_told_and_the_plan_goes_on(begin, make):
     clock = begin(3, make.entry("Sink2", after="Sink0", timing="ASYNC"), optional="Sink0")
     clock.go()
     clock.reply("0", NO)
-    assert clock.reports == ["Action failed: no luck"]
+    assert clock.reports == ["Action failed: /localhost/Sink0.rtc: no luck"]
     assert clock.go() == "1"
     clock.reply("1")
     assert clock.go() == "2"

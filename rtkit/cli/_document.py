@@ -1,0 +1,78 @@
+"""A system profile as the command line names it, and where in it stands what makes no sense."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rtkit.cli._app import App, check_at_most_one
+from rtkit.errors import InvalidDocument
+
+if TYPE_CHECKING:
+    from rtkit.profile.rts_model import RtsProfile
+
+STDIN = "-"
+
+
+class Document(NamedTuple):
+    """A system profile, and the text that it was read from.
+
+    Attributes:
+        source: Names it in messages.
+        form: As the command line says; None if it does not.
+    """
+
+    profile: RtsProfile
+    data: bytes
+    source: str
+    form: str | None
+
+    @contextmanager
+    def naming(self) -> Iterator[None]:
+        """Name the file, and the line of the component, in what is found wrong with the profile.
+
+        Raises:
+            InvalidDocument: What was raised inside.
+        """
+        from rtkit.deployment.system import BadComponent
+
+        try:
+            yield
+        except BadComponent as error:
+            where = f"{self.source}:{self._line(error.position)}"
+            raise InvalidDocument(f"{where}: {error}") from error
+        except InvalidDocument as error:
+            raise InvalidDocument(f"{self.source}: {error}") from error
+
+    def _line(self, position: int) -> int:
+        """Return the line in which the component at a position begins."""
+        from rtkit.profile.read import as_it_stands
+        from rtkit.profile.xmlnames import clark
+
+        root: Any = as_it_stands(self.data, self.source, self.form, "rts")[0]
+        found = root.findall(clark("rts:Components"))
+        element = found[position] if position < len(found) else root
+        return int(element.sourceline or 1)
+
+
+def read_document(app: App, files: tuple[str, ...], *, strict: bool) -> Document:
+    """Read the system profile that was named, or stdin; tell repairs when verbose.
+
+    Raises:
+        NotFound: The file cannot be read.
+        InvalidDocument: It is no system profile.
+    """
+    from rtkit.profile import read
+    from rtkit.profile.parse import MAX_BYTES
+
+    check_at_most_one(files, "file")
+    if files and files[0] != STDIN:
+        source, data = files[0], read.read_bytes(files[0])
+    else:
+        source, data = read.STDIN, sys.stdin.buffer.read(MAX_BYTES + 1)
+    reading = read.read_rts(data, source, form=app.form, strict=strict)
+    for note in reading.notes:
+        app.tell(f"{source}:{note.line}: {note.text}")
+    return Document(reading.profile, data, source, app.form)
