@@ -72,7 +72,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtdis -i range /localhost/Sensor0.rtc:range", "Only the one of that id."),
         ("rtdis Sensor0.rtc:range Control0.rtc:range", "Those between two ports."),
     ),
-    "rtexit": (("rtexit /localhost/Robot0.rtc", "End a component; its name goes with it."),),
+    "rtexit": (
+        ("rtexit /localhost/Robot0.rtc", "End a component; its name goes with it."),
+        ("rtexit --force /localhost/Robot0.rtc", "End it though it hangs, with its slave."),
+        ("rtexit /localhost/manager.mgr/arm.mgr", "End a slave with all that it holds."),
+    ),
     "rtfind": (
         ("rtfind / -t c -n 'Motor*.rtc'", "All components whose name begins with Motor."),
         ("rtfind /localhost -t z", "All zombies of this host."),

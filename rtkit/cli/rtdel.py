@@ -36,7 +36,7 @@ def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:
 
     Only the name goes: a component lives on, and is found below its manager; a manager too, and
     answers at its direct address. Of a directory all names in it are removed. With its last name
-    a zombie is forgotten.
+    a zombie is forgotten. Components are ended by rtexit, those that hang by rtexit --force.
     """
     check_at_most_one(paths, "path")
     if paths:

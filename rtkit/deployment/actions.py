@@ -46,9 +46,27 @@ class Create:
 
 @dataclass(frozen=True, slots=True)
 class Delete:
-    """Finalise a component and forget it, with its connections and names."""
+    """Finalise a component and forget it, with its connections and names.
+
+    Attributes:
+        is_forced: End the slave that holds it if it does not end by itself; what else was in it
+            is the value of the result, and shown as zombies.
+    """
 
     instance: str
+    is_forced: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class EndSlave:
+    """End a slave with all components in it.
+
+    Attributes:
+        is_forced: At once, however its components are, instead of each in order.
+    """
+
+    name: str
+    is_forced: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +185,7 @@ Action = (
     | Unload
     | Create
     | Delete
+    | EndSlave
     | Unregister
     | Connect
     | Disconnect

@@ -145,6 +145,8 @@ class World:
                 return self._create(action)
             case act.Delete(instance):
                 self._delete(instance)
+            case act.EndSlave(name):
+                self._end_slave(name)
             case act.Unregister():
                 self._unregister(action)
             case act.Connect(connector):
@@ -246,6 +248,16 @@ class World:
         self.components |= composites.parted(self.components, instance)
         self._unwire(instance)
         self._retire(known.process)
+
+    def _end_slave(self, name: str) -> None:
+        known = self.processes.get(name)
+        if known is None:
+            raise NotFound(f"no slave named {name}")
+        if known.state == "lost":
+            raise Refused(f"slave {name} has ended already: {known.reason}")
+        for instance in [c.instance for c in self.components.values() if c.process == name]:
+            self._delete(instance)
+        self.processes.pop(name, None)
 
     def _unwire(self, instance: str) -> None:
         self.connectors = {

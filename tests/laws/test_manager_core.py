@@ -50,7 +50,8 @@ instances = st.sampled_from((*INSTANCES, "Thing0"))
 actions = st.one_of(
     creates,
     creates,
-    instances.map(act.Delete),
+    st.builds(act.Delete, instances, st.booleans()),
+    st.builds(act.EndSlave, st.sampled_from(["s", "t", "manager", "no"]), st.booleans()),
     st.sampled_from(WIRES).map(act.Connect),
     st.sampled_from(["v", "w"]).map(act.Disconnect),
     instances.map(lambda instance: act.ChangeState(instance, "0", Transition.ACTIVATE)),

@@ -41,7 +41,7 @@ from rtkit.manager.core.events import (
 )
 from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.state import Process, State
-from rtkit.manager.core.stopping import FINALISE_S, retire, stop_everything
+from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.watching import Watchers
 from rtkit.manager.core.wishes import Need, Procedure
@@ -211,10 +211,14 @@ class Core:
             raise Malformed(f"unknown report from {process.name}: {sorted(map(str, message))}")
 
     def _gone(self, process: Process, instance: object) -> None:
-        if isinstance(instance, str) and self.state.holders.get(instance) == process.key:
+        if not isinstance(instance, str):
+            return
+        if self.state.holders.get(instance) == process.key:
             for wire in self.state.connectors_of(instance):
                 self._cut(wire)
             self.state.forget(instance)
+        if instance not in self.state.ending and not self._is_stopping:
+            self._tasks.begin(retire(self.state, process), TERM_S)
 
     def _forked(self, key: int, pid: int) -> None:
         process = self.state.processes.get(key)
@@ -268,7 +272,7 @@ class Core:
         process = self.state.processes.get(key)
         if process is None or not process.is_alive:
             return
-        process.state, process.reason, process.last = "lost", reason, last
+        process.state, process.reason, process.last = "lost", process.verdict or reason, last
         self.state.drop_loose(key)
         self._bury(process)
         self.state.drop_if_empty(key)
@@ -278,7 +282,7 @@ class Core:
         for instance in self.state.held_by(process.key):
             for wire in self.state.connectors_of(instance):
                 self._cut(wire)
-            if process.is_wanted and not process.is_guest:
+            if (process.is_wanted or process.verdict) and not process.is_guest:
                 self.state.drop_connectors(instance)
                 self.state.update(instance, zombie=process.reason, trouble="")
             else:

@@ -17,23 +17,21 @@ from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
+from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS, Message
 from rtkit.manager.core.naming import remember, unregister
 from rtkit.manager.core.registration import check_free, early_names, late_names
 from rtkit.manager.core.state import Claim, Process, State
-from rtkit.manager.core.stopping import retire
+from rtkit.manager.core.stopping import end_slaves, grace_s, retire
 from rtkit.manager.core.transitions import change_state
 from rtkit.manager.core.trial import try_module
-from rtkit.manager.core.wiring import connect, cut, disconnect, living, unwire
+from rtkit.manager.core.wiring import connect, cut, disconnect, living
 from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell, Wish
 from rtkit.manager.settings.values import DEFAULT_PORT
 from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
-from rtkit.rtc.names import check_instance_name, is_local_host
+from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name, is_local_host
 from rtkit.rtc.plain import encode
-
-_PART_S = 1.0
-"""How long the end of a component waits for who is connected with it [s]."""
 
 _OPERATIONS = {
     act.SetRate: "set_rate",
@@ -53,7 +51,9 @@ def procedure_for(action: Action, state: State) -> Procedure:
         case act.Create():
             return _create(state, action)
         case act.Delete():
-            return _delete(state, action)
+            return delete(state, action)
+        case act.EndSlave():
+            return end_slave(state, action)
         case act.Unregister():
             return unregister(state, action)
         case act.Connect():
@@ -130,15 +130,17 @@ def _create(state: State, action: act.Create) -> Procedure:
     create = _in_language(state, create)
     instance, claim = _claim(state, action, create, known)
     try:
-        process = yield from _place(state, create)
+        process = yield from _place(state, claim, create)
         claim.key = process.key
         made = yield from _make(state, process, action, create.with_options(instance_name=instance))
         names = claim.names
         if claim.is_by_template:
             names = (*names, *late_names(state, create, instance))
-    except RtkitError:
+    except RtkitError as error:
         del state.claims[instance]
-        yield Later(_unmake(state, claim.key, instance, known))
+        yield Later(_unmake(state, claim, instance, known))
+        if isinstance(error, Unreachable):
+            raise _consequence(state, claim, instance, error) from error
         raise
     finally:
         state.claims.pop(instance, None)
@@ -206,7 +208,7 @@ def _free_name(state: State, action: act.Create, create: CreateString) -> str:
     )
 
 
-def _place(state: State, create: CreateString) -> Generator[Need, Any, Process]:
+def _place(state: State, claim: Claim, create: CreateString) -> Generator[Need, Any, Process]:
     home = process_of_members(state, create)
     if home is not None:
         return home
@@ -215,6 +217,8 @@ def _place(state: State, create: CreateString) -> Generator[Need, Any, Process]:
         return state.processes[OWN_PROCESS]
     if name != FRESH_SLAVE:
         check_instance_name(name)
+    known = None if name == FRESH_SLAVE else state.living_process(name)
+    claim.is_in_new_slave = known is None or known.state == "starting"
     process: Process = yield Need(name)
     return process
 
@@ -288,50 +292,35 @@ def _modules_for(state: State, create: CreateString) -> list[list[str]]:
     ]
 
 
-def _unmake(state: State, key: int, instance: str, before: ComponentFacts | None) -> Procedure:
-    """Leave nothing of a component that could not be made; a zombie stays the zombie it was."""
+def _unmake(state: State, claim: Claim, instance: str, before: ComponentFacts | None) -> Procedure:
+    """Leave nothing of a component that could not be made; a zombie stays the zombie it was.
+
+    A slave that was started for it ends too, one that was there before does not.
+    """
     if state.components.get(instance) is not before:
         for wire in state.connectors_of(instance):
             yield from cut(state, wire)
         state.forget(instance)
-    process = state.processes.get(key)
+    process = state.processes.get(claim.key)
     if process is not None and process.is_ready:
         yield Tell(process, {"op": "delete", "instance": instance})
-        yield from retire(state, process)
+        if claim.is_in_new_slave and not state.is_needed(process.key):
+            yield from end_slaves([process], grace_s(state))
+        else:
+            yield from retire(state, process)
     return Result()
 
 
-def _delete(state: State, action: act.Delete) -> Procedure:
-    instance = action.instance
-    facts = state.components.get(instance)
-    process = state.process_of(instance)
-    if facts is None or process is None:
-        raise NotFound(f"no component named {instance}")
-    if instance in state.ending:
-        raise Refused(f"{instance} is just being deleted")
-    if process.unfit and not facts.zombie:
-        raise Unreachable(process.unfit)
-    state.ending.add(instance)
-    try:
-        yield from _finalise(state, process, instance)
-    finally:
-        state.ending.discard(instance)
-    state.forget(instance)
-    yield from retire(state, process)
-    return Result()
-
-
-def _finalise(state: State, process: Process, instance: str) -> Procedure:
-    is_late = False
-    for wire in state.connectors_of(instance):
-        try:
-            yield from (cut(state, wire) if is_late else unwire(state, wire, _PART_S))
-        except Unreachable:
-            is_late = True  # the other end does it when it can: that is no obstacle here
-    state.drop_connectors(instance)
-    if process.is_alive:
-        try:
-            yield Ask(process, {"op": "delete", "instance": instance})
-        except NotFound:
-            return Result()  # an earlier request that was given up has come through
-    return Result()
+def _consequence(state: State, claim: Claim, instance: str, error: Unreachable) -> Unreachable:
+    """Return an error with what becomes of the process in which a component hangs at its making."""
+    process = state.processes.get(claim.key)
+    if process is None or not process.is_alive or instance not in process.stuck:
+        return error
+    if claim.is_in_new_slave and not state.is_needed(process.key):
+        return Unreachable(f"{error}; slave {process.name}, started for it, is ended")
+    if process.key == OWN_PROCESS:
+        whose, end = "the manager's own process", "only rtmgr restart or rtmgr stop ends it"
+    else:
+        path = f"/{state.names[0]}/{process.name}{MANAGER_SUFFIX}" if state.names else process.name
+        whose, end = f"slave {process.name}", f"rtexit --force {path} ends it"
+    return Unreachable(f"{error}; {whose} makes and ends nothing else until that returns; {end}")

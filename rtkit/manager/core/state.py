@@ -21,6 +21,7 @@ class Process:
         state: ``starting``, ``up``, ``stopped`` or ``lost``.
         reason: Why it is lost.
         last: What it said before it was lost.
+        verdict: Why it is ended though what it holds is wanted; that counts more than how.
         is_wanted: False once it was told to end.
         is_guest: It came by itself with components of its own and ends by itself.
         is_trial: It only tries whether a module can be imported, and is not shown.
@@ -34,6 +35,7 @@ class Process:
     state: str = "starting"
     reason: str = ""
     last: str = ""
+    verdict: str = ""
     is_wanted: bool = True
     is_guest: bool = False
     is_trial: bool = False
@@ -76,11 +78,13 @@ class Claim:
 
     Attributes:
         is_by_template: Nobody asked for these names; once it is made there may be more.
+        is_in_new_slave: Its process is a slave that was started for it.
     """
 
     names: tuple[str, ...]
     key: int = NOWHERE
     is_by_template: bool = False
+    is_in_new_slave: bool = False
 
 
 @dataclass(slots=True)

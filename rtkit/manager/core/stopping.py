@@ -22,11 +22,12 @@ def retire(state: State, process: Process) -> Procedure:
     """End a slave that holds nothing any more (``manager.shutdown_on_nortcs``)."""
     may_end = state.settings.flag("manager.shutdown_on_nortcs")
     if may_end and process.is_slave and process.is_ready and not state.is_needed(process.key):
-        yield from end_slaves([process], _term_s(state))
+        yield from end_slaves([process], grace_s(state))
     return Result()
 
 
-def _term_s(state: State) -> float:
+def grace_s(state: State) -> float:
+    """Return the grace between TERM and KILL that the manager's properties say [s]."""
     return state.settings.number("manager.termination_waittime")
 
 
@@ -81,5 +82,5 @@ def stop_everything(state: State) -> Procedure:
             if process.is_slave and not state.held_by(process.key):
                 yield from _terminate(process)  # it ends while others still finalise
     slaves = [p for p in state.processes.values() if p.is_slave and p.is_alive]
-    yield from end_slaves(slaves, _term_s(state))
+    yield from end_slaves(slaves, grace_s(state))
     return Result()

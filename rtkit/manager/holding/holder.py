@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import os
 import queue
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
@@ -40,6 +41,8 @@ from rtkit.rtc.plain import decode, encode
 _log = logging.getLogger(__name__)
 _CLOSE = object()
 _DEACTIVATE_S = 2.0
+_WIND_UP_S = 1.0
+"""How long all callbacks have to come back when the process ends: half of what it has [s]."""
 
 
 class Holder:
@@ -110,11 +113,24 @@ class Holder:
                     self._serve(item)
             except Exception:
                 _log.exception("holder failed at %r", item)
-        for pacer in self._pacers.values():
-            pacer.close(_DEACTIVATE_S)
-        for instance in reversed(list(self._components)):
-            self._end(instance)
+        self._wind_up()
         self._wires.close()
+
+    def _wind_up(self) -> None:
+        """Finalise every component but those of which a callback does not come back."""
+        for pacer in self._pacers.values():
+            pacer.stop()
+        until = time.monotonic() + _WIND_UP_S
+        hung = {
+            instance
+            for (instance, _), pacer in self._pacers.items()
+            if not pacer.close(max(0.0, until - time.monotonic()))
+        }
+        for instance in reversed(list(self._components)):
+            if instance in hung:
+                _log.error("%s is not finalised: a callback of it does not come back", instance)
+            else:
+                self._end(instance)
 
     def _serve(self, message: Message) -> None:
         operation = self._operations.get(message.get("op", ""))

@@ -33,12 +33,16 @@ class Pacer:
                 self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
                 self._thread.start()
 
-    def close(self, timeout_s: float) -> bool:
-        """Let the thread end after its present tick; False if it does not within `timeout_s`."""
+    def stop(self) -> None:
+        """Have the thread end after its present tick, and none begin."""
         with self._lock:
             self._is_closed = True
-            thread = self._thread
         self._alarm.set()
+
+    def close(self, timeout_s: float) -> bool:
+        """Let the thread end after its present tick; False if it does not within `timeout_s`."""
+        self.stop()
+        thread = self._thread
         if thread is None or thread is threading.current_thread():
             return True
         thread.join(timeout_s)

@@ -127,7 +127,7 @@ def test_a_fault_of_a_procedure_is_told_and_ends_nothing_else(shell, monkeypatch
         raise ZeroDivisionError("oops")
         yield
 
-    monkeypatch.setattr(procedures, "_delete", broken)
+    monkeypatch.setattr(procedures, "delete", broken)
     asked = shell.ask(Delete("A"), Create("Thing"), ordered=False)
     shell.serve()
     assert [result.why for result in asked.results] == ["ZeroDivisionError: oops", ""]
