@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli._known import SEARCH_PATH
-from rtkit.errors import NotFound
+from rtkit.errors import NotFound, RtkitError
 
 if TYPE_CHECKING:
     from rtkit.statics.stock import Document
 
 MODULE_PATH = "RTKIT_MODULE_PATH"
+_LOAD_PATHS = ("manager.modules.load_path", "manager.modules.Python.load_paths")
 _MODULE = ".py"
 _USUAL = "RTC"
 _MOST = 16 * 2**20
 
 
-def documents(paths: Sequence[str]) -> Iterator[Document]:
+def documents(paths: Sequence[str], tell: Callable[[str], object]) -> Iterator[Document]:
     """Yield what may be RTC profiles, each file once: first what was named, last what is shipped.
 
     Folders that were named are looked through with all that is below them. No code is run:
-    of a module only a file beside it counts, of the same name or ``RTC.xml``.
+    of a module only a file beside it counts, of the same name or ``RTC.xml``. Modules are looked
+    for where a manager that is started here would. `tell` hears of places that cannot be known.
 
     Raises:
         NotFound: A file or folder that was named cannot be read.
@@ -30,7 +32,7 @@ def documents(paths: Sequence[str]) -> Iterator[Document]:
     from rtkit.statics.stock import Document, may_be_profile
 
     seen: set[str] = set()
-    for path, is_named in _candidates(paths):
+    for path, is_named in _candidates(paths, tell):
         real = os.path.realpath(path)
         if real in seen:
             continue
@@ -45,7 +47,7 @@ def documents(paths: Sequence[str]) -> Iterator[Document]:
                 raise NotFound(f"cannot read {path}: {error.strerror}") from error
 
 
-def _candidates(paths: Sequence[str]) -> Iterator[tuple[str, bool]]:
+def _candidates(paths: Sequence[str], tell: Callable[[str], object]) -> Iterator[tuple[str, bool]]:
     from rtkit.resources import resource
 
     for path in paths:
@@ -55,10 +57,22 @@ def _candidates(paths: Sequence[str]) -> Iterator[tuple[str, bool]]:
             yield path, True
     for folder in _listed(SEARCH_PATH):
         yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
-    for folder in (os.curdir, *_listed(MODULE_PATH)):
+    for folder in (os.curdir, *_load_path(tell), *_listed(MODULE_PATH)):
         yield from ((file, False) for file in _beside_modules(folder))
     shipped = resource("profiles")
     yield from ((os.path.join(shipped, name), False) for name in _profiles(shipped))
+
+
+def _load_path(tell: Callable[[str], object]) -> list[str]:
+    """Return the folders of modules that the ``rtc.conf`` found here names."""
+    from rtkit.manager.settings.configuration import Wanted, read
+
+    try:
+        settings = read(Wanted()).settings
+    except RtkitError as error:
+        tell(f"load paths are not known: {error}")
+        return []
+    return [folder for key in _LOAD_PATHS for folder in settings.items(key)]
 
 
 def _listed(variable: str) -> list[str]:

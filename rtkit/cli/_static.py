@@ -114,7 +114,7 @@ def _checked(
             systems.append(opened(source.data, source.name, form=app.form, strict=options.strict))
     types = {name for each in systems if isinstance(each, Opened) for name in each.types}
     components = [*components, *(each.name for each in others)]
-    catalogue, troubles = stocked(documents(components), types, options)
+    catalogue, troubles = stocked(documents(components, app.tell), types, options)
     for each in systems:
         yield verdict(each, catalogue, options) if isinstance(each, Opened) else each
     yield from troubles

@@ -6,13 +6,16 @@ from collections.abc import Iterator, Mapping
 
 from rtkit.component.fit import Declared, hinted, misfit_of
 from rtkit.deployment.described import sets_of
+from rtkit.deployment.extension import CREATE
 from rtkit.deployment.system import HIDDEN
+from rtkit.errors import Malformed
 from rtkit.profile.rts_model import ConfigurationData
 from rtkit.report.finding import ERROR, WARNING
+from rtkit.rtc.create import parse_create
 from rtkit.statics.blueprint import Blueprint, ParameterType
 from rtkit.statics.ports import listed
 from rtkit.statics.remark import Place, Remark
-from rtkit.statics.view import Part, View
+from rtkit.statics.view import Part, View, property_place
 
 _DEFAULT = "default"
 _OF_COMPOSITES = ("members", "exported_ports")
@@ -22,6 +25,7 @@ def parameter_remarks(view: View) -> Iterator[Remark]:
     """Yield active sets that are none, and parameters and values that a type cannot have."""
     for part in view.parts:
         yield from _active_set(part)
+        yield from _create_string(part)
         hints = sets_of(part.component.configuration_sets)
         for number, each in enumerate(part.component.configuration_sets):
             if each.id.startswith(HIDDEN):
@@ -54,6 +58,28 @@ def _active_set(part: Part) -> Iterator[Remark]:
     where = part.place.at("active_configuration_set")
     allowed = listed(dict.fromkeys((_DEFAULT, *can_be)))
     yield Remark(ERROR if is_hidden else WARNING, "unknown-set", text, where, active, allowed)
+
+
+def _create_string(part: Part) -> Iterator[Remark]:
+    """Yield values in the create string of a component with which it would not be made."""
+    told = property_place(part.place, part.component.properties, CREATE)
+    if told is None or part.blueprint is None:
+        return
+    where, text = told
+    try:
+        options = parse_create(text).options
+    except Malformed as error:
+        yield Remark(ERROR, "create-string", f"{part.name}: {error}", where, text)
+        return
+    for key, value in options.items():
+        head, _, name = key.rpartition(".")
+        known = part.blueprint.parameters.get(name)
+        set_id = head.removeprefix("conf.")
+        if known is None or set_id == head or set_id.startswith(HIDDEN):
+            continue
+        why = misfit_of(known.declared, value)
+        if why and value != known.default:
+            yield _misfit(part, key, known, value, why, where)
 
 
 def _hinted(

@@ -9,6 +9,7 @@ RULES: dict[str, str] = {
     "connector-reversed": "A data connector names its in port first",
     "context-kind": "An execution context is of another kind than the type's",
     "context-rate": "A rate is none, or another than the type's",
+    "create-string": "A create string cannot be read",
     "data-type": "Data types do not match",
     "dataflow-type": "A port does not offer the dataflow type of its connector",
     "interface-type": "A port does not offer the interface type of its connector",
