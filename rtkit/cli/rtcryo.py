@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 import click
 
 from rtkit.cli import _system
 from rtkit.cli._app import App, command
+from rtkit.cli._atomic import STDOUT, write_output
 from rtkit.errors import NotFound
-
-STDOUT = "-"
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
@@ -56,7 +54,7 @@ def main(
     hosts = [_host(server, snapshot) for server in servers]
     _tell_gaps(app, snapshot)
     profile = capture(snapshot, heading, takes_all=takes_all, hosts=hosts)
-    _write(write_profile(profile, app.form or form_of_name(output) or XML), output)
+    write_output(write_profile(profile, app.form or form_of_name(output) or XML), output)
 
 
 def _host(server: str, snapshot: Snapshot) -> str:
@@ -77,30 +75,6 @@ def _tell_gaps(app: App, snapshot: Snapshot) -> None:
             app.fail(f"not saved, zombie ({component.zombie}): {component.instance}")
         elif component.trouble:
             app.fail(f"saved as last reported ({component.trouble}): {component.instance}")
-
-
-def _write(data: bytes, output: str) -> None:
-    if output == STDOUT:
-        sys.stdout.buffer.write(data)
-        return
-    import os
-    import tempfile
-
-    output = os.path.realpath(output)
-    try:
-        if os.path.exists(output) and not os.path.isfile(output):
-            with open(output, "wb") as stream:
-                stream.write(data)
-            return
-        with tempfile.NamedTemporaryFile(dir=os.path.dirname(output), delete=False) as stream:
-            temporary = stream.name
-            stream.write(data)
-    except OSError as error:
-        raise NotFound(f"cannot write {output}: {error.strerror}") from error
-    mask = os.umask(0)
-    os.umask(mask)
-    os.chmod(temporary, 0o666 & ~mask)
-    os.replace(temporary, output)
 
 
 for _option in main.command.params:

@@ -5,11 +5,15 @@ from __future__ import annotations
 from rtkit.cli._group import Word, group
 
 WORDS = {
+    "validate": Word("rtkit.cli.profile.validate", "Check profiles against the schemas."),
     "check": Word(
         "rtkit.cli.profile.check",
         "Check systems against the RTC profiles of their components; nothing is run.",
     ),
-    "validate": Word("rtkit.cli.profile.validate", "Check profiles against the schemas."),
+    "show": Word("rtkit.cli.profile.show", "Show what a profile says."),
+    "diff": Word("rtkit.cli.profile.diff", "Compare two profiles by what they mean."),
+    "convert": Word("rtkit.cli.profile.convert", "Write a profile as XML, YAML or JSON."),
+    "normalise": Word("rtkit.cli.profile.normalise", "Bring profiles to the strict form."),
 }
 _HELP = """Check, show, compare and convert profiles of components and systems.
 

@@ -8,7 +8,6 @@ from rtkit.profile.common import Note
 from rtkit.profile.examine import examine, objections
 from rtkit.report.finding import ERROR, NOTE, Checked, Finding
 
-RULES_OF_FILES = {"unreadable": "A file or folder cannot be read"}
 _NAMES = {"rts": "RTS profile", "rtc": "RTC profile", "": ""}
 _MARKS = (b"openrtp.org/namespaces/rt", b"rtsProfile", b"rtcProfile")
 
@@ -33,9 +32,9 @@ def validated(
     found = examine(data, file, form=form)
     of_schema = objections(data, file, form=form) if is_explaining else ()
     findings = [
-        *_findings(ERROR, found.errors, file),
-        *_findings(ERROR if strict else NOTE, found.repairs, file),
-        *_findings(NOTE, (*found.remarks, *of_schema), file),
+        *findings_of(ERROR, found.errors, file),
+        *findings_of(ERROR if strict else NOTE, found.repairs, file),
+        *findings_of(NOTE, (*found.remarks, *of_schema), file),
     ]
     findings.sort(key=lambda finding: finding.line)
     return Checked(file, _NAMES[found.kind], tuple(findings))
@@ -53,7 +52,8 @@ def may_be_profile(data: bytes) -> bool:
     return any(mark in bare for mark in _MARKS)
 
 
-def _findings(severity: str, notes: Iterable[Note], file: str) -> list[Finding]:
+def findings_of(severity: str, notes: Iterable[Note], file: str) -> list[Finding]:
+    """Return notes of a profile as findings of one severity."""
     return [
         Finding(
             severity, note.rule, note.text, file, note.line, note.path, note.found, note.allowed

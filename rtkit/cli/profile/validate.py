@@ -6,20 +6,12 @@ from collections.abc import Iterator
 
 import click
 
-from rtkit.cli import _out
 from rtkit.cli._app import App, command
+from rtkit.cli.profile._talk import finding_style
 from rtkit.errors import InvalidDocument, NotFound
 from rtkit.report.finding import Checked
 from rtkit.report.forms import FORMS, JSON, TEXT, report_lines
 
-_STYLES: dict[str, dict[str, object]] = {
-    "error": {"fg": "red", "bold": True},
-    "warning": {"fg": "yellow", "bold": True},
-    "note": {"fg": "cyan"},
-    "valid": {"fg": "green", "bold": True},
-    "name": {"bold": True},
-    "path": {"dim": True},
-}
 TOOL = "rtprofile validate"
 
 
@@ -50,7 +42,13 @@ def main(
     seen: list[Checked] = []
     checked = _checked(app, paths, strict=strict, is_explaining=explain, seen=seen)
     for line in report_lines(
-        JSON if is_json else form, checked, _rules(), TOOL, _now(), style=_styled, is_quiet=quiet
+        JSON if is_json else form,
+        checked,
+        _rules(),
+        TOOL,
+        _now(),
+        style=finding_style,
+        is_quiet=quiet,
     ):
         click.echo(line)
     return _status(app, seen)
@@ -87,13 +85,9 @@ def _status(app: App, seen: list[Checked]) -> int:
 
 def _rules() -> dict[str, str]:
     from rtkit.profile.rules import RULES
-    from rtkit.profile_tools.validation import RULES_OF_FILES
+    from rtkit.profile_tools.rules import RULES as OTHER_RULES
 
-    return RULES | RULES_OF_FILES
-
-
-def _styled(text: str, role: str) -> str:
-    return _out.styled(text, _STYLES.get(role))
+    return RULES | OTHER_RULES
 
 
 def _now() -> str:

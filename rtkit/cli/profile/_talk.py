@@ -1,0 +1,34 @@
+"""How findings look on a terminal, and how commands tell of them that write something else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from rtkit.cli import _out
+
+if TYPE_CHECKING:
+    from rtkit.cli._app import App
+    from rtkit.report.finding import Finding
+
+_STYLES: dict[str, dict[str, object]] = {
+    "error": {"fg": "red", "bold": True},
+    "warning": {"fg": "yellow", "bold": True},
+    "note": {"fg": "cyan"},
+    "valid": {"fg": "green", "bold": True},
+    "name": {"bold": True},
+    "path": {"dim": True},
+}
+
+
+def finding_style(text: str, role: str) -> str:
+    """Return a part of a finding as a terminal shows it, if stdout is one."""
+    return _out.styled(text, _STYLES.get(role))
+
+
+def say_findings(app: App, findings: Iterable[Finding]) -> None:
+    """Tell findings on stderr, one a line."""
+    from rtkit.report.plain import plain_line
+
+    for finding in findings:
+        app.say(plain_line(finding))

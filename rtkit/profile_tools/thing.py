@@ -1,0 +1,94 @@
+"""A profile as things with fields, so that two can be compared by name."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+from dataclasses import fields, is_dataclass
+from typing import Any, NamedTuple
+
+from rtkit.profile.common import NO_FOREIGN, Foreign, Property
+
+
+class Key(NamedTuple):
+    """What tells things apart: their kind and name, in the order in which they are told of."""
+
+    rank: int
+    kind: str
+    name: str
+
+
+class Thing(NamedTuple):
+    """A component, port, connector or the like.
+
+    Attributes:
+        fields: Its values as text, by what they are called.
+        owner: The thing that it belongs to.
+    """
+
+    fields: dict[str, str]
+    owner: Key | None = None
+
+
+Things = dict[Key, Thing]
+
+
+def put(things: Things, key: Key, thing: Thing) -> Key:
+    """Add a thing; a second one of its name gets a number.
+
+    Returns:
+        The key under which it was added.
+    """
+    number = 1
+    new = key
+    while new in things:
+        number += 1
+        new = key._replace(name=f"{key.name} ({number})")
+    things[new] = thing
+    return new
+
+
+def fields_of(model: Any, without: Container[str] = (), prefix: str = "") -> dict[str, str]:
+    """Return all values of a model as text, by name; what is absent is left out.
+
+    Properties are fields of their own, nested models have theirs behind a dot.
+    """
+    found: dict[str, str] = {}
+    for each in fields(model):
+        if each.name not in without:
+            _put_value(found, prefix + each.name, getattr(model, each.name))
+    return found
+
+
+def _put_value(found: dict[str, str], name: str, value: Any) -> None:
+    if value is None or (isinstance(value, Foreign) and value == NO_FOREIGN):
+        return
+    if isinstance(value, tuple):
+        for number, item in enumerate(value, 1):
+            if isinstance(item, Property):
+                _append(
+                    found,
+                    f"property {item.name}",
+                    "(no value)" if item.value is None else item.value,
+                )
+            else:
+                _put_value(found, f"{name} {number}", item)
+    elif isinstance(value, Foreign) or not is_dataclass(value):
+        found[name] = _text(value)
+    else:
+        found.update(fields_of(value, prefix=f"{name}."))
+
+
+def _append(found: dict[str, str], name: str, value: str) -> None:
+    found[name] = f"{found[name]}\n{value}" if name in found else value
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    is_whole = isinstance(value, float) and value.is_integer()
+    return str(int(value)) if is_whole else str(value)
+
+
+def told(**values: object) -> dict[str, str]:
+    """Return values as fields; absent and empty ones are the same."""
+    return {name: _text(value) for name, value in values.items() if value not in (None, "")}

@@ -1,0 +1,72 @@
+"""Summaries of every profile there is, and how an outline becomes lines."""
+
+from __future__ import annotations
+
+import os.path
+from dataclasses import replace
+
+import pytest
+
+from rtkit.profile.read import read_file, read_rts
+from rtkit.profile.rts_rules import NO_DATE
+from rtkit.profile_tools.outline import entry, outline_lines
+from rtkit.profile_tools.summary import summary
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
+
+
+def corpus() -> list[str]:
+    folders = [os.path.join(CORPUS, kind) for kind in ("rtc", "rts", "yaml")]
+    return [
+        os.path.join(folder, name)
+        for folder in folders
+        if os.path.isdir(folder)
+        for name in sorted(os.listdir(folder))
+    ]
+
+
+def test_cells_stand_in_columns() -> None:
+    rows = [
+        entry("a", "bb", "c"),
+        entry("aaa", "b", "", below=[entry("inner", "x"), entry("in", "y")]),
+        entry("日本", "b", "long long"),
+    ]
+
+    def width(text: str) -> int:
+        return sum(1 + (not c.isascii()) for c in text)
+
+    assert list(outline_lines(rows, width, "> ")) == [
+        "> a     bb  c",
+        "> aaa   b",
+        ">   inner  x",
+        ">   in     y",
+        "> 日本  b   long long",
+    ]
+
+
+@pytest.mark.skipif(not corpus(), reason="corpus absent")
+@pytest.mark.parametrize("file", corpus(), ids=os.path.basename)
+def test_every_profile_can_be_told(file: str) -> None:
+    profile = read_file(file).profile
+    lines = list(outline_lines([summary(profile)]))
+    assert all(line == line.rstrip() and "\n" not in line for line in lines)
+    text = "\n".join(lines)
+    assert NO_DATE not in text
+    names = [c.instance_name for c in getattr(profile, "components", ())]
+    names += [port.name for port in getattr(profile, "data_ports", ())]
+    assert [name for name in names if name not in text] == []
+
+
+def test_orders_tell_what_is_waited_for() -> None:
+    with open(os.path.join(ROOT, "tests", "unit", "cli", "files", "pair.xml"), "rb") as stream:
+        profile = read_rts(stream.read()).profile
+    assert profile.activation is not None
+    lines = [line.strip() for line in outline_lines([summary(profile)])]
+    start = lines.index("activation (2)")
+    assert lines[start + 1 : start + 3] == [
+        "1  Range0  after 20 ms",
+        "2  Motor0  when Range0 is done (SYNC), at most 500 ms",
+    ]
+    shut = replace(profile, activation=None)
+    assert not any("activation" in line for line in outline_lines([summary(shut)]))
