@@ -5,7 +5,6 @@ from __future__ import annotations
 RULES: dict[str, str] = {
     "comment-dropped": "A comment or processing instruction is no part of a profile",
     "not-carried": "A form cannot hold what the document says",
-    "old-version": "An old version of the format is brought to the present one",
     "unreadable": "A file or folder cannot be read",
 }
 """What each rule is about, by its id."""

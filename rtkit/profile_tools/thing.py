@@ -65,11 +65,9 @@ def _put_value(found: dict[str, str], name: str, value: Any) -> None:
     if isinstance(value, tuple):
         for number, item in enumerate(value, 1):
             if isinstance(item, Property):
-                _append(
-                    found,
-                    f"property {item.name}",
-                    "(no value)" if item.value is None else item.value,
-                )
+                called = f"property {item.name}"
+                _append(found, called, "(no value)" if item.value is None else item.value)
+                _put_value(found, f"{called}.foreign", item.foreign)
             else:
                 _put_value(found, f"{name} {number}", item)
     elif isinstance(value, Foreign) or not is_dataclass(value):

@@ -80,5 +80,5 @@ def _rewritten(files: Sequence[str]) -> list[_Done]:
     done = []
     for file in files:
         name, data = read_bytes_of(file)
-        done.append(_Done(name, data, rewritten(data, name, brings_up=True)))
+        done.append(_Done(name, data, rewritten(data, name)))
     return done

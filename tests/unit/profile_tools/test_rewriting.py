@@ -41,9 +41,9 @@ def sensor() -> bytes:
 @pytest.mark.skipif(not corpus(), reason="corpus absent")
 @pytest.mark.parametrize("file", corpus(), ids=os.path.basename)
 def test_what_was_brought_to_the_strict_form_is_in_it(file: str) -> None:
-    made = rewritten(content(file), file, brings_up=True)
+    made = rewritten(content(file), file)
     assert made.data is not None
-    again = rewritten(made.data, file, brings_up=True)
+    again = rewritten(made.data, file)
     assert again.data == made.data
     left = [f for f in again.findings if f.rule not in ("foreign-kept", "shared-name", "fragment")]
     assert left == []
@@ -59,18 +59,6 @@ def test_every_form_holds_everything(file: str) -> None:
         assert made.data is not None
         data = made.data
         assert read_profile(data, form=form).profile == profile
-
-
-def test_an_old_version_becomes_the_one_whose_spelling_it_has() -> None:
-    for version, now in (("0.1", "0.3"), ("1.0", "0.3"), ("0.2", "0.2"), ("0.3", "0.3")):
-        data = sensor().replace(b'rtc:version="0.3"', f'rtc:version="{version}"'.encode())
-        made = rewritten(data, "a.xml", brings_up=True)
-        assert made.data is not None
-        assert f'rtc:version="{now}">'.encode() in made.data
-        assert [finding.rule for finding in made.findings] == (
-            ["old-version"] if version != now else []
-        )
-        assert rewritten(data, "a.xml").findings == ()
 
 
 def test_errors_leave_nothing_to_write() -> None:
@@ -147,6 +135,6 @@ def test_what_a_form_cannot_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_rules_have_a_line_each() -> None:
-    told = {"comment-dropped", "not-carried", "old-version", "unreadable"}
+    told = {"comment-dropped", "not-carried", "unreadable"}
     assert set(RULES) == told
     assert NOTE != WARNING
