@@ -55,23 +55,23 @@ def data_socket(manager: str, pid: int) -> str:
     return os.path.join(runtime_dir(), f"{manager}.{pid}.data")
 
 
-def log_file(manager: str, slave: str = "") -> str:
+def log_file(manager: str, slave: str = "", folder: str = "") -> str:
     """Return the path of a manager's log, or of the log of a slave of it."""
-    return os.path.join(state_dir(), _of_process(manager, slave, ".log"))
+    return f"{folder or state_dir()}/{_of_process(manager, slave)}.log"
 
 
-def output_file(manager: str, slave: str = "") -> str:
+def output_file(manager: str, slave: str = "", folder: str = "") -> str:
     """Return the path of what a process writes past its log, as plain text."""
-    return os.path.join(state_dir(), _of_process(manager, slave, ".out"))
+    return f"{folder or state_dir()}/{_of_process(manager, slave)}.out"
 
 
-def _of_process(manager: str, slave: str, suffix: str) -> str:
-    name = os.fsencode(f"{manager}.{slave}" if slave else manager)
+def _of_process(manager: str, slave: str) -> str:
+    name = (f"{manager}.{slave}" if slave else manager).encode("utf-8", "surrogateescape")
     if len(name) > _MAX_FILE_NAME:
         import zlib
 
         name = name[: _MAX_FILE_NAME - 9] + b"~%08x" % zlib.crc32(name)
-    return os.fsdecode(name) + suffix
+    return name.decode("utf-8", "surrogateescape")
 
 
 def make_private(path: str) -> str:

@@ -234,10 +234,14 @@ class _Sender:
 
 
 class Streams:
-    """All streams of one process; sessions are opened at first use and shared."""
+    """All streams of one process; sessions are opened at first use and shared.
 
-    def __init__(self, socket_path: str) -> None:
-        self._path = socket_path
+    Args:
+        pattern: Path of its socket, ``%p`` for the pid of the process that listens.
+    """
+
+    def __init__(self, pattern: str) -> None:
+        self._pattern = pattern
         self._listener: zenoh.Session | None = None
         self._senders: dict[str, _Sender] = {}
         self._lock = threading.Lock()
@@ -341,6 +345,10 @@ class Streams:
             if session is not None:
                 session.close()  # type: ignore[no-untyped-call]
         remove_socket(self._path)
+
+    @property
+    def _path(self) -> str:
+        return self._pattern.replace("%p", str(os.getpid()))
 
     @property
     def _endpoint(self) -> str:

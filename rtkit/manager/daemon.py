@@ -207,7 +207,9 @@ def _holder(
     own_data = data.replace("%p", str(state.pid))
     stack.callback(remove_socket, own_data)
     beats = Beats(beats_path(data, state.pid))
-    return Holder(report, Wires(state.host, Streams(own_data)), loader, beats)
+    holder = Holder(report, Wires(state.host, Streams(own_data)), loader)
+    holder.show_beats(beats)
+    return holder
 
 
 def _open_front(

@@ -53,11 +53,10 @@ class Holder:
         send: Callable[[Message], object],
         wires: Wires,
         loader: Loader,
-        beats: Beats | None = None,
     ) -> None:
         self._send = send
-        self._beats = beats
-        self._own_slot = beats.slot() if beats is not None else None
+        self._beats: Beats | None = None
+        self._own_slot: Slot | None = None
         self._slots: dict[tuple[str, str], Slot] = {}
         self._wires = wires
         self._loader = loader
@@ -83,6 +82,10 @@ class Holder:
             **self._links.operations,
             **Machines(self).operations,
         }
+
+    def show_beats(self, beats: Beats) -> None:
+        """Show in which callback each context of this process is, before there are any."""
+        self._beats, self._own_slot = beats, beats.slot()
 
     def put(self, message: Message) -> None:
         """Hand a message of the core in, from any thread."""

@@ -51,7 +51,9 @@ def complete(
 
 def set_log_level(level: str) -> None:
     """Log what is at least of this level, by its word; "" is nothing."""
-    logging.getLogger().setLevel(level_of(level or "SILENT"))
+    root, number = logging.getLogger(), level_of(level or "SILENT")
+    if root.level != number:  # every logger would work out its own anew
+        root.setLevel(number)
 
 
 def use_processors(wanted: frozenset[int]) -> None:

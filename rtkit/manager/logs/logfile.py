@@ -78,7 +78,7 @@ class LogFile:
     """
 
     def __init__(self, path: str, max_bytes: int = MAX_BYTES, files: int = FILES) -> None:
-        self._path = path
+        self.path = path
         self._max_bytes = max_bytes
         self._files = files
         self._descriptor = -1
@@ -101,6 +101,11 @@ class LogFile:
         if self._is_torn:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
+    def move(self, path: str) -> None:
+        """Write to another file from now on."""
+        self.close()
+        self.path = path
+
     def close(self) -> None:
         """Close the file; a line that is written later opens it again."""
         if self._descriptor >= 0:
@@ -110,12 +115,12 @@ class LogFile:
     def _follow(self) -> int:
         """Have the file open that lies at the path now; return its size."""
         try:
-            status = os.stat(self._path, follow_symlinks=False)
+            status = os.stat(self.path, follow_symlinks=False)
         except FileNotFoundError:
             status = None
         if status is None or self._descriptor < 0 or _identity(status) != self._identity:
             self.close()
-            self._descriptor = open_private(self._path)
+            self._descriptor = open_private(self.path)
             status = os.fstat(self._descriptor)
             self._identity = _identity(status)
             self._is_torn = False
@@ -127,11 +132,11 @@ class LogFile:
             fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             return
-        if _identity(os.stat(self._path, follow_symlinks=False)) != self._identity:
+        if _identity(os.stat(self.path, follow_symlinks=False)) != self._identity:
             return
         for number in range(self._files - 1, 0, -1):
-            older = f"{self._path}.{number}"
-            newer = f"{self._path}.{number - 1}" if number > 1 else self._path
+            older = f"{self.path}.{number}"
+            newer = f"{self.path}.{number - 1}" if number > 1 else self.path
             with contextlib.suppress(FileNotFoundError):
                 os.replace(newer, older)
         self.close()  # which frees the lock too

@@ -7,13 +7,14 @@ themselves passes by here.
 
 from __future__ import annotations
 
+import contextlib
 import faulthandler
 import io
 import logging
 import os
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import TracebackType
 from typing import Any
 
@@ -39,12 +40,19 @@ class Log:
         process: Name of the manager or slave.
         path: The file of its own.
         terminal: Descriptor to which readable lines go too; it is taken over. None for nowhere.
+
+    Attributes:
+        folder: Where the file lies.
     """
 
     def __init__(self, process: str, path: str, terminal: int | None = None) -> None:
-        self._handlers = [Lossy(LogFile(path), JsonLines(process, _components))]
+        self.folder = os.path.dirname(path)
+        self._file = LogFile(path)
+        self._formatters: list[JsonLines | Readable] = [JsonLines(process, _components)]
+        self._handlers = [Lossy(self._file, self._formatters[0])]
         if terminal is not None:
-            self._handlers.append(Lossy(Terminal(terminal), Readable(process)))
+            self._formatters.append(Readable(process))
+            self._handlers.append(Lossy(Terminal(terminal), self._formatters[1]))
         self._before: list[Any] = []
 
     def open(self) -> None:
@@ -58,7 +66,8 @@ class Log:
             sys.unraisablehook,
             threading.excepthook,
         ]
-        root.setLevel(logging.INFO)
+        if root.level != logging.INFO:  # a change lets every logger forget what it worked out
+            root.setLevel(logging.INFO)
         for handler in self._handlers:
             root.addHandler(handler)
         logging.captureWarnings(True)
@@ -67,6 +76,22 @@ class Log:
         sys.excepthook = _main_failed
         sys.unraisablehook = _unraisable
         threading.excepthook = _thread_failed
+
+    def hand_over(self, process: str, path: str) -> None:
+        """Go on as the log of another process, which was forked: under its name, in its file."""
+        self._file.move(path)
+        for formatter in self._formatters:
+            formatter.process = process
+
+    @contextlib.contextmanager
+    def lent(self, process: str, path: str) -> Iterator[None]:
+        """Be the log of another process for a while."""
+        before = self._formatters[0].process, self._file.path
+        self.hand_over(process, path)
+        try:
+            yield
+        finally:
+            self.hand_over(*before)
 
     def close(self) -> None:
         """Write what is left, and have everything as it was before; once only."""
@@ -93,22 +118,41 @@ class Log:
         self.close()
 
 
-def open_log(manager: str, slave: str = "", *, is_shown: bool = False) -> Log:
-    """Open the log of this process, and lead what it writes past it to a file beside it.
+def open_log(manager: str, *, is_shown: bool = False) -> Log:
+    """Open the log of a manager, and lead what it writes past it to a file beside it.
 
-    A manager that is shown keeps its descriptors, and sends what is logged to stderr too; a slave
-    of it does the same, but what it writes itself goes to its file as ever.
+    One that is shown keeps its descriptors, and sends what is logged to stderr too.
     """
-    terminal = os.dup(2) if is_shown else None
-    if slave or not is_shown:
-        redirect(places.output_file(manager, slave), slave or manager)
-    if not slave:
-        forget_old(manager)
-    faulthandler.enable(2)
-    log = Log(slave or manager, places.log_file(manager, slave), terminal)
-    log.open()
-    _log.info("begins, rtkit %s", __version__)
+    if not is_shown:
+        redirect(places.output_file(manager), manager)
+    forget_old(manager)
+    log = share_log(manager, manager, is_shown=is_shown)
+    begin()
     return log
+
+
+def share_log(manager: str, process: str, *, is_shown: bool) -> Log:
+    """Open the log of a manager for this process, which writes to it under a name of its own."""
+    faulthandler.enable(2)
+    log = Log(process, places.log_file(manager), os.dup(2) if is_shown else None)
+    log.open()
+    return log
+
+
+def hand_over(log: Log, manager: str, slave: str) -> Log:
+    """Have a log that was shared become that of a slave, in the process that was forked.
+
+    What the slave writes past it goes to a file beside it, also where logs are shown.
+    """
+    redirect(places.output_file(manager, slave, log.folder), slave)
+    log.hand_over(slave, places.log_file(manager, slave, log.folder))
+    begin()
+    return log
+
+
+def begin() -> None:
+    """Log that this process begins."""
+    _log.info("begins, rtkit %s", __version__)
 
 
 class Printed(io.TextIOBase):

@@ -27,6 +27,7 @@ LEVELS = {
 }
 """Least levels that are logged, by the words of ``logger.log_level``; SILENT logs nothing."""
 
+_to_json = json.JSONEncoder(ensure_ascii=False).encode
 _WORDS = tuple((number, word) for word, number in LEVELS.items() if word != "SILENT")
 
 
@@ -49,7 +50,7 @@ class JsonLines(logging.Formatter):
 
     def __init__(self, process: str, components: Container[str] = ()) -> None:
         super().__init__()
-        self._process = process
+        self.process = process
         self._components = components
 
     def format(self, record: logging.LogRecord) -> str:
@@ -60,7 +61,7 @@ class JsonLines(logging.Formatter):
         fields = {
             "time": f"{moment}.{int(part * 1e6):06}Z",
             "level": level_word(record.levelno),
-            "process": self._process,
+            "process": self.process,
             "pid": record.process,
             source: record.name,
             "message": _cut(_message(record)),
@@ -68,7 +69,7 @@ class JsonLines(logging.Formatter):
         exception = _exception(self, record)
         if exception:
             fields["exception"] = _cut(exception)
-        line = json.dumps(fields, ensure_ascii=False)
+        line = _to_json(fields)
         if line.isprintable():
             return line
         return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
@@ -84,7 +85,7 @@ class Readable(logging.Formatter):
 
     def __init__(self, process: str = "", date_format: str = "") -> None:
         super().__init__()
-        self._prefix = f"{process}/" if process else ""
+        self.process = process
         self._date_format = date_format
 
     def format(self, record: logging.LogRecord) -> str:
@@ -92,7 +93,8 @@ class Readable(logging.Formatter):
         moment = time.strftime(self._date_format or "%H:%M:%S", time.localtime(record.created))
         part = "" if self._date_format else f".{int(record.msecs):03}"
         level = level_word(record.levelno)
-        head = f"{moment}{part} {level:<5} {self._prefix}{record.name}: "
+        prefix = f"{self.process}/" if self.process else ""
+        head = f"{moment}{part} {level:<5} {prefix}{record.name}: "
         first, *others = _cut(_message(record)).split("\n")
         others += _cut(_exception(self, record)).splitlines()
         return "\n".join([printable(head + first), *(f"    {printable(each)}" for each in others)])

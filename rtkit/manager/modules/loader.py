@@ -14,6 +14,7 @@ from rtkit.component.callbacks import describe_failure
 from rtkit.component.composite import TYPES as COMPOSITES
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.modules.bytecode import code_of
 from rtkit.manager.modules.known import instead
 from rtkit.manager.modules.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString
@@ -176,7 +177,7 @@ def _import(file: str, source: bytes) -> ModuleType:
     module.__file__ = file
     sys.modules[name] = module
     try:
-        exec(compile(source, file, "exec"), module.__dict__)
+        exec(code_of(file, source), module.__dict__)
     except BaseException as error:
         del sys.modules[name]
         raise Refused(_import_failure(error, file)) from error

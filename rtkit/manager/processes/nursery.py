@@ -7,6 +7,7 @@ that their end is still told with its reason. A zygote that died is started agai
 from __future__ import annotations
 
 import ctypes
+import json
 import logging
 import os
 import signal
@@ -74,7 +75,7 @@ class Nursery:
         """Ask for a slave; when the zygote is just ending, `restart` tells that it failed."""
         self._asked[key] = name
         try:
-            self._channel.send({"key": key, "name": name, **self._settings})
+            self._channel.send({"key": key, "name": name})
         except OSError as error:
             _log.warning("cannot ask for slave %s: %s", name, error)
 
@@ -237,7 +238,7 @@ class Nursery:
         ours, theirs = socket.socketpair()
         theirs.set_inheritable(True)
         module = ["-P", "-m", "rtkit.manager.processes.zygote"]
-        arguments = [sys.executable, *module, str(theirs.fileno()), self._settings["zygote"]]
+        arguments = [sys.executable, *module, str(theirs.fileno()), json.dumps(self._settings)]
         pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
         theirs.close()
         ours.setblocking(False)

@@ -12,10 +12,11 @@ import threading
 from typing import Any
 
 from rtkit.link.streams import Streams
+from rtkit.manager.core.events import Message
 from rtkit.manager.holding.beats import Beats
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.holder import Holder
-from rtkit.manager.logs.logs import open_log
+from rtkit.manager.logs.logs import Log, hand_over
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact, Term
 from rtkit.manager.processes.leftovers import MARK, end_sessions
@@ -25,44 +26,62 @@ LAST_S = 5
 """Grace that components have to finalise after a TERM, if nobody sends a KILL before [s]."""
 
 
-def run(key: int, name: str, settings: Any) -> None:
-    """Hold components until a TERM arrives.
+class Slave:
+    """A slave that is not born yet: what does not depend on which one it is to be.
+
+    The zygote has one, and every fork is a copy of it: what is made here costs time once, and
+    memory once for all of them.
 
     Args:
-        key: Under which the manager knows this process.
-        name: Name of the slave.
-        settings: ``manager``, ``control`` and ``data`` (socket paths), ``host``, ``load_path``,
-            ``is_shown`` (the log goes to the terminal too).
+        settings: ``manager``, ``control`` and ``data`` (socket paths), ``host``, ``load_path``.
+        log: Of the zygote, which becomes that of the slave.
     """
-    with open_log(settings["manager"], name, is_shown=settings["is_shown"]):
-        _hold(key, name, settings)
+
+    def __init__(self, settings: Any, log: Log) -> None:
+        self._settings = settings
+        self._log = log
+        self._contact: Contact
+        wires = Wires(settings["host"], Streams(settings["data"]))
+        self._holder = Holder(self._send, wires, Loader(list(settings["load_path"])))
+
+    def live(self, key: int, name: str) -> None:
+        """Hold components until a TERM arrives; called once, after the fork.
+
+        Args:
+            key: Under which the manager knows this process.
+            name: Name of the slave.
+        """
+        with hand_over(self._log, self._settings["manager"], name):
+            self._hold(key, name)
+
+    def _hold(self, key: int, name: str) -> None:
+        pid, data = os.getpid(), self._settings["data"]
+        os.environ[MARK] = str(pid)
+        _name_process(f"rtkit {name}")
+        self._contact = contact = Contact(self._settings["control"], name, Term())
+        self._holder.show_beats(Beats(beats_path(data, pid)))
+        stack = os.open(stack_path(data, pid), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+        faulthandler.register(STACK_SIGNAL, stack, all_threads=True)
+        contact.greet(key)
+        threading.Thread(target=self._listen, name="control", daemon=True).start()
+        self._holder.run()
+        if contact.is_alone:
+            end_sessions({pid})  # a manager would do it
+
+    def _send(self, message: Message) -> None:
+        self._contact.send(message)
+
+    def _listen(self) -> None:
+        try:
+            self._contact.listen(self._holder)
+        finally:
+            self._holder.close()
+            signal.alarm(LAST_S)  # ends the process, also one in which a component hangs
 
 
-def _hold(key: int, name: str, settings: Any) -> None:
-    os.environ[MARK] = str(os.getpid())
-    with open("/proc/self/comm", "w", encoding="utf-8") as comm:
-        comm.write(f"rtkit {name}")
-    contact = Contact(settings["control"], name, Term())
-    data = settings["data"].replace("%p", str(os.getpid()))
-    beats = Beats(beats_path(settings["data"], os.getpid()))
-    stack = open(stack_path(settings["data"], os.getpid()), "a")  # noqa: SIM115 - open for life
-    faulthandler.register(STACK_SIGNAL, stack, all_threads=True)
-    holder = Holder(
-        contact.send,
-        Wires(settings["host"], Streams(data)),
-        Loader(list(settings["load_path"])),
-        beats,
-    )
-    contact.greet(key)
-    threading.Thread(target=_listen, args=(contact, holder), name="control", daemon=True).start()
-    holder.run()
-    if contact.is_alone:
-        end_sessions({os.getpid()})  # a manager would do it
-
-
-def _listen(contact: Contact, holder: Holder) -> None:
+def _name_process(name: str) -> None:
+    descriptor = os.open("/proc/self/comm", os.O_WRONLY)
     try:
-        contact.listen(holder)
+        os.write(descriptor, name.encode("utf-8", "replace"))
     finally:
-        holder.close()
-        signal.alarm(LAST_S)  # ends the process, also one in which a component hangs
+        os.close(descriptor)

@@ -11,6 +11,7 @@ from rtkit.errors import Malformed
 from rtkit.manager.core.events import Message
 
 _HEADER = struct.Struct("<I")
+_to_json = json.JSONEncoder(separators=(",", ":")).encode
 MAX_MESSAGE = 64 * 1024 * 1024
 
 
@@ -37,7 +38,7 @@ class Channel:
         Raises:
             OSError: The other end is gone.
         """
-        payload = json.dumps(message, separators=(",", ":")).encode()
+        payload = _to_json(message).encode()
         self._outbox += _HEADER.pack(len(payload)) + payload
         self.flush()
 

@@ -10,15 +10,21 @@ from __future__ import annotations
 import contextlib
 import gc
 import importlib
+import json
+import logging
 import os
 import selectors
 import signal
 import socket
 import sys
-from typing import NoReturn
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NoReturn
 
 from rtkit.manager.core.events import Message
-from rtkit.manager.processes import slave
+from rtkit.manager.logs.logs import Log, share_log
+from rtkit.manager.processes.rehearsal import rehearse
+from rtkit.manager.processes.slave import Slave
 from rtkit.manager.processes.wire import Channel
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
@@ -27,16 +33,29 @@ ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
 _AT_LEISURE = ("rtkit.component.geometry",)
 """What most components import and what takes long: had in memory once nobody asks for a slave."""
 
+_REHEARSALS = 8
+"""Python fits byte code to what it met when it has run eight times."""
+
+_log = logging.getLogger(__name__)
+
 
 class Zygote:
     """Serves one manager after the other; ends when it has neither a manager nor children.
 
     Between two managers it keeps the reports of its children, and listens at a path of its own.
+
+    Args:
+        channel: To the first manager.
+        settings: Of slaves (see `rtkit.manager.processes.slave`), and ``zygote``, the path.
+        log: Its log.
     """
 
-    def __init__(self, channel: Channel, path: str) -> None:
+    def __init__(self, channel: Channel, settings: Any, log: Log) -> None:
         self._channel: Channel | None = channel
-        self._path = path
+        self._settings = settings
+        self._log = log
+        self._slave = Slave(settings, log)
+        self._path = settings["zygote"].replace("%p", str(os.getpid()))
         self._listener: socket.socket | None = None
         self._children: set[int] = set()
         self._reports: list[Message] = []
@@ -53,15 +72,23 @@ class Zygote:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
         gc.freeze()
-        later = list(_AT_LEISURE)
+        later: list[Callable[[], object]] = [self._rehearse] * _REHEARSALS
+        later += [partial(importlib.import_module, name) for name in _AT_LEISURE]
         while self._channel is not None or self._children:
             ready = self._selector.select(0 if later else None)
             if not ready and later:
-                importlib.import_module(later.pop())
+                later.pop()()
                 gc.freeze()
             for key, _ in ready:
                 key.data()
         self._unlisten()
+
+    def _rehearse(self) -> None:
+        try:
+            rehearse(self._log, self._settings)
+        except Exception:  # slaves are born all the same
+            _log.exception("cannot rehearse")
+        gc.collect()
 
     def _hear(self) -> None:
         channel = self._channel
@@ -130,7 +157,7 @@ class Zygote:
                 self._channel.close()
             for descriptor in (self._selector.fileno(), self._wake, self._wake_write):
                 os.close(descriptor)
-            slave.run(key, message["name"].replace("%p", str(os.getpid())), message)
+            self._slave.live(key, message["name"].replace("%p", str(os.getpid())))
         except BaseException:
             sys.excepthook(*sys.exc_info())  # the only place left to tell it: the log on stderr
             os._exit(1)
@@ -155,8 +182,9 @@ class Zygote:
 def main() -> None:
     """Serve the socket of that descriptor; later managers find it at the path of its pid."""
     os.setsid()
-    path = sys.argv[2].replace("%p", str(os.getpid()))
-    Zygote(Channel(socket.socket(fileno=int(sys.argv[1]))), path).run()
+    settings = json.loads(sys.argv[2])
+    log = share_log(settings["manager"], "zygote", is_shown=settings["is_shown"])
+    Zygote(Channel(socket.socket(fileno=int(sys.argv[1]))), settings, log).run()
     os._exit(0)
 
 

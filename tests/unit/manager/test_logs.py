@@ -227,3 +227,26 @@ def test_streams_look_like_files(path):
         assert not sys.stdout.isatty()
         assert sys.stdout.encoding == "utf-8"
         sys.stdout.buffer.write(b"")
+
+
+def test_a_log_is_handed_over_to_a_fork_and_lent(path, tmp_path):
+    log = Log("zygote", str(path))
+    log.open()
+    try:
+        print("one")
+        with log.lent("other", str(tmp_path / "other.log")):
+            print("two")
+        print("three")
+        log.hand_over("slave", str(tmp_path / "slave.log"))
+        print("four")
+    finally:
+        log.close()
+    written = {
+        name: [(each["process"], each["message"]) for each in records(tmp_path / name)]
+        for name in ("m.log", "other.log", "slave.log")
+    }
+    assert written == {
+        "m.log": [("zygote", "one"), ("zygote", "three")],
+        "other.log": [("other", "two")],
+        "slave.log": [("slave", "four")],
+    }

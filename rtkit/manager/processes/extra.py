@@ -1,0 +1,27 @@
+"""The module of the component that is rehearsed with: it has one of everything that is common."""
+
+from rtkit.component import Component, InPort, Manager, OutPort, Parameter, TimedLong
+
+
+class Extra(Component):
+    """Does nothing."""
+
+    vendor = "rtkit"
+    category = "example"
+    version = "1.0"
+
+    into = InPort(TimedLong, doc="Values")
+    out = OutPort(TimedLong, doc="Values")
+    factor = Parameter(1.0, doc="A number")
+    offsets = Parameter((0, 0), doc="Numbers")
+
+    def on_activated(self, context: str) -> None:
+        """Never called."""
+
+    def on_execute(self, context: str) -> None:
+        """Never called."""
+
+
+def ExtraInit(manager: Manager) -> None:  # noqa: N802 - the name that loaders look for
+    """Register the component type of this module."""
+    manager.register_factory(Extra)

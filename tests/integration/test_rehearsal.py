@@ -1,0 +1,59 @@
+"""The rehearsal of the zygote: it succeeds, time and again, and nothing of it is left."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from rtkit.manager.logs.logs import Log
+from rtkit.manager.processes import rehearsal
+from rtkit.manager.processes.rehearsal import rehearse
+
+
+@pytest.fixture
+def folder() -> Iterator[str]:
+    with tempfile.TemporaryDirectory(prefix="rtr") as path:  # a socket's path has to be short
+        yield path
+
+
+def state(folder: str) -> dict[str, Any]:
+    gc.collect()
+    return {
+        "files": os.listdir(folder),
+        "descriptors": len(os.listdir("/proc/self/fd")),
+        "threads": threading.active_count(),
+        "modules": sorted(sys.modules),
+        "path": list(sys.path),
+        "environment": dict(os.environ),
+    }
+
+
+def test_nothing_is_left_of_it(folder: str) -> None:
+    log = Log("zygote", f"{folder}/m.log")
+    settings = {"data": f"{folder}/m.%p.data"}
+    log.open()
+    try:
+        rehearse(log, settings)
+        before = state(folder)
+        rehearse(log, settings)
+        after = state(folder)
+    finally:
+        log.close()
+    assert before == after
+    assert after["files"] == []
+
+
+def test_what_fails_in_it_is_told(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    failing = {**rehearsal._LINES[0], "create": "Nobody?instance_name=Extra0"}
+    monkeypatch.setattr(rehearsal, "_LINES", (failing, rehearsal._LINES[1]))
+    log = Log("zygote", f"{folder}/m.log")
+    with pytest.raises(RuntimeError, match="Nobody is not known"):
+        rehearse(log, {"data": f"{folder}/m.%p.data"})
+    assert os.listdir(folder) == []
