@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import click
 
@@ -239,11 +239,19 @@ def command(
         own = {text for each in made.params for text in each.opts}
         offered = common_options(is_local=is_local)
         made.params += [each for each in offered if own.isdisjoint(each.opts)]
+        for each in filter(_is_repeatable, made.params):
+            each.help = f"{(each.help or '').removesuffix('.')}; repeatable."
         # The mark of text that is not to be filled, as a raw docstring has it.
         made.help = made.help and made.help.replace("\\b\n", "\b\n")
         return Main(name, made)
 
     return decorate
+
+
+def _is_repeatable(parameter: click.Parameter) -> TypeGuard[click.Option]:
+    """Whether an option may be given several times, and does not say so itself."""
+    is_option = isinstance(parameter, click.Option) and not parameter.is_flag
+    return is_option and parameter.multiple and "repeatable" not in (parameter.help or "")
 
 
 def common_options(*, is_local: bool = False) -> list[click.Option]:

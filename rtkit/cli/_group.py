@@ -65,10 +65,9 @@ class Group(click.Group):
         typed = args[0]
         found = self.get_command(ctx, typed)
         if found is None:
-            from difflib import get_close_matches
+            from rtkit.rtc.nearest import did_you_mean
 
-            near = get_close_matches(typed, self.words, n=3)
-            hint = f"; did you mean: {', '.join(near)}?" if near else ""
+            hint = did_you_mean(typed, self.words) or f" (one of {', '.join(self.words)})"
             raise UsageProblem(f"no such command: {typed}{hint}")
         app.name = f"{app.name} {typed}"
         app.command = found

@@ -30,7 +30,8 @@ def state_command(name: str, transition: Transition, summary: str) -> Main:
         "context",
         default="0",
         metavar="EC",
-        help="Execution context: its number (own ones first, then those taken part in), or all.",
+        help="Execution context: its number (own ones first, then those taken part in; default 0),"
+        " or all.",
     )
     @click.option("--no-wait", is_flag=True, help="Do not wait until the transition is done.")
     @click.argument("paths", nargs=-1, metavar="COMPONENT...")

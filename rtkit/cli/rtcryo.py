@@ -16,11 +16,20 @@ if TYPE_CHECKING:
 
 
 @command("rtcryo")
-@click.option("-a", "--abstract", default="RT System created by rtcryo.", help="What it is.")
-@click.option("-n", "--system-name", "name", default="RTSystem", help="Name of the system.")
-@click.option("-v", "--system-version", default="0", help="Version of the system.")
-@click.option("-e", "--vendor", default="Me", help="Who made the system.")
-@click.option("-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it.")
+@click.option(
+    "-a",
+    "--abstract",
+    default="RT System created by rtcryo.",
+    help="What it is (default: RT System created by rtcryo.).",
+)
+@click.option(
+    "-n", "--system-name", "name", default="RTSystem", help="Name of the system (default RTSystem)."
+)
+@click.option("-v", "--system-version", default="0", help="Version of the system (default 0).")
+@click.option("-e", "--vendor", default="Me", help="Who made the system (default Me).")
+@click.option(
+    "-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it (default -, stdout)."
+)
 @_system.form_options(
     "Write", "; without one of these, as the name of FILE ends, else XML", "json", "yaml", "xml"
 )

@@ -30,7 +30,7 @@ _LETTERS: dict[str, tuple[Kind, ...]] = {
     default="".join(_LETTERS),
     metavar="TYPES",
     help="Any of c components, d directories (managers and hosts too), m managers, n hosts,"
-    " z zombies.",
+    " z zombies (default: all).",
 )
 @click.option("-n", "--name", "names", multiple=True, metavar="PATTERN", help="Name, with * and ?.")
 @click.option(
@@ -43,7 +43,7 @@ _LETTERS: dict[str, tuple[Kind, ...]] = {
     type=click.IntRange(min=0),
     default=0,
     metavar="LEVELS",
-    help="So many levels below the start; 0: all.",
+    help="So many levels below the start; 0, the default: all.",
 )
 @click.argument("starts", nargs=-1, metavar="START")
 def main(

@@ -143,6 +143,8 @@ def _json(nodes: list[Node]) -> Iterator[str]:
     for node in nodes:
         record = {"schema": "rtkit.ls/1", "path": node.path, "kind": node.kind.name.lower()}
         row = {} if node.row is None else node.row._asdict()
+        if node.kind is Kind.ZOMBIE:
+            row["state"] = None  # the last one known is that of nobody
         yield dumps({**record, **row, "remark": node.remark})
 
 

@@ -63,8 +63,13 @@ def _refused_properties(ports: Sequence[PortProfile], properties: Mapping[str, s
         for port in ports:
             offered = _words(key, port.properties[key])
             if "any" not in offered and not wanted & offered:
-                return INCOMPATIBLE
+                return incompatible(key, value, port)
     return ""
+
+
+def incompatible(key: str, value: str, port: PortProfile) -> str:
+    """Return what to tell of a property that a port does not offer."""
+    return f"{INCOMPATIBLE} ({key} is {value}; {port.name} offers {port.properties[key]})"
 
 
 def _words(key: str, text: str) -> set[str]:

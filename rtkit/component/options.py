@@ -92,6 +92,12 @@ class ConnectorOptions:
     inport: BufferOptions = BufferOptions()
 
 
+INTERFACE_TYPE = "dataport.interface_type"
+DEFAULT_INTERFACE = "zenoh"
+DIRECT = "direct"
+USUAL_NAMES = {DEFAULT_INTERFACE: "corba_cdr", "shm": "shared_memory"}
+"""Names by which other tools know interface types of rtkit."""
+
 _ALIASES = {"corba_cdr": "zenoh", "data_service": "zenoh", "shared_memory": "shm"}
 _SUBSCRIPTIONS = ("flush", "new", "periodic")
 P = TypeVar("P", bound=StrEnum)
@@ -101,6 +107,19 @@ def interface_name(text: str) -> str:
     """Return the name by which rtkit knows an interface type."""
     word = text.strip().lower()
     return _ALIASES.get(word, word)
+
+
+def differing(wanted: Mapping[str, str], present: Mapping[str, str]) -> list[str]:
+    """Return the keys of `wanted` whose value is another one in `present`, by any of its names."""
+    return sorted(
+        key
+        for key, value in wanted.items()
+        if present.get(key) != value and not _is_alias(key, value, present.get(key, ""))
+    )
+
+
+def _is_alias(key: str, one: str, other: str) -> bool:
+    return key == INTERFACE_TYPE and interface_name(one) == interface_name(other)
 
 
 def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
@@ -116,7 +135,7 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
         raise _bad(properties, "dataport.publisher.skip_count", f"0 to {MAX_LENGTH - 1}")
     return ConnectorOptions(
         data_type=properties.get("dataport.data_type", ""),
-        interface=interface_name(_word(properties, "dataport.interface_type", "zenoh")),
+        interface=interface_name(_word(properties, INTERFACE_TYPE, DEFAULT_INTERFACE)),
         dataflow=_word(properties, "dataport.dataflow_type", "push"),
         subscription=subscription if subscription in _SUBSCRIPTIONS else "new",
         push_policy=policy,

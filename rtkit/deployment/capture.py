@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from rtkit.component.options import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.deployment import extension
 from rtkit.deployment.described import interfaces_to_text, is_run_time
 from rtkit.deployment.facts import ComponentFacts, Snapshot
@@ -233,7 +234,7 @@ def _data_connector(
         connector_id=wire.connector_id,
         name=wire.name,
         data_type=data_type,
-        interface_type=interface or "corba_cdr",
+        interface_type=USUAL_NAMES.get(interface, interface) or USUAL_NAMES[DEFAULT_INTERFACE],
         dataflow_type=flow or "push",
         subscription_type=subscription or None,
         push_interval=float(interval) if interval else None,

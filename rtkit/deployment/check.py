@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from rtkit.component.options import differing
 from rtkit.deployment.creation import absence
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, context_of
@@ -170,7 +171,7 @@ def _wire(wanted: WantedConnector, system: System, live: Live) -> Iterator[Devia
         return
     for key in _BASE:
         expected, found = wire.properties.get(key, ""), known.properties.get(key, "")
-        if expected and expected.lower() != found.lower():
+        if expected and differing({key: expected.lower()}, {key: found.lower()}):
             text = (
                 f"Property {key} of connection from {source} to {target} is incorrect."
                 f" (value: {found})"

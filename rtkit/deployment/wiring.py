@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from rtkit.component.options import differing
 from rtkit.deployment.actions import ActivateSet, Connect, SetParameters
 from rtkit.deployment.creation import absence
 from rtkit.deployment.facts import ComponentFacts
@@ -56,7 +57,7 @@ def is_same_wire(known: ConnectorProfile | None, wire: ConnectorProfile) -> bool
     """Whether a connection exists just as wanted."""
     if known is None or set(known.ports) != set(wire.ports):
         return False
-    return all(known.properties.get(key) == value for key, value in wire.properties.items())
+    return not differing(wire.properties, known.properties)
 
 
 def _connection(

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from rtkit.component.check import WRONG_TYPE, refusal
+from rtkit.component.options import differing
 from rtkit.component.period import check_rate
 from rtkit.deployment import actions as act
 from rtkit.deployment import world_composites as composites
@@ -418,10 +419,9 @@ def _check_same(known: ConnectorProfile, wire: ConnectorProfile) -> None:
     if set(known.ports) != set(wire.ports):
         ends = " and ".join(map(str, known.ports))
         raise Refused(f"connector id {wire.connector_id} is in use between {ends}")
-    changed = [key for key, value in wire.properties.items() if known.properties.get(key) != value]
+    changed = differing(wire.properties, known.properties)
     if changed:
-        names = ", ".join(sorted(changed))
-        raise Refused(f"connection {wire.connector_id} exists with another {names}")
+        raise Refused(f"connection {wire.connector_id} exists with another {', '.join(changed)}")
 
 
 def _nothing() -> None:

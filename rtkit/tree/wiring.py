@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 DATA_DEFAULTS = {
     "dataport.dataflow_type": "push",
-    "dataport.interface_type": "corba_cdr",
+    "dataport.interface_type": "zenoh",
     "dataport.subscription_type": "new",
 }
 SERVICE_DEFAULTS = {"port.port_type": PortType.SERVICE.value}
@@ -76,22 +76,28 @@ def check_pair(one: End, other: End, properties: Mapping[str, str]) -> None:
     Raises:
         Refused: Tells why.
     """
-    from rtkit.component.check import INCOMPATIBLE, WRONG_TYPE, refusal
+    from rtkit.component.check import WRONG_TYPE, incompatible, refusal
 
     why = refusal((one.port, other.port), properties)
     if one.ref == other.ref:
         why = WRONG_TYPE
-    elif not why and not all(_allows(one.port, other.port, *each) for each in properties.items()):
-        why = INCOMPATIBLE
+    elif not why:
+        lacks = (_lacking(one.port, other.port, *each) for each in properties.items())
+        key, port = next(filter(None, lacks), ("", one.port))
+        why = incompatible(key, properties[key], port) if key else ""
     if why:
         raise Refused(why)
 
 
-def _allows(one: PortProfile, other: PortProfile, key: str, value: str) -> bool:
-    if key in _NO_CHOICE or ".buffer." in key:
-        return True
-    lists = [port.properties[key] for port in (one, other) if key in port.properties]
-    return len(lists) < 2 or all(_is_listed(value, listed) for listed in lists)
+def _lacking(
+    one: PortProfile, other: PortProfile, key: str, value: str
+) -> tuple[str, PortProfile] | None:
+    """Return a key with a port that does not offer its value, though both have a list of them."""
+    is_chosen = key not in _NO_CHOICE and ".buffer." not in key
+    if not is_chosen or key not in one.properties or key not in other.properties:
+        return None
+    lacking = (port for port in (one, other) if not _is_listed(value, port.properties[key]))
+    return next(((key, port) for port in lacking), None)
 
 
 def _is_listed(value: str, listed: str) -> bool:

@@ -10,7 +10,7 @@ from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
 _DEFAULTS = {
     "dataport.dataflow_type": "push",
-    "dataport.interface_type": "corba_cdr",
+    "dataport.interface_type": "zenoh",
     "dataport.subscription_type": "new",
 }
 _OWN = ("dataport.", "port.", "rtkit.")

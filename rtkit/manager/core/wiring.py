@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtkit.component.check import refusal
-from rtkit.component.options import parse_options
+from rtkit.component.options import DIRECT, differing, parse_options
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
@@ -68,11 +68,9 @@ def _same(known: ConnectorProfile, wire: ConnectorProfile) -> Result:
     if set(known.ports) != set(wire.ports):
         ends = " and ".join(map(str, known.ports))
         raise Refused(f"connector id {wire.connector_id} is in use between {ends}")
-    changed = [key for key, value in wire.properties.items() if known.properties.get(key) != value]
+    changed = differing(wire.properties, known.properties)
     if changed:
-        raise Refused(
-            f"connection {wire.connector_id} exists with another {', '.join(sorted(changed))}"
-        )
+        raise Refused(f"connection {wire.connector_id} exists with another {', '.join(changed)}")
     return Result(value=wire.connector_id)
 
 
@@ -96,7 +94,11 @@ def _open(ends: list[Process], wire: ConnectorProfile) -> Procedure:
     if out is into:
         yield Ask(out, {"op": "link", "connector": plain})
         return Result()
-    if parse_options(wire.properties).dataflow == "pull":
+    options = parse_options(wire.properties)
+    if options.interface == DIRECT:
+        places = f"{wire.ports[0]} is in {out.name}, {wire.ports[1]} in {into.name}"
+        raise Refused(f"interface type direct joins ports of one process: {places}")
+    if options.dataflow == "pull":
         first, opens, second, joins = out, "serve", into, "fetch"
     else:
         first, opens, second, joins = into, "sink", out, "source"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import click
 import pytest
 
 from rtkit import __version__
@@ -126,6 +128,17 @@ def test_common_options(run: Run, name: str) -> None:
         assert outcome.err == ""
     assert run(f"{name} --timeout 0").status == 2
     assert run(f"{name} --timeout soon").status == 2
+
+
+@pytest.mark.parametrize("name", COMMANDS.values())
+def test_help_tells_what_may_be_repeated_and_what_holds_otherwise(name: str) -> None:
+    main = importlib.import_module(f"rtkit.cli.{name}").main
+    options = [each for each in main.command.params if isinstance(each, click.Option)]
+    for each in (each for each in options if not (each.is_flag or each.count)):
+        told = each.help or ""
+        assert ("repeatable" in told) == each.multiple, told
+        has_default = isinstance(each.default, str | int | float) and each.default != ""
+        assert each.multiple or "default" in told.lower() or not has_default, told
 
 
 def test_the_time_out_reaches_the_connection(monkeypatch: pytest.MonkeyPatch) -> None:

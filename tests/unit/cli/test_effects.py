@@ -113,7 +113,7 @@ def test_a_connector_has_the_defaults_and_its_out_port_first(world: World, run: 
     assert wire.ports == (PortRef("Output0", "out"), PortRef("Std0", "in"))
     assert wire.properties == {
         "dataport.dataflow_type": "push",
-        "dataport.interface_type": "corba_cdr",
+        "dataport.interface_type": "zenoh",
         "dataport.subscription_type": "new",
         "dataport.data_type": "IDL:RTC/TimedLong:1.0",
         "a.b": "c=d",
@@ -368,7 +368,7 @@ def test_json_is_one_object_a_line(run: Run) -> None:
     ]
     assert {record["schema"] for record in records} == {"rtkit.ls/1"}
     zombie = next(record for record in records if record["kind"] == "zombie")
-    assert zombie["zombie"] == "signal 9"
+    assert (zombie["zombie"], zombie["state"]) == ("signal 9", None)
 
 
 def test_json_of_a_whole_tree_lists_each_entry_once(run: Run) -> None:

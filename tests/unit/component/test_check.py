@@ -80,7 +80,8 @@ def test_types_that_differ_are_both_named():
 def test_interface_types(offered, wanted, fits):
     ports = (data(PortType.OUT, interface_type=offered), data(PortType.IN, interface_type=offered))
     text = refusal(ports, {"dataport.interface_type": wanted})
-    assert text == ("" if fits else "Incompatible connection properties.")
+    what = f"(dataport.interface_type is {wanted}; out offers {offered})"
+    assert text == ("" if fits else f"Incompatible connection properties. {what}")
 
 
 def test_a_property_that_one_port_does_not_advertise_is_not_checked():

@@ -10,6 +10,7 @@ from rtkit.component.options import (
     EmptyPolicy,
     FullPolicy,
     PushPolicy,
+    differing,
     parse_options,
 )
 from rtkit.errors import Malformed
@@ -104,3 +105,14 @@ def test_what_is_unknown_passes():
 def test_what_is_wrong_is_named(key, text):
     with pytest.raises(Malformed, match=key.replace(".", r"\.") + "=" + text.replace(".", r"\.")):
         parse_options({key: text})
+
+
+def test_what_differs_but_by_name():
+    kept = {"dataport.interface_type": "corba_cdr", "a": "1"}
+    assert differing({"dataport.interface_type": "ZENOH", "a": "1"}, kept) == []
+    assert differing({"dataport.interface_type": "direct", "a": "corba_cdr"}, kept) == [
+        "a",
+        "dataport.interface_type",
+    ]
+    assert differing({"b": ""}, kept) == ["b"]
+    assert differing({}, kept) == []

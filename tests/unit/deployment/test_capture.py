@@ -1,5 +1,6 @@
 import pytest
 
+from rtkit.component.options import INTERFACE_TYPE
 from rtkit.deployment import actions as act
 from rtkit.deployment.capture import Heading, capture
 from rtkit.deployment.creation import creation_plan
@@ -57,6 +58,15 @@ def test_a_pair_is_saved_with_its_origin(make, world):
         "push",
         "new",
     )
+
+
+def test_the_interface_type_is_saved_by_its_usual_name_too(make, world):
+    bring_up(make, world, make.pair())
+    ends = (PortRef("Source0", "out"), PortRef("Sink0", "in"))
+    world.perform(act.Connect(ConnectorProfile("v", "v", ends, {INTERFACE_TYPE: "zenoh"})))
+    wire = next(w for w in save(world).data_port_connectors if w.connector_id == "v")
+    assert (wire.connector_id, wire.interface_type) == ("v", "corba_cdr")
+    assert property_value(wire.properties, INTERFACE_TYPE) == "zenoh"
 
 
 def test_only_connected_components_unless_all_are_wanted(make, world):

@@ -293,3 +293,31 @@ def test_a_holder_that_has_no_such_component_is_believed(shell, ends):
     asked = shell.ask(Connect(wire("w")))
     shell.refuse(shell.next("sink"), NotFound("no component named B"))
     assert asked.result.kind == "not-found"
+
+
+# interface types
+
+
+def test_direct_joins_ports_of_one_process_only(shell, ends):
+    result = shell.ask(Connect(wire("w", dataport__interface_type="Direct"))).result
+    why = "interface type direct joins ports of one process: A.out is in a, B.in in b"
+    assert (result.kind, result.why) == ("refused", why)
+    assert not shell.state.openings
+
+
+def test_direct_in_one_process(shell):
+    shell.make("A")
+    shell.make("B")
+    asked = shell.ask(Connect(wire("w", dataport__interface_type="direct")))
+    shell.reply(shell.next("link"))
+    assert asked.result.ok
+
+
+def test_a_connection_is_the_same_by_any_name_of_its_interface_type(shell):
+    shell.make("A")
+    shell.make("B")
+    shell.ask(Connect(wire("w", dataport__interface_type="corba_cdr")))
+    shell.reply(shell.next("link"))
+    assert shell.ask(Connect(wire("w", dataport__interface_type="zenoh"))).result.ok
+    other = shell.ask(Connect(wire("w", dataport__interface_type="direct"))).result
+    assert other.why == "connection w exists with another dataport.interface_type"
