@@ -4,52 +4,52 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING
 
 from rtkit.cli._known import SEARCH_PATH
 from rtkit.errors import NotFound, RtkitError
-
-if TYPE_CHECKING:
-    from rtkit.statics.stock import Document
 
 MODULE_PATH = "RTKIT_MODULE_PATH"
 _LOAD_PATHS = ("manager.modules.load_path", "manager.modules.Python.load_paths")
 _MODULE = ".py"
 _USUAL = "RTC"
+_HEAD = 8192
 _MOST = 16 * 2**20
 
 
-def documents(paths: Sequence[str], tell: Callable[[str], object]) -> Iterator[Document]:
-    """Yield what may be RTC profiles, each file once: first what was named, last what is shipped.
+def profiles(
+    paths: Sequence[str], tell: Callable[[str], object], *, with_shipped: bool = True
+) -> Iterator[tuple[str, bytes]]:
+    """Yield name and content of what may be RTC profiles, each file once.
 
-    Folders that were named are looked through with all that is below them. No code is run:
-    of a module only a file beside it counts, of the same name or ``RTC.xml``. Modules are looked
-    for where a manager that is started here would. `tell` hears of places that cannot be known.
+    First comes what was named, folders with all that is below them, last what is shipped. No
+    code is run: of a module only a file beside it counts, of the same name or ``RTC.xml``.
+    Modules are looked for where a manager that is started here would. `tell` hears of places
+    that cannot be known.
 
     Raises:
         NotFound: A file or folder that was named cannot be read.
     """
-    from rtkit.statics.stock import Document, may_be_profile
+    from rtkit.profile.forms import may_be_component
 
     seen: set[str] = set()
-    for path, is_named in _candidates(paths, tell):
+    for path, is_named in _candidates(paths, tell, with_shipped):
         real = os.path.realpath(path)
         if real in seen:
             continue
         seen.add(real)
         try:
             with open(path, "rb") as stream:
-                data = stream.read(8192)
-                if may_be_profile(data):
-                    yield Document(path, data + stream.read(_MOST))
+                head = stream.read(_HEAD)
+                if may_be_component(head):
+                    yield path, head + stream.read(_MOST)
         except OSError as error:
             if is_named:
                 raise NotFound(f"cannot read {path}: {error.strerror}") from error
 
 
-def _candidates(paths: Sequence[str], tell: Callable[[str], object]) -> Iterator[tuple[str, bool]]:
-    from rtkit.resources import resource
-
+def _candidates(
+    paths: Sequence[str], tell: Callable[[str], object], with_shipped: bool
+) -> Iterator[tuple[str, bool]]:
     for path in paths:
         if os.path.isdir(path):
             yield from ((file, False) for file in _below(path))
@@ -59,8 +59,11 @@ def _candidates(paths: Sequence[str], tell: Callable[[str], object]) -> Iterator
         yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
     for folder in (os.curdir, *_load_path(tell), *_listed(MODULE_PATH)):
         yield from ((file, False) for file in _beside_modules(folder))
-    shipped = resource("profiles")
-    yield from ((os.path.join(shipped, name), False) for name in _profiles(shipped))
+    if with_shipped:
+        from rtkit.resources import resource
+
+        shipped = resource("profiles")
+        yield from ((os.path.join(shipped, name), False) for name in _profiles(shipped))
 
 
 def _load_path(tell: Callable[[str], object]) -> list[str]:

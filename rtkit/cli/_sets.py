@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import ComponentFacts
     from rtkit.rtc.names import Path
+    from rtkit.statics.blueprint import ParameterType
 
 Sets = Mapping[str, Mapping[str, str]]
 DESCRIPTION = "description"
@@ -103,7 +104,7 @@ def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") 
     """
     from rtkit.deployment.actions import ActivateSet, SetParameters
 
-    check(facts, wanted)
+    check(facts, wanted, app.tell)
     actions: list[Action] = [
         SetParameters(facts.instance, set_id, values) for set_id, values in wanted.items()
     ]
@@ -114,28 +115,58 @@ def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") 
         result.raise_for_error()
 
 
-def check(facts: ComponentFacts, wanted: Sets) -> None:
+def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) -> None:
     """Refuse parameters that do not exist, and texts that do not fit.
+
+    What the component says of its parameters counts, and what an RTC profile found here says of
+    those of which the component says nothing. `tell` hears of places that cannot be looked at.
 
     Raises:
         NotFound: No such parameter.
         Malformed: A text that the parameter cannot have.
     """
-    from rtkit.component.fit import misfit
+    from rtkit.component.fit import misfit, misfit_of
 
+    declared = _declared(facts, wanted, tell)
     bad: list[tuple[str, RtkitError]] = []
     for set_id, values in wanted.items():
         for name, text in values.items():
             if name not in facts.sets[set_id]:
                 raise NotFound(f"No such configuration parameter: {name}")
             # What a hidden set holds are hints, not values of the parameters.
-            why = "" if _hidden(set_id) else misfit(facts.sets, name, text)
+            if _hidden(set_id):
+                continue
+            why = misfit(facts.sets, name, text)
+            known = declared.get(name)
+            if known is not None and not why and text != known.default:
+                why = misfit_of(known.declared, text)
             if why:
                 bad.append((name, Malformed(f"{name} cannot be {text!r}: {why}")))
     if len(bad) == 1:
         raise bad[0][1]
     if bad:
         raise Partial("nothing was changed", bad)
+
+
+def _declared(
+    facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]
+) -> Mapping[str, ParameterType]:
+    """Return what an RTC profile says of parameters for which the component gives no constraint."""
+    from rtkit.component.fit import CONSTRAINT_SET
+
+    told = facts.sets.get(CONSTRAINT_SET, {})
+    if all(name in told for values in wanted.values() for name in values):
+        return {}
+    from rtkit.cli._components import profiles
+
+    found = list(profiles((), tell, with_shipped=False))
+    if not found:
+        return {}
+    from rtkit.statics.stock import Document, stocked
+
+    catalogue, _ = stocked((Document(*each) for each in found), {facts.type.type_name})
+    match = catalogue.find(facts.type.id)
+    return match.blueprint.parameters if match is not None else {}
 
 
 def _values(arguments: Sequence[str]) -> dict[str, str]:

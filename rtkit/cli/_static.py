@@ -95,14 +95,15 @@ def check(
 def _checked(
     app: App, paths: Sequence[str], components: Sequence[str], options: Options
 ) -> Iterator[Checked]:
-    from rtkit.cli._components import documents
+    from rtkit.cli._components import profiles
     from rtkit.cli.profile._files import sources
+    from rtkit.profile.forms import may_be_component
     from rtkit.profile_tools.validation import unreadable
-    from rtkit.statics.stock import may_be_profile, stocked
+    from rtkit.statics.stock import Document, stocked
     from rtkit.statics.verdict import Opened, opened, verdict
 
     named = list(sources(paths))
-    others = [each for each in named if each.data and may_be_profile(each.data[:8192])]
+    others = [each for each in named if each.data and may_be_component(each.data[:8192])]
     others = others if len(others) < len(named) else []
     systems: list[Opened | Checked] = []
     for source in named:
@@ -114,7 +115,8 @@ def _checked(
             systems.append(opened(source.data, source.name, form=app.form, strict=options.strict))
     types = {name for each in systems if isinstance(each, Opened) for name in each.types}
     components = [*components, *(each.name for each in others)]
-    catalogue, troubles = stocked(documents(components, app.tell), types, options)
+    documents = (Document(*each) for each in profiles(components, app.tell))
+    catalogue, troubles = stocked(documents, types, options)
     for each in systems:
         yield verdict(each, catalogue, options) if isinstance(each, Opened) else each
     yield from troubles

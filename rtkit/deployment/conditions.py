@@ -144,18 +144,19 @@ def ring(orders: Orders) -> list[Target]:
     """Return targets each of which waits for the next, the last one for the first; else none."""
     done: set[Target] = set()
     for root in orders:
-        path: list[Target] = []
+        path: dict[Target, None] = {}
         ways: list[Iterator[Target]] = [iter((root,))]
         while ways:
             target = next(ways[-1], None)
             if target is None:
                 ways.pop()
-                done.update(path[-1:])
-                del path[-1:]
+                if path:
+                    done.add(path.popitem()[0])
             elif target in path:
-                return path[path.index(target) :]
+                names = list(path)
+                return names[names.index(target) :]
             elif target not in done:
-                path.append(target)
+                path[target] = None
                 ways.append(_before(orders, target))
     return []
 

@@ -11,7 +11,13 @@ FORMS = (XML, YAML, JSON)
 _ENDINGS = {".xml": XML, ".yaml": YAML, ".yml": YAML, ".json": JSON}
 _MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
 _LOOKED_AT = 4096
+_COMPONENT_ROOTS = (b"RtcProfile", b"rtcProfile")
 _YAML_ROOT = re.compile(rb"^(---\s+)?\s*[\"']?[Rr]t[cs]Profile[\"']?\s*:", re.MULTILINE)
+
+
+def may_be_component(head: bytes) -> bool:
+    """Whether a document that begins so may be an RTC profile, told without parsing."""
+    return any(root in head.replace(b"\0", b"") for root in _COMPONENT_ROOTS)
 
 
 def check_form(form: str) -> None:

@@ -75,8 +75,8 @@ def _key(type: TypeProfile) -> _Key:
 
 def _rank(version: str) -> tuple[tuple[int, str], ...]:
     """Return what orders versions: numbers by value, before words."""
-    parts = re.findall(r"[0-9]+|[^0-9.]+", version)
-    return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in parts)
+    parts = re.findall(r"[0-9]{1,18}|[^0-9.]+", version)
+    return tuple((int(part), "") if part[0] in "0123456789" else (-1, part) for part in parts)
 
 
 def _identities(profile: RtcProfile) -> list[TypeProfile]:

@@ -13,6 +13,8 @@ from rtkit.report.finding import ERROR
 from rtkit.statics.remark import TOP, Place, Remark
 from rtkit.statics.view import View
 
+_MOST = 100  # circles of one order that are told
+_NAMES = 20  # of a circle that are told
 _Orders = dict[Target, tuple[Condition, ...]]
 
 
@@ -43,9 +45,20 @@ def _order(
             continue
         found[target] = (*found.get(target, ()), *conditions)
         places.setdefault(target, where)
-    while circle := ring(found):
-        told = " waits for ".join(named(target, contexts) for target in [*circle, circle[0]])
+    for _ in range(_MOST):
+        circle = ring(found)
+        if not circle:
+            break
+        told = _told([named(target, contexts) for target in [*circle, circle[0]]])
         text = f"{name}: conditions in a circle: {told}"
         yield Remark(ERROR, "condition-circle", text, places[circle[0]], told)
+        apart = set(circle)
         for target in circle:
-            found[target] = tuple(c for c in found[target] if c.preceding not in circle)
+            found[target] = tuple(c for c in found[target] if c.preceding not in apart)
+
+
+def _told(names: list[str]) -> str:
+    if len(names) > _NAMES:
+        half = _NAMES // 2
+        names = [*names[:half], f"… {len(names) - 2 * half} more …", *names[-half:]]
+    return " waits for ".join(names)

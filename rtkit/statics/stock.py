@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 from rtkit.profile.findings import InvalidProfile
+from rtkit.profile.forms import may_be_component
 from rtkit.profile.read import read_rtc
 from rtkit.report.finding import WARNING, Checked, Finding
 from rtkit.statics.catalogue import Catalogue
 from rtkit.statics.verdict import USUAL, Options
 
-_ROOTS = (b"RtcProfile", b"rtcProfile")
 _HEAD = 8192
 _ESCAPES = (b"&", b"\\", b"\0")
 
@@ -48,14 +48,9 @@ def stocked(
     return catalogue, troubles
 
 
-def may_be_profile(head: bytes) -> bool:
-    """Whether a document that begins so may be an RTC profile, told without parsing."""
-    return any(root in head.replace(b"\0", b"") for root in _ROOTS)
-
-
 def _may_be_of(data: bytes, types: Collection[str]) -> bool:
     """Whether it may be a profile of one of these types, told without parsing."""
-    if not may_be_profile(data[:_HEAD]):
+    if not may_be_component(data[:_HEAD]):
         return False
     is_plain = data.isascii() and not any(mark in data for mark in _ESCAPES)
     return not is_plain or any(name.encode() in data for name in types)

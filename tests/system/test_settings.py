@@ -53,6 +53,35 @@ def test_create_strings_and_sets_that_do_not_fit_make_nothing(manager: Any, slav
     manager.ok(f"rtconf -s fast {SAMPLE} act")
 
 
+LIMITED = """
+from rtkit.component import Component, Parameter
+
+
+class Limited(Component):
+    vendor, category, version = "me", "x", "1.0"
+    gain = Parameter(1.0)
+
+
+def LimitedInit(manager):
+    manager.register_factory(Limited)
+"""
+
+
+def test_the_profile_beside_a_module_binds_who_has_it(manager: Any) -> None:
+    (manager.folder / "Limited.py").write_text(LIMITED)
+    manager.ok(f"rtmgr -l {manager.folder}/Limited.py:LimitedInit -c Limited {MANAGER}")
+    path = "/localhost/Limited0.rtc"
+    manager.ok(f"rtconf {path} set gain 99")
+    profile = Path(__file__).parents[2] / "profiles" / "ConfigSample.xml"
+    text = profile.read_text().replace("rtkit:example:ConfigSample", "me:x:Limited")
+    for old, new in (("ConfigSample", "Limited"), ('"rtkit"', '"me"'), ('"example"', '"x"')):
+        text = text.replace(old, new)
+    (manager.folder / "RTC.xml").write_text(text.replace('"double_param0"', '"gain"'))
+    why = "rtconf: gain cannot be '99': it is to be -10<=x<=10\n"
+    assert manager.run(f"rtconf {path} set gain 99") == (1, "", why)
+    manager.ok(f"rtconf {path} set gain 9")
+
+
 def test_whoever_sets_it_the_component_refuses_what_does_not_fit(
     manager: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

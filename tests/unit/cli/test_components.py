@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.cli._components import documents
+from rtkit.cli._components import profiles
 from rtkit.errors import NotFound
 
 PROFILES = Path(__file__).parents[3] / "profiles"
@@ -30,13 +30,13 @@ def put(place: Path, *names: str) -> None:
 
 def names(*paths: str) -> list[str]:
     """Return what is found, without what ships."""
-    found = [each.name for each in documents(paths, print)]
+    found = [name for name, _ in profiles(paths, print)]
     return [name for name in found if not name.startswith(str(PROFILES))]
 
 
 def test_what_ships_comes_last(place: Path) -> None:
     put(place, "a/Motor.xml")
-    found = [each.name for each in documents(["a"], print)]
+    found = [name for name, _ in profiles(["a"], print)]
     assert found[0] == "a/Motor.xml"
     assert found[1:] == sorted(str(each) for each in PROFILES.glob("*.xml"))
 
@@ -82,5 +82,5 @@ def test_profiles_beside_modules_and_in_the_search_path(
 def test_an_rtc_conf_that_cannot_be_read_is_told_of(place: Path) -> None:
     (place / "rtc.conf").write_text("nonsense\n")
     told: list[str] = []
-    assert len(list(documents([], told.append))) == len(list(PROFILES.glob("*.xml")))
+    assert len(list(profiles([], told.append))) == len(list(PROFILES.glob("*.xml")))
     assert told == [f"load paths are not known: {place}/rtc.conf:1: not KEY: VALUE: nonsense"]

@@ -6,10 +6,11 @@ from typing import Any
 
 import pytest
 
+from rtkit.profile.forms import may_be_component
 from rtkit.profile.read import read_rtc
 from rtkit.report.finding import NOTE, WARNING
 from rtkit.statics.catalogue import Catalogue
-from rtkit.statics.stock import Document, may_be_profile, stocked
+from rtkit.statics.stock import Document, stocked
 from rtkit.statics.verdict import Options
 
 
@@ -30,7 +31,7 @@ def motor(profile_of: Any) -> Any:
 
 
 def test_the_very_version_comes_first_else_the_newest(motor: Any) -> None:
-    versions = ("1.9", "1.10", "1.2-beta")
+    versions = ("1.9", "1.10", "1.2-beta", "0." + "9" * 5000)
     known = Catalogue((motor(version), version) for version in versions)
     for version in versions:
         match = known.find(f"RTC:rtkit:example:Motor:{version}")
@@ -112,9 +113,9 @@ def test_a_name_may_be_written_with_references(profile_of: Any) -> None:
 
 
 def test_a_profile_is_known_by_its_beginning() -> None:
-    assert may_be_profile(b"<rtc:RtcProfile")
-    assert may_be_profile("rtcProfile:".encode("utf-16"))
-    assert not may_be_profile(b"<rts:RtsProfile")
+    assert may_be_component(b"<rtc:RtcProfile")
+    assert may_be_component("rtcProfile:".encode("utf-16"))
+    assert not may_be_component(b"<rts:RtsProfile")
 
 
 def test_versions_are_noted(check: Any, text_of: Any) -> None:

@@ -485,6 +485,27 @@ def test_each_circle_is_told_and_bad_targets_too(check: Any, text_of: Any) -> No
     ]
 
 
+def test_a_long_chain_of_conditions_takes_no_ages(check: Any, text_of: Any) -> None:
+    count = 2000
+    names = [f"S{number}" for number in range(count)]
+    head, begin, rest = text_of("console").partition("    <rts:Components")
+    whole = begin + rest.partition("</rts:Components>\n")[0] + "</rts:Components>\n"
+    components = [whole.replace("ConsoleIn0", name) for name in names]
+    ref = 'rts:componentId="RTC:rtkit:example:ConsoleIn:1.0" rts:instanceName="{}" rts:id="0"'
+    targets = [
+        '<rts:targets rts:sequence="1"><rts:Preceding>'
+        f"<rts:PrecedingComponents {ref.format(after)}/></rts:Preceding>"
+        f"<rts:TargetComponent {ref.format(name)}/></rts:targets>"
+        for name, after in zip(names, [*names[1:], names[0]], strict=True)
+    ]
+    order = f"<rts:Activation>{''.join(targets)}</rts:Activation>"
+    (finding,) = check(f"{head}{''.join(components)}{order}</rts:RtsProfile>").findings
+    assert finding.rule == "condition-circle"
+    assert finding.text.count(" waits for ") == 20
+    assert " waits for S9 waits for … 1981 more … waits for S1991 waits for " in finding.text
+    assert finding.text.endswith(" waits for S1999 waits for S0")
+
+
 def test_strict_makes_warnings_errors_and_rules_can_be_ignored(check: Any, text_of: Any) -> None:
     text = text_of("console").replace("RTC:rtkit:example:ConsoleIn", "RTC:a:b:ConsoleIn")
     assert check(text).is_valid
