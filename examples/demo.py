@@ -10,6 +10,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -76,32 +77,33 @@ def until(is_done: Callable[[], bool], what: str) -> None:
 
 def main() -> int:
     """Play the demo; return its exit status."""
-    with tempfile.TemporaryDirectory(prefix="rtd") as base:
-        folder = Path(base)
-        variables = {
-            "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}",
-            "RTKIT_RUNTIME_DIR": str(folder / "run"),
-            "RTKIT_STATE_DIR": str(folder / "state"),
-            "RTKIT_MANAGER": "manager",
-            "RTKIT_CWD": "/",
-            "RTKIT_EXIT_DETAIL": "",
-        }
-        profile = HERE.parent / "profiles" / "systems" / SYSTEM
-        (folder / SYSTEM).symlink_to(profile)
-        (folder / "PoseLog.py").symlink_to(HERE / "demo" / "PoseLog.py")
-        begin = time.monotonic()
-        shell = Shell(folder, variables)
-        try:
-            play(shell, folder)
-            check(not list((folder / "run").iterdir()), "something is left in the runtime folder")
-            check(not left_over(folder), "processes are left")
-        except NotAsExpected as surprise:
-            print(f"\ndemo: not as expected: {surprise}", file=sys.stderr)
-            return 1
-        finally:
-            for pid in left_over(folder):
-                os.kill(pid, signal.SIGKILL)
-        tell(f"No process, no socket is left. That took {time.monotonic() - begin:.1f} s.")
+    folder = Path(tempfile.mkdtemp(prefix="rtd"))
+    variables = {
+        "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}",
+        "RTKIT_RUNTIME_DIR": str(folder / "run"),
+        "RTKIT_STATE_DIR": str(folder / "state"),
+        "RTKIT_MANAGER": "manager",
+        "RTKIT_CWD": "/",
+        "RTKIT_EXIT_DETAIL": "",
+    }
+    profile = HERE.parent / "profiles" / "systems" / SYSTEM
+    (folder / SYSTEM).symlink_to(profile)
+    (folder / "PoseLog.py").symlink_to(HERE / "demo" / "PoseLog.py")
+    begin = time.monotonic()
+    shell = Shell(folder, variables)
+    try:
+        play(shell, folder)
+        check(not list((folder / "run").iterdir()), "something is left in the runtime folder")
+        check(not left_over(folder), "processes are left")
+    except NotAsExpected as surprise:
+        print(f"\ndemo: not as expected: {surprise}", file=sys.stderr)
+        print(f"demo: the logs are in {folder / 'state'}", file=sys.stderr)
+        return 1
+    finally:
+        for pid in left_over(folder):
+            os.kill(pid, signal.SIGKILL)
+    shutil.rmtree(folder)
+    tell(f"No process, no socket is left. That took {time.monotonic() - begin:.1f} s.")
     return 0
 
 

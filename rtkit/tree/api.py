@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.deployment.listing import Listing
-from rtkit.errors import Malformed, NotFound
+from rtkit.deployment.listing import Listing, Row
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import Transition
-from rtkit.rtc.names import parse_path
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, Path, parse_path
 from rtkit.tree import resolve
-from rtkit.tree.view import Node, build
+from rtkit.tree.view import Node, build, shown_path
+
+Value = str | float
+"""A value of a parameter or property: text, a number, or true and false."""
 
 if TYPE_CHECKING:
     from typing import Protocol
@@ -35,16 +38,18 @@ if TYPE_CHECKING:
 
 
 class ByPath:
-    """Paths are absolute, as ``rtls`` shows them. Every method is bounded by the time-out.
+    """What scripts use of a `Tree`: the commands as methods that take paths.
 
-    An execution context is told by its number (own ones first, then those taken part in) or id.
+    Paths are absolute, as ``rtls`` shows them and `create` returns them. Every method is bounded by
+    the time-out. An execution context is told by its number (own ones first, then those taken part
+    in) or id.
 
     Example::
 
         with rtkit.connect() as tree:
-            tree.create("ConsoleIn?instance_name=In0")
-            tree.create("ConsoleOut?instance_name=Out0&manager_name=other")
-            tree.connect("/localhost/In0.rtc:out", "/localhost/Out0.rtc:in")
+            source = tree.create("ConsoleIn?instance_name=In0")
+            sink = tree.create("ConsoleOut?manager_name=other")
+            tree.connect(f"{source}:out", f"{sink}:in")
             for name in tree.ls("/localhost"):
                 if name.endswith(".rtc"):
                     tree.activate(f"/localhost/{name}")
@@ -57,7 +62,7 @@ class ByPath:
             NotFound: Nothing is there.
         """
         listing = self.listing()
-        node = resolve.entry(build(listing), parse_path(path), listing.host)
+        node = resolve.entry(build(listing), _read(path), listing.host)
         return [child.name for child in node.entries()] if node.is_directory else [node.name]
 
     def component(self: _Calls, path: str) -> ComponentFacts:
@@ -70,28 +75,42 @@ class ByPath:
         return _facts(self, path)
 
     def create(self: _Calls, text: str) -> str:
-        """Create a component from a create string and return its instance name.
+        """Create a component from a create string and return its path.
+
+        If there is one of that instance name already, nothing is made and its path is returned.
 
         Example::
 
-            tree.create("ConsoleIn?instance_name=In0&manager_name=slave1")
+            path = tree.create("ConsoleIn?instance_name=In0&manager_name=slave1")
+            tree.activate(path)
+
+        Raises:
+            NotFound: Nobody knows the component type.
+            Malformed: The create string cannot be read.
+            Refused: It could not be made.
         """
         from rtkit.deployment.actions import Create
 
-        return self.perform(Create(text))
+        instance = self.perform(Create(as_text(text, "create string")))
+        listing = self.listing()
+        row = next(each for each in listing.rows if each.instance == instance)
+        return _path_of(row, listing)
 
     def delete(self: _Calls, path: str) -> None:
         """Finalise a component, or forget a zombie: ``tree.delete("/localhost/In0.rtc")``.
 
         Raises:
             NotFound: Nothing is there.
+            Refused: It is no component.
         """
         from rtkit.deployment.actions import Delete
 
+        where = _read(path)
+        resolve.check_component_syntax(where)
         listing = self.listing()
-        node = resolve.entry(build(listing), parse_path(path), listing.host)
+        node = resolve.entry(build(listing), where, listing.host)
         if node.is_directory:
-            raise NotFound(f"Not a component: {path}")
+            raise Refused(f"Not a component: {path}")
         self.perform(Delete(node.instance))
 
     def activate(self: _Calls, path: str, context: int | str = 0) -> None:
@@ -119,7 +138,7 @@ class ByPath:
         _change(self, path, context, Transition.RESET)
 
     def connect(
-        self: _Calls, one: str, other: str, connector_id: str = "", **properties: str
+        self: _Calls, one: str, other: str, connector_id: str = "", **properties: Value
     ) -> str:
         """Connect two ports and return the connector's id.
 
@@ -138,8 +157,8 @@ class ByPath:
         from rtkit.deployment.actions import Connect
         from rtkit.tree.wiring import find_ends, make_connector
 
-        _, (first, second) = find_ends(self, [parse_path(one), parse_path(other)])
-        given = {key.replace("__", "."): value for key, value in properties.items()}
+        _, (first, second) = find_ends(self, [_port(one), _port(other)])
+        given = {key.replace("__", "."): _value(each, key) for key, each in properties.items()}
         wire = make_connector(first, second, connector_id or str(uuid4()), "", given)
         return self.perform(Connect(wire))
 
@@ -153,38 +172,75 @@ class ByPath:
         from rtkit.deployment.actions import Disconnect
         from rtkit.tree.wiring import between, find_ends
 
-        paths = [parse_path(path) for path in (one, other) if path]
+        paths = [_port(path) for path in (one, other) if path != ""]
         snapshot, (first, *others) = find_ends(self, paths)
         wires = between(snapshot.connectors, first.ref, [end.ref for end in others])
         for result in self.apply([Disconnect(wire.connector_id) for wire in wires]):
             result.raise_for_error()
         return len(wires)
 
-    def configure(self: _Calls, path: str, set_id: str = "", **values: str) -> None:
+    def configure(self: _Calls, path: str, set_id: str = "", **values: Value) -> None:
         """Change parameters of a configuration set (by default the active one), all or none.
 
         A component sees a change of its active set within one period.
 
         Example::
 
-            tree.configure("/localhost/Robot0.rtc", speed="0.5")
+            tree.configure("/localhost/Robot0.rtc", speed=0.5, name="left")
 
         Raises:
             NotFound: No such component, set or parameter.
+            Malformed: A value does not fit its parameter.
         """
         from rtkit.deployment.actions import ActivateSet, SetParameters
 
         facts = _facts(self, path)
         chosen = set_id or facts.active_set
-        actions: list[Action] = [SetParameters(facts.instance, chosen, values)]
+        texts = {name: _value(value, name) for name, value in values.items()}
+        actions: list[Action] = [SetParameters(facts.instance, chosen, texts)]
         if chosen == facts.active_set:
             actions.append(ActivateSet(facts.instance, chosen))
         for result in self.apply(actions):
             result.raise_for_error()
 
 
+def as_text(value: object, what: str) -> str:
+    """Return `value`, which must be text.
+
+    Raises:
+        TypeError: It is something else; names `what` it is for.
+    """
+    if not isinstance(value, str):
+        raise TypeError(f"{what} is text, not {type(value).__name__}: {value!r}")
+    return value
+
+
+def _read(path: str) -> Path:
+    return parse_path(as_text(path, "a path"))
+
+
+def _port(path: str) -> Path:
+    where = _read(path)
+    if where.port is None:
+        raise Malformed(f"Not a port: {path}")
+    return where
+
+
+def _value(value: object, name: str) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return str(value) if isinstance(value, int | float) else as_text(value, f"value of {name}")
+
+
+def _path_of(row: Row, listing: Listing) -> str:
+    """Return where a component is found: its first name, else the place below its manager."""
+    if row.names:
+        return shown_path(row.names[0], listing.host)
+    return f"/{LOCAL}/{listing.manager}{MANAGER_SUFFIX}/{row.instance}{COMPONENT_SUFFIX}"
+
+
 def _component(listing: Listing, path: str) -> Node:
-    return resolve.component(build(listing), parse_path(path), listing.host)
+    return resolve.component(build(listing), _read(path), listing.host)
 
 
 def _change(tree: _Calls, path: str, context: int | str, transition: Transition) -> None:
@@ -196,6 +252,8 @@ def _change(tree: _Calls, path: str, context: int | str, transition: Transition)
 
 
 def _context(tree: _Calls, node: Node, index: int) -> str:
+    if not isinstance(index, int) or isinstance(index, bool):
+        raise TypeError(f"an execution context is a number or text, not {index!r}")
     if index == 0 and node.row is not None and node.row.context:
         return node.row.context
     facts = tree.part([node.instance]).component(node.instance)

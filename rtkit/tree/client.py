@@ -11,7 +11,7 @@ from rtkit.deployment.listing import Listing, listing_from_text
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
 from rtkit.link.base import Link
-from rtkit.tree.api import ByPath
+from rtkit.tree.api import ByPath, as_text
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action, Result
@@ -27,6 +27,11 @@ _MOST_IN_A_PART = 50
 class Tree(ByPath):
     """A connection to one manager, through which everything it knows is read and changed.
 
+    For scripts: `ls component create delete activate deactivate reset connect disconnect
+    configure`, which take paths; `get` and `set` of the manager's properties; `close`, or a
+    ``with`` block. The others speak the manager's own language: facts of `rtkit.deployment.facts`,
+    actions of `rtkit.deployment.actions`.
+
     Attributes:
         host: Host name of the manager.
         manager: Its name.
@@ -41,6 +46,9 @@ class Tree(ByPath):
         self.manager = manager
         self.timeout_s = timeout_s
         self._service = keys.service(host, manager)
+
+    def __repr__(self) -> str:
+        return f"<Tree: manager {self.manager!r} on {self.host}>"
 
     def __enter__(self) -> Self:
         return self
@@ -159,12 +167,22 @@ class Tree(ByPath):
         return states_from_text(self._ask(key, watch_to_text(watch), bound))
 
     def get(self, name: str) -> str:
-        """Return the value of a property of the manager."""
-        return self._ask(keys.property_key(self._service, name))
+        """Return the value of a property of the manager: ``tree.get("naming.formats")``.
+
+        Raises:
+            NotFound: No such property.
+        """
+        return self._ask(keys.property_key(self._service, as_text(name, "a property's name")))
 
     def set(self, name: str, value: str, *, timeout_s: float | None = None) -> str:
-        """Set a property of the manager and return its answer."""
-        return self._ask(keys.property_key(self._service, name), value, timeout_s)
+        """Set a property of the manager and return its answer.
+
+        Raises:
+            NotFound: No such property.
+            Refused: It cannot be changed now.
+        """
+        key = keys.property_key(self._service, as_text(name, "a property's name"))
+        return self._ask(key, as_text(value, f"value of {name}"), timeout_s)
 
     def _ask(self, key: str, payload: str | None = None, timeout_s: float | None = None) -> str:
         return self._send(key, payload, timeout_s)()

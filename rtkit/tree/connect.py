@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Unreachable
 from rtkit.link.places import DEFAULT_MANAGER, check_nobody_else_s, manager_socket, owner
+from rtkit.tree.api import as_text
 from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree, bounded
 
 if TYPE_CHECKING:
@@ -25,7 +26,9 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     from rtkit.link.running import why_absent
     from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 
-    name = manager or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    name = (
+        as_text(manager, "a manager's name") or os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+    )
     if ":" in name:
         from rtkit.rtc.address import parse_address
 

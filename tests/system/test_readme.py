@@ -81,7 +81,7 @@ def test_the_first_five_minutes_show_what_the_readme_says(
 def test_the_python_of_the_readme_runs(shell: Any, variables: dict[str, str]) -> None:
     (code,) = [text for kind, text in blocks() if kind == "python"]
     script = f"rtmgr start\npython - <<'END'\n{code}\nEND\nrtmgr stop"
-    assert run(script, shell.folder, variables) == "Active\n"
+    assert run(script, shell.folder, variables) == "/localhost/In0.rtc Active\n"
 
 
 def test_every_command_is_in_the_table() -> None:

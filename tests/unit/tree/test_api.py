@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
@@ -13,6 +14,7 @@ from rtkit.rtc.enums import LifeCycleState, PortType, Transition
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 from rtkit.tree.client import Tree
+from rtkit.tree.connect import connect
 from rtkit.tree.fake import fake_tree
 
 LONG = {"dataport.data_type": "IDL:RTC/TimedLong:1.0"}
@@ -55,15 +57,74 @@ def test_component(tree: Tree) -> None:
 
 
 def test_create_and_delete(tree: Tree, world: World) -> None:
-    assert tree.create("Std") == "Std0"
+    assert tree.create("Std") == "/localhost/Std0.rtc"
+    assert tree.create("Std?instance_name=Std0") == "/localhost/Std0.rtc"
     tree.delete("/localhost/Std0.rtc")
     assert "Std0" not in world.components
     with pytest.raises(NotFound, match="No such object"):
         tree.delete("/localhost/Std0.rtc")
-    with pytest.raises(NotFound, match="Not a component: /localhost"):
+    with pytest.raises(Refused, match="Not a component: /localhost"):
         tree.delete("/localhost")
+    with pytest.raises(Malformed, match=r"Not a component: /localhost/A.rtc:in"):
+        tree.delete("/localhost/A.rtc:in")
+    assert "A" in world.components
     with pytest.raises(NotFound, match="no component type Nix"):
         tree.create("Nix")
+
+
+def test_what_is_made_is_found_where_it_is_registered(tree: Tree, world: World) -> None:
+    world.perform(act.Create("Std?instance_name=C", ("box/dir.host_cxt/C.rtc",)))
+    assert tree.create("Std?instance_name=C") == "/localhost/dir.host_cxt/C.rtc"
+    world.update("C", names=())
+    path = tree.create("Std?instance_name=C")
+    assert path == "/localhost/manager.mgr/C.rtc"
+    tree.activate(path)
+
+
+def test_it_tells_what_it_is(tree: Tree) -> None:
+    assert repr(tree) == "<Tree: manager 'manager' on box>"
+
+
+@pytest.mark.parametrize("nothing", [None, 5, ["/localhost/A.rtc"]])
+def test_what_is_no_text_is_a_type_error(tree: Tree, world: World, nothing: Any) -> None:
+    for call in (
+        tree.ls,
+        tree.component,
+        tree.create,
+        tree.delete,
+        tree.activate,
+        tree.disconnect,
+        tree.configure,
+        tree.get,
+        lambda value: tree.connect(f"{A}:out", value),
+        lambda value: tree.disconnect(f"{A}:out", value),
+        lambda value: tree.set("naming.formats", value),
+        connect,
+    ):
+        with pytest.raises(TypeError, match="is text, not"):
+            call(nothing)
+    assert world.performed == []
+
+
+def test_values_are_text_numbers_or_truth(tree: Tree, world: World) -> None:
+    for value, text in ((0.5, "0.5"), (7, "7"), (True, "true"), ("x", "x")):
+        tree.configure(A, gain=value)
+        assert world.components["A"].sets["default"]["gain"] == text
+    with pytest.raises(TypeError, match=r"value of gain is text, not NoneType: None"):
+        tree.configure(A, gain=None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("context", [None, 1.0, True])
+def test_an_execution_context_is_a_number_or_text(tree: Tree, context: Any) -> None:
+    with pytest.raises(TypeError, match="an execution context is a number or text"):
+        tree.activate(A, context)
+
+
+def test_connections_are_between_ports(tree: Tree) -> None:
+    with pytest.raises(Malformed, match=f"Not a port: {A}"):
+        tree.connect(f"{A}:out", A)
+    with pytest.raises(Malformed, match=f"Not a port: {A}"):
+        tree.disconnect(A)
 
 
 def test_a_zombie_can_be_deleted(tree: Tree, world: World) -> None:
