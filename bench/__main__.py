@@ -11,7 +11,7 @@ import sys
 
 from bench.harness import table
 
-GROUPS = ("commands", "launch", "ports", "rates", "faults", "static")
+GROUPS = ("commands", "launch", "ports", "rates", "faults", "static", "profiles")
 
 
 def main(names: list[str]) -> int:

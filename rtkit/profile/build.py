@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from rtkit.profile.common import Foreign, ForeignElement
 from rtkit.profile.spec import Spec
 from rtkit.profile.xmlnames import XSI_TYPE, split
+
+_One = Callable[[str, str], str]
+"""Returns one and the same object for equal texts: profiles say the same things often."""
 
 
 class NotStrict(Exception):
@@ -20,22 +24,8 @@ def build(element: Any, spec: Spec) -> Any:
         KeyError: The tree is not valid.
         ValueError: The tree is not valid.
     """
-    args = spec.blank[:]
-    readers = spec.readers
-    foreign_attributes: list[tuple[str, str]] = []
-    for name, value in element.items():
-        reader = readers.get(name)
-        if reader is not None:
-            place, read = reader
-            args[place] = value if read is None else read(value)
-        elif name != XSI_TYPE:
-            foreign_attributes.append((name, value))
-    foreign_elements = _children(element, spec, args) if len(element) else ()
-    if foreign_attributes or foreign_elements:
-        args[spec.foreign_place] = Foreign(tuple(sorted(foreign_attributes)), foreign_elements)
-    if spec.tag_place is not None:
-        args[spec.tag_place] = split(element.tag)[1]
-    return spec.make(*args)
+    known: dict[str, str] = {}
+    return _built(element, spec, known.setdefault)
 
 
 def build_strict(element: Any, spec: Spec, depth: int) -> Any:
@@ -48,6 +38,30 @@ def build_strict(element: Any, spec: Spec, depth: int) -> Any:
         KeyError: The tree is not valid.
         ValueError: The tree is not valid.
     """
+    known: dict[str, str] = {}
+    return _strictly(element, spec, depth, known.setdefault)
+
+
+def _built(element: Any, spec: Spec, one: _One) -> Any:
+    args = spec.blank[:]
+    readers = spec.readers
+    foreign_attributes: list[tuple[str, str]] = []
+    for name, value in element.items():
+        reader = readers.get(name)
+        if reader is not None:
+            place, read = reader
+            args[place] = one(value, value) if read is None else read(value)
+        elif name != XSI_TYPE:
+            foreign_attributes.append((name, value))
+    foreign_elements = _children(element, spec, args, one) if len(element) else ()
+    if foreign_attributes or foreign_elements:
+        args[spec.foreign_place] = Foreign(tuple(sorted(foreign_attributes)), foreign_elements)
+    if spec.tag_place is not None:
+        args[spec.tag_place] = split(element.tag)[1]
+    return spec.make(*args)
+
+
+def _strictly(element: Any, spec: Spec, depth: int, one: _One) -> Any:
     args = spec.blank[:]
     readers = spec.readers
     seen_type = None
@@ -55,7 +69,7 @@ def build_strict(element: Any, spec: Spec, depth: int) -> Any:
         reader = readers.get(name)
         if reader is not None:
             place, read = reader
-            args[place] = value if read is None else read(value)
+            args[place] = one(value, value) if read is None else read(value)
         elif name == XSI_TYPE:
             seen_type = value
         else:
@@ -70,7 +84,7 @@ def build_strict(element: Any, spec: Spec, depth: int) -> Any:
                 raise NotStrict
             last, place, inner, is_many = slot
             if inner is not None:
-                made = build_strict(item, inner, depth - 1)
+                made = _strictly(item, inner, depth - 1, one)
             elif item.attrib:
                 raise NotStrict
             else:
@@ -91,7 +105,7 @@ def build_strict(element: Any, spec: Spec, depth: int) -> Any:
     return spec.make(*args)
 
 
-def _children(element: Any, spec: Spec, args: list[Any]) -> tuple[ForeignElement, ...]:
+def _children(element: Any, spec: Spec, args: list[Any], one: _One) -> tuple[ForeignElement, ...]:
     slots = spec.slots
     foreign: list[ForeignElement] = []
     for item in element:
@@ -100,7 +114,7 @@ def _children(element: Any, spec: Spec, args: list[Any]) -> tuple[ForeignElement
             foreign.append(_foreign(item, is_top=True))
             continue
         _, place, inner, is_many = slot
-        made = build(item, inner) if inner is not None else (item.text or "")
+        made = _built(item, inner, one) if inner is not None else (item.text or "")
         if not is_many:
             args[place] = made
         elif args[place]:

@@ -9,6 +9,9 @@ from rtkit.errors import InvalidDocument
 from rtkit.profile.common import Note
 from rtkit.profile.places import Places
 
+FAR_LINE = 65535
+"""From here on libxml2 keeps the lines of elements in the text around them, or not at all."""
+
 _SHOWN = 50
 _TOO_MANY = 1000
 
@@ -34,11 +37,19 @@ class Findings:
 
     Attributes:
         scope: The prefixes, where the whole document has the same ones.
+        is_vague: Whether lines from `FAR_LINE` on are not known.
         good_types: Values of ``xsi:type`` seen to be right in this scope, with their tables.
     """
 
-    def __init__(self, source: str, scope: dict[str | None, str] | None = None) -> None:
+    def __init__(
+        self,
+        source: str,
+        scope: dict[str | None, str] | None = None,
+        *,
+        is_vague: bool = False,
+    ) -> None:
         self.source = source
+        self.is_vague = is_vague
         self.scope = scope
         self.good_types: set[tuple[str, Any]] = set()
         self.repairs: list[Note] = []
@@ -46,6 +57,7 @@ class Findings:
         self.errors: list[Note] = []
         self._said: set[str] = set()
         self._places = Places()
+        self._far: dict[Any, int] = {}
 
     def repaired(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record a deviation that was put right; call it before anything is moved."""
@@ -89,9 +101,7 @@ class Findings:
         allowed: str | None = None,
     ) -> Note:
         """Make a note; `at` is the attribute that it is about, `seen` what stands there."""
-        return Note(
-            element.sourceline or 0, text, self.path(element, at), rule, seen, allowed or ""
-        )
+        return Note(self.line(element), text, self.path(element, at), rule, seen, allowed or "")
 
     def path(self, element: Any, attribute: str | None = None) -> str:
         """Return the XPath of an element, or of its attribute, in the document as it was read."""
@@ -102,10 +112,19 @@ class Findings:
         self._places.keep(parent)
         made = parent.makeelement(tag)
         parent.append(made)
-        if like.sourceline:
-            made.sourceline = like.sourceline
+        self.set_line(made, self.line(like))
         self._places.share(made, like)
         return made
+
+    def line(self, element: Any) -> int:
+        """Return the line of the document that `element` begins on; 0 if nobody knows."""
+        return self._far.get(element) or element.sourceline or 0
+
+    def set_line(self, element: Any, line: int) -> None:
+        """Have an element that was not parsed stand on a line."""
+        element.sourceline = min(line, FAR_LINE)
+        if line > FAR_LINE:
+            self._far[element] = line
 
     def namespaces(self, element: Any) -> dict[str | None, str]:
         """Return the prefixes in force at `element`."""

@@ -177,14 +177,17 @@ def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
     else:
         said = f"xsi:type is absent: taken as {spec.xsi_type_text!r}"
         found.repaired(element, "xsi-type", said, allowed=spec.xsi_type_text)
-    set_type(element, spec.xsi_type_text)
+    set_type(element, spec.xsi_type_text, found)
 
 
-def set_type(element: Any, wanted: str) -> None:
+def set_type(element: Any, wanted: str, found: Findings) -> None:
     """Set ``xsi:type`` to a type given with its usual prefix, by the document's prefix."""
     from lxml import etree
 
     namespace, local = split(clark(wanted))
+    if found.scope is not None and found.scope.get(wanted.partition(":")[0]) == namespace:
+        element.set(XSI_TYPE, wanted)
+        return
     prefixed = {uri for prefix, uri in element.nsmap.items() if prefix}
     if element.nsmap.get(None) == namespace and namespace not in prefixed:
         element.set(XSI_TYPE, local)

@@ -22,8 +22,18 @@ _PLACE = re.compile(r"(?:,? line [0-9]+)?, line [0-9]+, column [0-9]+$")
 _DOCTYPE = re.compile(rb"<!DOCTYPE\s*([^\s\[>]*)")
 
 
-def parse(data: bytes, source: str) -> Any:
+def may_drop_blanks(data: bytes) -> bool:
+    """Whether white space between elements may be left out of the tree without loss.
+
+    Not where comments or the like could part a text: its beginning would be taken for blank.
+    """
+    return b"<!" not in data and data.count(b"<?") < 2 and b"\0" not in data[:64]
+
+
+def parse(data: bytes, source: str, *, drops_blanks: bool = False) -> Any:
     """Return the root element of a document.
+
+    Without blanks the tree is a sixth smaller; then lines from `FAR_LINE` on are not known.
 
     Raises:
         InvalidProfile: It is too large, has a DOCTYPE, or is not well-formed.
@@ -40,6 +50,7 @@ def parse(data: bytes, source: str) -> Any:
         huge_tree=False,
         remove_comments=True,
         remove_pis=True,
+        remove_blank_text=drops_blanks,
     )
     try:
         root = etree.fromstring(data, parser)

@@ -40,7 +40,7 @@ class Positions:
             spec = inner if inner is not None else spec
         names = (each.name for each in spec.attributes if each.field == field)
         attribute = next((each for each in names if element.get(each) is not None), None)
-        return Position(element.sourceline or 0, self._found.path(element, attribute))
+        return Position(self._found.line(element), self._found.path(element, attribute))
 
     def _below(self, element: Any, spec: Spec) -> dict[str, list[tuple[Any, Spec | None]]]:
         known = self._children.get(element)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rtkit.errors import NotFound
 from rtkit.profile.common import Note, Reading
-from rtkit.profile.findings import Findings, InvalidProfile
+from rtkit.profile.findings import FAR_LINE, Findings, InvalidProfile
 from rtkit.profile.forms import XML, YAML, check_form, form_of
 from rtkit.profile.spec import Spec
 from rtkit.profile.xmlnames import clark, short, split
@@ -169,7 +169,7 @@ def _grammar(kind: str) -> Grammar:
 
 
 def _opened(
-    data: bytes | str, source: str, form: str | None, kind: str | None
+    data: bytes | str, source: str, form: str | None, kind: str | None, *, needs_lines: bool = True
 ) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
     """Return the kind of a document, and how to get its elements."""
     from rtkit.profile.parse import refuse_size
@@ -180,15 +180,21 @@ def _opened(
         check_form(form)
     refuse_size(data, source)
     form = form or form_of(data, source)
-    return (_opened_xml if form == XML else _opened_tree)(data, source, form, kind)
+    if form == XML:
+        return _opened_xml(data, source, kind, needs_lines=needs_lines)
+    return _opened_tree(data, source, form, kind)
 
 
 def _opened_xml(
-    data: bytes, source: str, form: str, kind: str | None
+    data: bytes, source: str, kind: str | None, *, needs_lines: bool
 ) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
-    from rtkit.profile.parse import parse
+    from rtkit.profile.parse import may_drop_blanks, parse
 
-    root = parse(data, source)
+    drops_blanks = may_drop_blanks(data)
+    is_vague = drops_blanks and data.count(b"\n") >= FAR_LINE - 1
+    if is_vague and needs_lines:
+        drops_blanks = is_vague = False
+    root = parse(data, source, drops_blanks=drops_blanks)
     tags = {clark(f"{each}:{each.capitalize()}Profile"): each for each in KINDS}
     found = tags.get(root.tag)
     if found is None or kind not in (None, found):
@@ -201,7 +207,7 @@ def _opened_xml(
 
     def elements(_: Spec) -> tuple[Any, Findings]:
         is_flat = data.count(b"xmlns") == len(root.nsmap)
-        return root, Findings(source, dict(root.nsmap) if is_flat else None)
+        return root, Findings(source, dict(root.nsmap) if is_flat else None, is_vague=is_vague)
 
     return found, elements
 
@@ -242,14 +248,16 @@ def _encoded(text: str) -> bytes:
 
 
 def as_it_stands(
-    data: bytes | str, source: str, form: str | None, kind: str | None
+    data: bytes | str, source: str, form: str | None, kind: str | None, *, needs_lines: bool = True
 ) -> tuple[Any, Findings, Grammar]:
     """Return the tree of a document without any repair, a place for findings, and its grammar.
+
+    Unless it `needs_lines`, those far down in a very long document may be wrong.
 
     Raises:
         InvalidProfile: There is no such tree.
     """
-    kind, elements = _opened(data, source, form, kind)
+    kind, elements = _opened(data, source, form, kind, needs_lines=needs_lines)
     grammar = _grammar(kind)
     return (*elements(grammar.spec), grammar)
 
@@ -278,22 +286,51 @@ def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) 
         InvalidProfile: There is no tree to look at.
         Malformed: There is no such form.
     """
-    from rtkit.profile.build import build
+    with _no_collection():
+        root, found, grammar = as_it_stands(data, source, form, kind)
+        profile = _plain(root, found, grammar)
+        if profile is None:
+            return _repaired(root, found, grammar)
+        return Outcome(grammar.kind, profile, [], [], [], root, grammar.spec, found)
+
+
+def _plain(root: Any, found: Findings, grammar: Grammar) -> Any:
+    """Return the profile of a valid document in strict form; None of any other."""
     from rtkit.profile.strict import built
     from rtkit.profile.validate import violations
 
-    with _no_collection():
-        root, found, grammar = as_it_stands(data, source, form, kind)
-        profile = None if found.errors else built(root, grammar.spec, found.scope)
-        is_valid = profile is not None and not violations(root, grammar.schema)
-        if is_valid and grammar.is_plain(profile):
-            return Outcome(grammar.kind, profile, [], [], [], root, grammar.spec, found)
-        del profile
-        _normalise(root, found, grammar)
-        errors = found.errors or violations(root, grammar.schema)
-        profile = None if errors else build(root, grammar.spec)
-        notes = (errors, found.repairs, found.remarks)
-        return Outcome(grammar.kind, profile, *notes, root, grammar.spec, found)
+    profile = None if found.errors else built(root, grammar.spec, found.scope)
+    is_valid = profile is not None and not violations(root, grammar.schema)
+    return profile if is_valid and grammar.is_plain(profile) else None
+
+
+def _repaired(root: Any, found: Findings, grammar: Grammar) -> Outcome:
+    """Return what becomes of a document by the long way."""
+    from rtkit.profile.build import build
+    from rtkit.profile.normalise import normalise
+    from rtkit.profile.validate import violations
+
+    normalise(root, grammar.spec, found)
+    # Names are looked up in the model, which is quicker; the tree is searched for what is wrong.
+    profile = None if found.errors else _built(root, grammar)
+    if profile is None or not grammar.is_plain(profile):
+        grammar.check(root, found)
+        profile = None
+    errors = found.errors or violations(root, grammar.schema)
+    if profile is None and not errors:
+        profile = build(root, grammar.spec)
+    notes = (errors, found.repairs, found.remarks)
+    return Outcome(grammar.kind, None if errors else profile, *notes, root, grammar.spec, found)
+
+
+def _built(root: Any, grammar: Grammar) -> Any:
+    """Return the model of a tree that was repaired; None if it cannot be valid."""
+    from rtkit.profile.build import build
+
+    try:
+        return build(root, grammar.spec)
+    except (KeyError, ValueError):
+        return None
 
 
 def _normalise(root: Any, found: Findings, grammar: Grammar) -> None:
@@ -304,7 +341,16 @@ def _normalise(root: Any, found: Findings, grammar: Grammar) -> None:
 
 
 def _read(data: bytes | str, source: str, form: str | None, kind: str | None, strict: bool) -> Any:
-    seen = outcome(data, source, form, kind)
+    with _no_collection():
+        root, found, grammar = as_it_stands(data, source, form, kind, needs_lines=False)
+        profile = _plain(root, found, grammar)
+        if profile is not None:
+            return Reading(profile)
+        if found.is_vague:
+            del root, found
+            root, found, grammar = as_it_stands(data, source, form, kind)
+        seen = _repaired(root, found, grammar)
+        del root, found
     problems = seen.errors + (seen.repairs if strict else [])
     if problems:
         raise InvalidProfile(source, problems)

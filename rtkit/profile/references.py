@@ -46,10 +46,10 @@ def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
                 component,
                 "repeated-component",
                 f"component {key[1]} ({key[0]}) is listed twice; "
-                f"it is first listed on line {first.sourceline}",
+                f"it is first listed on line {found.line(first)}",
             )
         elif key[1] in instances:
-            line = instances[key[1]].sourceline
+            line = found.line(instances[key[1]])
             said = f"instance name {key[1]} is also used on line {line}"
             found.remark(component, "shared-name", said, at=_INSTANCE, seen=key[1])
         instances.setdefault(key[1], component)
@@ -132,7 +132,7 @@ def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Finding
             "dataport.data_type": connector.get(clark("rts:dataType")) or "",
         }
     made = add(found, component, short(tag), {"rts:name": name}, end)
-    set_type(made, "rtsExt:dataport_ext" if "Data" in tag else "rtsExt:serviceport_ext")
+    set_type(made, "rtsExt:dataport_ext" if "Data" in tag else "rtsExt:serviceport_ext", found)
     for key, value in properties.items():
         if value:
             add(found, made, "rtsExt:Properties", {"rtsExt:name": key, "rtsExt:value": value})

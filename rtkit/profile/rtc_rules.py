@@ -125,4 +125,4 @@ def check_names(root: Any, found: Findings) -> None:
             said = f"port name {name} is also used on line {seen[name]}"
             found.remark(port, "shared-name", said, at=clark("rtc:name"), seen=name)
         elif name is not None:
-            seen[name] = port.sourceline
+            seen[name] = found.line(port)

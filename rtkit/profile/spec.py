@@ -92,6 +92,7 @@ def attribute(
         FLAG: lambda text: _FLAGS[text.strip()],
         WHOLE: int,
         REAL: _finite,
+        WORD: {word: word for word in words}.__getitem__,
     }
     return Attr(
         field,

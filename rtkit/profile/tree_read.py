@@ -52,7 +52,7 @@ def elements_of(body: Node, line: int, kind: str, spec: Spec, found: Findings) -
 
     prefixes = {prefix: NAMESPACES[prefix] for prefix in PREFIXES[kind]}
     root: Any = etree.Element(clark(f"{kind}:{kind.capitalize()}Profile"), nsmap=prefixes)
-    root.sourceline = line
+    found.set_line(root, line)
     _Filler(found).fill(root, body, spec)
     return root
 
@@ -74,11 +74,14 @@ class _Filler:
         for key, value in _parts(body, spec):
             local = key.text.rpartition("::")[2]
             attribute = spec.known.get(spec.attribute_by_local.get(local, ""))
-            ranked = _child_of(spec, local)
-            if attribute is not None and (ranked is None or isinstance(value, Text)):
+            if attribute is not None and isinstance(value, Text):
                 self._set(element, attribute, value)
-            elif ranked is not None:
+                continue
+            ranked = _child_of(spec, local)
+            if ranked is not None:
                 parts.append((*ranked, value))
+            elif attribute is not None:
+                self._set(element, attribute, value)
             else:
                 others.append((key, value))
         # The order of keys means nothing, that of elements does.
@@ -188,7 +191,7 @@ class _Filler:
         except ValueError:
             self._wrong(node, f"not the name of an element: {name[:80]!r}", _CHARACTER)
             return None
-        made.sourceline = node.line
+        self._found.set_line(made, node.line)
         return made
 
     def _text(self, element: Any, value: Node, *, is_tail: bool = False) -> None:

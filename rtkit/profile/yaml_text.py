@@ -69,6 +69,7 @@ class _Reader:
         self._source = source
         self._open: list[_Open] = []
         self._anchors: dict[str, Text | None] = {}
+        self._known: dict[str, str] = {}
         self._documents = 0
         self._nodes = 0
         self._copied = 0
@@ -80,7 +81,8 @@ class _Reader:
             self._check(kind, event, line)
             is_text = event.tag is None or event.tag == f"{_CORE}str"
             is_quoted = bool(event.style) or event.tag == f"{_CORE}str"
-            text = Text(line, event.value, is_quoted and is_text)
+            value = self._known.setdefault(event.value, event.value)
+            text = Text(line, value, is_quoted and is_text)
             self._remember(event.anchor, text)
             self._add(text)
         elif kind in _ALLOWED:

@@ -200,6 +200,8 @@ def test_verdicts(kind: str, changes: list[tuple[str, int, int, str]]) -> None:
     reading = attempt(kind, data)
     with patch("rtkit.profile.strict.built", return_value=None):
         assert attempt(kind, data) == reading, "the short way and the long way decide alike"
+    with patch("rtkit.profile.parse.may_drop_blanks", return_value=False):
+        assert attempt(kind, data) == reading, "blanks between elements mean nothing"
     if reading is None:
         assert attempt(kind, data, strict=True) is None
         return
