@@ -21,6 +21,7 @@ COMMANDS: dict[str, str] = {
     "find": "rtfind",
     "fsm": "rtfsm",
     "inject": "rtinject",
+    "log": "rtlog",
     "ls": "rtls",
     "mgr": "rtmgr",
     "print": "rtprint",

@@ -12,6 +12,7 @@ from rtkit.cli._app import App, WrongArguments, working_directory
 if TYPE_CHECKING:
     from rtkit.probe.spec import Stream
     from rtkit.rtc.enums import PortType
+    from rtkit.rtc.profiles import PortRef
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -31,8 +32,13 @@ def module_options(function: F) -> F:
     )(function)
 
 
-def named_streams(app: App, typed: Sequence[str], wanted: PortType) -> tuple[Stream, ...]:
-    """Return the streams of the ports that the user named.
+def named_streams(
+    app: App,
+    typed: Sequence[str],
+    wanted: PortType,
+    unnamed: Callable[[int, PortRef], str] | None = None,
+) -> tuple[Stream, ...]:
+    """Return the streams of the ports that the user named; see `find_streams` for `unnamed`.
 
     Raises:
         RtkitError: There are none, or one of them is not there or not of that kind.
@@ -44,4 +50,4 @@ def named_streams(app: App, typed: Sequence[str], wanted: PortType) -> tuple[Str
     specs = [parse_spec(each, working_directory()) for each in typed]
     for spec in specs:
         app.note_place(spec.path)
-    return find_streams(app.tree, specs, wanted)
+    return find_streams(app.tree, specs, wanted, unnamed)

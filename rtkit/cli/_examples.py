@@ -97,6 +97,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtinject -c '{vx: 0.5}' -r 10 -t 3 Robot0.rtc:velocity", "Ten a second for 3 s."),
         ("rtinject --lossless Robot0.rtc:way < points.jsonl", "Each line of a file."),
     ),
+    "rtlog": (
+        ("rtlog -f run.mcap Robot0.rtc:pose", "Record every pose until Ctrl-C."),
+        ("rtlog -d -f run.mcap", "What is in the recording."),
+        ("rtlog -p -r 0.5 -f run.mcap Map0.rtc:pose", "Play it at half its speed."),
+    ),
     "rtls": (
         ("rtls -l /localhost", "State, ports and connections of what runs here."),
         ("rtls -R /", "Everything."),

@@ -30,6 +30,7 @@ SUMMARIES: dict[str, str] = {
     "find": "Search the tree.",
     "fsm": "Look at and change the state machine of a component.",
     "inject": "Write values into ports.",
+    "log": "Record what comes out of ports, and play it again.",
     "ls": "List directories, managers and components of the tree.",
     "mgr": "Start, stop and command managers.",
     "print": "Print the values that come out of ports.",

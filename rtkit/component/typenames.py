@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import is_dataclass
+from enum import Enum
 from importlib import import_module
 
 from rtkit.component.standard import HOMES
@@ -54,9 +55,11 @@ def register(cls: type, name: str) -> None:
 
 
 def register_all(names: Mapping[str, object], scope: str) -> None:
-    """Make every data type known that a module defines; `names` are its globals."""
+    """Make every data type and enum known that a module defines; `names` are its globals."""
     for name, cls in names.items():
-        if isinstance(cls, type) and is_dataclass(cls) and cls.__module__ == names["__name__"]:
+        if not isinstance(cls, type) or cls.__module__ != names["__name__"]:
+            continue
+        if is_dataclass(cls) or issubclass(cls, Enum):
             register(cls, f"{scope}::{name}")
 
 

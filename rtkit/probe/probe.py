@@ -137,19 +137,21 @@ class Probe:
 
         Nothing can when its connections were removed, or the component was ended from outside.
         """
-        while not self._ended.is_set():
-            wait_s = None if until is None else until - time.monotonic()
-            if wait_s is not None and wait_s <= 0:
-                return
+        while piece := self.take(until):
+            yield piece
+
+    def take(self, until: float | None) -> list[Arrival] | None:
+        """Wait for what arrives; empty when nothing did until then [s], None when nothing can."""
+        arrived = self.component.arrived
+        while not (self._ended.is_set() and arrived.empty()):
+            wait_s = None if until is None else max(0.0, until - time.monotonic())
             try:
-                piece = self.component.arrived.get(timeout=wait_s)
+                piece = arrived.get(timeout=wait_s)
             except queue.Empty:
-                return
+                return []
             if piece:
-                yield piece
-        while not self.component.arrived.empty():
-            if piece := self.component.arrived.get():
-                yield piece
+                return piece
+        return None
 
     def wait(self, until: float) -> bool:
         """Wait until a monotonic time [s]; False when there is nobody left to write to."""

@@ -6,7 +6,7 @@ Ports that are given the same stream name share one port of the tool.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound, Refused
@@ -69,8 +69,15 @@ def parse_spec(typed: str, cwd: str = "/") -> PortSpec:
     return PortSpec(typed, path, formatter)
 
 
-def find_streams(facts: Facts, specs: Sequence[PortSpec], wanted: PortType) -> tuple[Stream, ...]:
+def find_streams(
+    facts: Facts,
+    specs: Sequence[PortSpec],
+    wanted: PortType,
+    unnamed: Callable[[int, PortRef], str] | None = None,
+) -> tuple[Stream, ...]:
     """Return the streams of the ports that were specified, all of the kind that is `wanted`.
+
+    `unnamed` gives those a name that have none, by their number and port; else they are numbered.
 
     Raises:
         NotFound: A component or a port does not exist.
@@ -91,7 +98,9 @@ def find_streams(facts: Facts, specs: Sequence[PortSpec], wanted: PortType) -> t
             raise Refused(f"Port is not {_WORDS[wanted]}: {spec.path.typed}")
         end = End(spec.path, PortRef(instance, port.name), port)
         number = sum(len(group) for group in found.values())
-        found.setdefault(name or f"{_STREAMS[wanted]}{number}", []).append((end, spec))
+        if not name:
+            name = unnamed(number, end.ref) if unnamed else f"{_STREAMS[wanted]}{number}"
+        found.setdefault(name, []).append((end, spec))
     return tuple(_stream(name, group) for name, group in found.items())
 
 

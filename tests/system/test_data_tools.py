@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import select
 import shutil
 import signal
+import time
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +30,9 @@ def connected(shell: Any, line: str) -> Any:
     """Start a data tool and wait until it is connected."""
     process = shell.open(f"{line} -v")
     told = process.stderr.readline()
-    assert "is connected" in told, told + process.stderr.read() + shell.log()
+    if "is connected" not in told:
+        process.kill()
+        pytest.fail(told + process.communicate()[1] + shell.log())
     return process
 
 
@@ -104,3 +108,48 @@ def test_statistics_of_what_came(doubler: Any) -> None:
     assert (told["values"], told["size_bytes"]["most"]) == (50, 16)
     assert told["interval_s"]["mean"] > 0
     assert told["latency_s"]["median"] > 0
+
+
+def test_what_is_recorded_is_played_again(doubler: Any) -> None:
+    recording = connected(doubler, f"rtlog -i -e 100 -f run.mcap --lossless {DOUBLER}:out")
+    lines = "".join(f"{number}\n" for number in range(100))
+    assert doubler.run(f"rtinject --lossless -r 500 {DOUBLER}:in", text=lines).status == 0
+    _, err = recording.communicate(timeout=30)
+    assert recording.returncode == 0, err
+    told = json.loads(doubler.ok("rtlog -d --json -f run.mcap"))
+    assert (told["entries"], told["is_whole"]) == (100, True)
+    assert told["channels"][0]["name"] == "Doubler0_out"
+    printing = connected(doubler, f"rtprint --lossless -f data -n 98 {DOUBLER}:out")
+    played = doubler.run(f"rtlog -p -i -s 2 -r 5 --lossless -f run.mcap {DOUBLER}:in")
+    assert (played.status, played.err) == (0, "Playing from entry 2.\nEnd of log reached.\n")
+    out, _ = printing.communicate(timeout=30)
+    assert [int(line) for line in out.split()] == [4 * number for number in range(2, 100)]
+
+
+def test_a_recording_survives_the_death_of_the_recorder(doubler: Any) -> None:
+    recording = connected(doubler, f"rtlog -f run.mcap {DOUBLER}:out")
+    injecting = doubler.open(f"rtinject -c 1 -n -1 -r 200 {DOUBLER}:in")
+    with select.epoll() as soon:  # wait for bytes in the file, by looking at it now and then
+        while (doubler.folder / "run.mcap").stat().st_size < 4000:
+            soon.poll(0.05)
+    recording.kill()
+    recording.communicate(timeout=30)
+    died_ns = time.time_ns()
+    injecting.send_signal(signal.SIGINT)
+    injecting.communicate(timeout=30)
+    told = json.loads(doubler.ok("rtlog -d --json -f run.mcap"))
+    assert not told["is_whole"]
+    assert told["entries"] > 0
+    assert (died_ns - told["last_ns"]) * 1e-9 < 10  # ten times what is promised
+
+
+def test_a_recorder_that_is_asked_to_end_finishes_its_file(doubler: Any) -> None:
+    for number in (signal.SIGINT, signal.SIGTERM):
+        name = f"{number.name}.mcap"
+        recording = connected(doubler, f"rtlog -f {name} {DOUBLER}:out")
+        assert doubler.run(f"rtinject -c 1 {DOUBLER}:in").status == 0
+        recording.send_signal(number)
+        recording.communicate(timeout=30)
+        assert recording.returncode == -number
+        told = json.loads(doubler.ok(f"rtlog -d --json -f {name}"))
+        assert (told["entries"], told["is_whole"]) == (1, True)

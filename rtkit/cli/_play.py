@@ -1,0 +1,290 @@
+"""Playing of recordings into ports, and what is told of them."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.cli import _out
+from rtkit.cli._app import App
+from rtkit.cli._data import named_streams
+from rtkit.errors import Refused
+
+if TYPE_CHECKING:
+    from rtkit.probe.probe import Probe
+    from rtkit.probe.spec import Stream
+    from rtkit.recording.entries import Channel, Entry, Info, Part
+
+_NS = 1_000_000_000
+_UNNAMED = "\0"
+"""What the names of streams begin with that the user did not name."""
+
+
+class Pace(NamedTuple):
+    """How fast a recording is played.
+
+    Attributes:
+        factor: How many times as fast; untimed: how many entries each cycle.
+        cycles_hz: Cycles a second, untimed.
+        is_absolute: Whether time stamps stay as they were recorded.
+        duration_s: After how long it ends; None for the end of the recording.
+    """
+
+    factor: float
+    is_untimed: bool
+    cycles_hz: float
+    is_absolute: bool
+    duration_s: float | None
+
+    def due_s(self, index: int, entry: Entry, first: Entry) -> float:
+        """Return how long after the beginning an entry is played [s]."""
+        if self.is_untimed:
+            return index // max(1, int(self.factor)) / self.cycles_hz
+        return max(0.0, (entry.time_ns - first.time_ns) / _NS / self.factor)
+
+
+def describe(app: App, name: str, *, is_json: bool) -> None:
+    """Print what is in a recording."""
+    from rtkit.recording.mcap_file import Reader
+
+    info = Reader(name).info()
+    if is_json:
+        _out.write([json.dumps(_record(name, info), ensure_ascii=False)])
+    else:
+        _out.write(map(_out.printable, _lines(name, info)))
+
+
+def _record(name: str, info: Info) -> dict[str, object]:
+    return {
+        "schema": "rtkit.recording/1",
+        "name": name,
+        "size": info.size,
+        "is_whole": info.is_whole,
+        "began_ns": info.began_ns,
+        "first_ns": info.first_ns,
+        "last_ns": info.last_ns,
+        "entries": info.entries,
+        "channels": [
+            {**each._asdict(), "entries": info.counts[each.name]} for each in info.channels
+        ],
+    }
+
+
+def _lines(name: str, info: Info) -> Iterator[str]:
+    from rtkit.probe.report import size_text
+
+    size = (
+        f"{size_text(info.size)} ({info.size} bytes)" if info.size > 999 else f"{info.size} bytes"
+    )
+    yield f"Name: {name}"
+    yield f"Size: {size}"
+    yield f"Start time: {_date(info.began_ns)}"
+    if info.first_ns is not None and info.last_ns is not None:
+        yield f"First entry time: {_date(info.first_ns)}"
+        yield f"End time: {_date(info.last_ns)}"
+    yield f"Number of entries: {info.entries}"
+    if not info.is_whole:
+        yield "Not finished: the recorder was killed; everything above can be read"
+    for number, channel in enumerate(info.channels, start=1):
+        yield f"Channel {number}"
+        yield f"  Name: {channel.name}"
+        yield f"  Data type: {channel.data_type or 'any'}"
+        yield f"  Entries: {info.counts[channel.name]}"
+        yield "  Sources:"
+        yield from (f"    {source}" for source in channel.sources)
+
+
+def _date(time_ns: int) -> str:
+    text = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(time_ns // _NS))
+    return f"{text} ({time_ns // _NS}.{time_ns % _NS:09})"
+
+
+def play(
+    app: App,
+    name: str,
+    form: str | None,
+    ports: Sequence[str],
+    part: Part,
+    pace: Pace,
+    *,
+    is_lossless: bool,
+) -> None:
+    """Play a recording into in ports.
+
+    Raises:
+        RtkitError: A port, or the part that is wanted, is not there, or the types differ.
+    """
+    from rtkit.component.port import OutPort
+    from rtkit.probe.probe import LOSSLESS, SURE, Probe
+    from rtkit.rtc.enums import PortType
+
+    is_text = form == "text" or (form is None and name.endswith(".txt"))
+    streams = named_streams(app, ports, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
+    source = _TextSource(name) if is_text else _McapSource(name)
+    chosen = _matched(app, streams, source.channels)
+    renamed = tuple(s._replace(name=f"output{i}") for i, s in enumerate(streams))
+    outs: dict[str, list[str]] = {}
+    for stream, own in zip(streams, renamed, strict=True):
+        if stream.name in chosen:
+            outs.setdefault(chosen[stream.name], []).append(own.name)
+    types = {own.name: own.data_type for own in renamed}
+    entries = source.entries(outs, types)
+    own_ports = [OutPort(bytes, own.name) for own in renamed]
+    with Probe(app.tree, "rtlog_player", renamed, own_ports) as probe:
+        probe.connect(LOSSLESS if is_lossless else SURE)
+        app.tell(f"{probe.component.instance} is connected")
+        app.say(_announcement(part, pace))
+        is_over = _write(probe, part.of(entries), outs, pace, part)
+        if not probe.flush():
+            raise Refused("cannot say whether all values have arrived: the other end is silent")
+    if is_over:
+        app.say("End of log reached.")
+
+
+def _announcement(part: Part, pace: Pace) -> str:
+    """Return what will be played, in the words of the tools of old."""
+    if pace.duration_s is not None:
+        return f"Playing for {pace.duration_s}s."
+    unit = "entry " if part.is_by_index else ""
+    start = "" if part.start is None else f"{unit}{_place(part, part.start)}"
+    end = "" if part.end is None else f"{unit}{_place(part, part.end)}"
+    if start and end:
+        return f"Playing from {start} until {end}."
+    if start:
+        return f"Playing from {start}."
+    if end:
+        return f"Playing {part.end} entries." if part.is_by_index else f"Playing until {end}."
+    return "Playing."
+
+
+def _place(part: Part, place: int) -> str:
+    return str(place) if part.is_by_index else _date(place)
+
+
+def _matched(app: App, streams: Sequence[Stream], channels: Sequence[Channel]) -> dict[str, str]:
+    """Return the channel that each stream plays, by stream name.
+
+    Raises:
+        Refused: A port has another data type than its channel, or there is nothing to play.
+    """
+    from rtkit.component.typenames import is_same_type
+
+    named = {channel.name: channel for channel in channels}
+    left = list(channels)
+    chosen: dict[str, str] = {}
+    for stream in streams:
+        typed = stream.ends[0].path.typed
+        if stream.name.startswith(_UNNAMED):
+            fitting = (c for c in left if is_same_type(c.data_type, stream.data_type))
+            channel = next(fitting, None)
+            if channel is None:
+                raise Refused(
+                    f"{typed}: no stream of {stream.data_type} is left: {_told(channels)}"
+                )
+            left.remove(channel)
+        else:
+            channel = named.get(stream.name)
+            if channel is None:
+                app.say(f"{app.name}: warning: {typed}: no such stream, {_told(channels)}")
+                continue
+            if not is_same_type(channel.data_type, stream.data_type):
+                raise Refused(
+                    f"{typed} has {stream.data_type}, stream {channel.name} {channel.data_type}"
+                )
+        chosen[stream.name] = channel.name
+    if not chosen:
+        raise Refused("there is nothing to play")
+    return chosen
+
+
+def _told(channels: Sequence[Channel]) -> str:
+    names = (f"{channel.name} ({channel.data_type or 'any'})" for channel in channels)
+    return f"the recording has {', '.join(names) or 'none'}"
+
+
+def _write(
+    probe: Probe,
+    entries: Iterator[Entry],
+    outs: Mapping[str, Sequence[str]],
+    pace: Pace,
+    part: Part,
+) -> bool:
+    """Write entries when they are due; return whether it came to the end of the recording.
+
+    Raises:
+        Refused: There was nothing in the part that is wanted, or nobody is left to write to.
+    """
+    from rtkit.recording.shift import shifted
+
+    first: Entry | None = None
+    begin = time.monotonic()
+    until = None if pace.duration_s is None else begin + pace.duration_s
+    for index, entry in enumerate(each for each in entries if each.channel in outs):
+        first = first or entry
+        due = begin + pace.due_s(index, entry, first)
+        if until is not None and due >= until:
+            probe.wait(until)
+            return False
+        if not probe.wait(due):
+            raise Refused("no connection is left: the components or the connections have gone")
+        payload = entry.payload if pace.is_absolute else shifted(entry.payload, entry.time_ns)
+        for port in outs[entry.channel]:
+            probe.write(port, payload)
+    if first is None:
+        raise Refused("nothing was recorded in that part" if part.start else "nothing to play")
+    return part.end is None
+
+
+class _McapSource:
+    """An MCAP file."""
+
+    def __init__(self, name: str) -> None:
+        from rtkit.recording.mcap_file import Reader
+
+        self._reader = Reader(name)
+        self.channels = self._reader.info().channels
+
+    def entries(
+        self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]
+    ) -> Iterator[Entry]:
+        """Yield all entries."""
+        return self._reader.entries()
+
+
+class _TextSource:
+    """A text log; its values are read as those of the ports that they are played into."""
+
+    def __init__(self, name: str) -> None:
+        from rtkit.recording.entries import Channel
+        from rtkit.recording.text_log import read_lines
+
+        with open(name, encoding="utf-8") as file:
+            self._lines = list(read_lines(file, name))
+        streams = dict.fromkeys(line.stream for line in self._lines)
+        self.channels = tuple(Channel(stream, "") for stream in streams)
+
+    def entries(
+        self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]
+    ) -> Iterator[Entry]:
+        """Yield all entries of the streams that are played.
+
+        Raises:
+            Malformed: A value is none of the port's type.
+        """
+        from rtkit.component.codec import codec_for
+        from rtkit.component.literal import Literal
+        from rtkit.component.types import Time
+        from rtkit.probe.types import data_type
+        from rtkit.recording.entries import Entry
+
+        classes = {name: data_type(types[ports[0]], ports[0]) for name, ports in outs.items()}
+        for line in self._lines:
+            cls = classes.get(line.stream)
+            if cls is None:
+                continue
+            stamp = Time(*divmod(line.time_ns, _NS))
+            value = Literal(cls, json.dumps(line.value)).at(stamp)
+            payload = codec_for(cls).encode(value)
+            yield Entry(line.stream, line.time_ns, line.time_ns, payload)

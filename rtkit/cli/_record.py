@@ -1,0 +1,208 @@
+"""Recording of ports into a file."""
+
+from __future__ import annotations
+
+import re
+import signal
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import IO, TYPE_CHECKING, Protocol
+
+from rtkit.cli._app import App
+from rtkit.cli._data import named_streams
+from rtkit.errors import Refused
+
+if TYPE_CHECKING:
+    from rtkit.probe.probe import Probe
+    from rtkit.probe.spec import Stream
+    from rtkit.probe.stats import Stamp
+    from rtkit.recording.entries import Entry, Part
+    from rtkit.rtc.profiles import PortRef
+
+_NS = 1_000_000_000
+_FLUSH_S = 0.5
+
+
+def record(
+    app: App,
+    name: str,
+    form: str,
+    ports: Sequence[str],
+    part: Part,
+    duration_s: float | None,
+    *,
+    is_lossless: bool,
+) -> None:
+    """Record until a limit, an interruption, or until nothing more can come.
+
+    Raises:
+        RtkitError: A port is not there, or the file exists already or cannot be written.
+    """
+    from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
+    from rtkit.probe.stats import stamp_reader
+    from rtkit.probe.types import data_type
+    from rtkit.rtc.enums import PortType
+
+    streams = named_streams(app, ports, PortType.OUT, _name)
+    types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
+    limit = _Limit(part, duration_s)
+    with (
+        _ended_in_order(),
+        _open(name) as file,
+        _sink(form, file, streams, types) as sink,
+        Probe(app.tree, "rtlog_recorder", streams, tap_ports(streams)) as probe,
+    ):
+        probe.connect(LOSSLESS if is_lossless else {})
+        app.tell(f"{probe.component.instance} is connected")
+        app.say(limit.announcement)
+        _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()})
+        lost, is_cut = probe.lost, not probe.is_connected
+    if lost:
+        app.say(f"{app.name}: {lost} values were lost")
+    app.tell(f"{sink.count} entries in {name}")
+    if is_cut:
+        raise Refused("no connection is left: the components or the connections have gone")
+
+
+def _name(_number: int, ref: PortRef) -> str:
+    """Return the name of a stream that the user did not name, so that a port can be given it."""
+    return re.sub(r"\W", "_", f"{ref.instance}_{ref.port}")
+
+
+class _Terminated(BaseException):
+    """A TERM came."""
+
+
+@contextmanager
+def _ended_in_order() -> Iterator[None]:
+    """Let a TERM unwind what is inside, so that the file is finished, and then end the process."""
+
+    def unwind(_number: int, _frame: object) -> None:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        raise _Terminated
+
+    former = signal.signal(signal.SIGTERM, unwind)
+    try:
+        yield
+    except _Terminated:
+        signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGTERM, former)
+
+
+def _open(name: str) -> IO[bytes]:
+    """Open a new file.
+
+    Raises:
+        Refused: There is one of that name.
+    """
+    try:
+        return open(name, "xb")
+    except FileExistsError:
+        raise Refused(f"file exists already: {name}") from None
+
+
+class _Sink(Protocol):
+    """What entries are written to.
+
+    Attributes:
+        count: How many were.
+        flush_at: When `flush` is due, monotonic [s]; None while nothing waits.
+    """
+
+    count: int
+
+    @property
+    def flush_at(self) -> float | None: ...
+
+    def write(self, entry: Entry) -> None: ...
+
+    def flush(self) -> None: ...
+
+
+@contextmanager
+def _sink(
+    form: str, file: IO[bytes], streams: Sequence[Stream], types: Mapping[str, type]
+) -> Iterator[_Sink]:
+    if form == "text":
+        yield _TextSink(file, types)
+        return
+    from rtkit.recording.entries import Channel
+    from rtkit.recording.mcap_file import Writer
+
+    with Writer(file) as writer:
+        for stream in streams:
+            sources = tuple(str(end.path) for end in stream.ends)
+            writer.add_channel(Channel(stream.name, stream.data_type, sources), types[stream.name])
+        yield writer
+
+
+class _TextSink:
+    """Writes a line for each value."""
+
+    def __init__(self, file: IO[bytes], types: Mapping[str, type]) -> None:
+        from rtkit.component.codec import codec_for
+
+        self._file = file
+        self._decode = {name: codec_for(cls).decode for name, cls in types.items()}
+        self.count = 0
+        self.flush_at: float | None = None
+
+    def write(self, entry: Entry) -> None:
+        from rtkit.probe.text import plain
+        from rtkit.recording.text_log import line_of
+
+        value = plain(self._decode[entry.channel](entry.payload))
+        self._file.write(f"{line_of(entry.channel, entry.time_ns, value)}\n".encode())
+        self.count += 1
+        if self.flush_at is None:
+            self.flush_at = time.monotonic() + _FLUSH_S
+
+    def flush(self) -> None:
+        self._file.flush()
+        self.flush_at = None
+
+
+class _Limit:
+    """When a recording ends: after some time, at a time, after a number of entries, or never."""
+
+    def __init__(self, part: Part, duration_s: float | None) -> None:
+        self.count = part.end if part.is_by_index and duration_s is None else None
+        self.until: float | None = None
+        if duration_s is not None:
+            self.until = time.monotonic() + duration_s
+            self.announcement = f"Recording for {duration_s}s."
+        elif self.count is not None:
+            self.announcement = f"Recording {self.count} entries."
+        elif part.end is not None:
+            self.until = time.monotonic() + (part.end - time.time_ns()) / _NS
+            date = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(part.end / _NS))
+            self.announcement = f"Recording until {date} ({part.end / _NS})."
+        else:
+            self.announcement = "Recording until interrupted."
+
+
+def _take(probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp]) -> None:
+    """Write what arrives until the limit; what waits in the file's buffer is written in time."""
+    from rtkit.recording.entries import Entry
+
+    while limit.count is None or sink.count < limit.count:
+        piece = probe.take(_sooner(limit.until, sink.flush_at))
+        if piece is None:
+            break
+        if limit.count is not None:
+            piece = piece[: limit.count - sink.count]
+        for arrival in piece:
+            stamp = stamps[arrival.stream](arrival.payload) or arrival.time_ns
+            sink.write(Entry(arrival.stream, stamp, arrival.time_ns, arrival.payload))
+        now = time.monotonic()
+        if sink.flush_at is not None and now >= sink.flush_at:
+            sink.flush()
+        if limit.until is not None and now >= limit.until:
+            break
+
+
+def _sooner(one: float | None, other: float | None) -> float | None:
+    given = [each for each in (one, other) if each is not None]
+    return min(given) if given else None

@@ -1,0 +1,168 @@
+"""``rtlog``: record what comes out of ports, and play it again."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli._app import App, command
+from rtkit.errors import UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.recording.entries import Part
+
+FORMATS = ("mcap", "text")
+_NS = 1_000_000_000
+
+
+@command("rtlog")
+@click.option(
+    "-f",
+    "--filename",
+    metavar="FILE",
+    help="The recording (default when recording: rtlog_SECONDS.mcap).",
+)
+@click.option("-p", "--play", "is_play", is_flag=True, help="Play the recording into in ports.")
+@click.option("-d", "--display-info", "is_info", is_flag=True, help="Tell what is in it, and end.")
+@click.option(
+    "-l",
+    "--logger",
+    "form",
+    metavar="FORMAT",
+    help="mcap (default) or text; when playing the file's name tells.",
+)
+@click.option("-s", "--start", metavar="TIME|INDEX", help="Play from here on.")
+@click.option("-e", "--end", metavar="TIME|INDEX", help="Record or play up to here.")
+@click.option("-i", "--index", "is_by_index", is_flag=True, help="-s and -e are indices.")
+@click.option(
+    "-t",
+    "--timeout",
+    "duration_s",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Stop after this time; -e then has no effect.",
+)
+@click.option(
+    "-r",
+    "--rate",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="FACTOR",
+    help="Play so many times as fast; with -n so many entries each cycle (default 1).",
+)
+@click.option(
+    "-n", "--ignore-times", "is_untimed", is_flag=True, help="Play at a steady pace instead."
+)
+@click.option(
+    "-a", "--absolute-times", "is_absolute", is_flag=True, help="Play time stamps as recorded."
+)
+@click.option(
+    "-x",
+    "--exec-rate",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="HZ",
+    help="Cycles a second with -n (default 100).",
+)
+@click.option("--path", "folders", multiple=True, metavar="DIR", help="Look for modules here too.")
+@click.option(
+    "-m",
+    "--mod",
+    "modules",
+    multiple=True,
+    metavar="MODULE",
+    help="Import data types (repeatable).",
+)
+@click.option("--lossless", is_flag=True, help="Rather hold up who writes than lose a value.")
+@click.option("--json", "is_json", is_flag=True, help="With -d: as JSON.")
+@click.argument("ports", nargs=-1, metavar="PORT[.STREAM]...")
+def main(
+    app: App,
+    ports: tuple[str, ...],
+    filename: str | None,
+    is_play: bool,
+    is_info: bool,
+    form: str | None,
+    start: str | None,
+    end: str | None,
+    is_by_index: bool,
+    duration_s: float | None,
+    rate: float | None,
+    is_untimed: bool,
+    is_absolute: bool,
+    exec_rate: float | None,
+    folders: tuple[str, ...],
+    modules: tuple[str, ...],
+    lossless: bool,
+    is_json: bool,
+) -> None:
+    r"""Record what comes out of ports, and play it again into others.
+
+    \b
+    rtlog -f run.mcap Robot0.rtc:pose Laser0.rtc:scan     record, until Ctrl-C
+    rtlog -d -f run.mcap                                  what is in it
+    rtlog -p -f run.mcap Map0.rtc:pose                    play it
+
+    A recording is an MCAP file that other viewers open too: values in CDR, with their data types.
+    What was recorded up to half a second ago can be read even after the recorder was killed.
+
+    Streams are named after their ports, Robot0_pose, or as a port is followed by .STREAM. A port
+    that is played into takes the stream of the name given; without one the first stream of its
+    data type that no other port has taken. Times are seconds since 1970; stamps are shifted to
+    the present unless -a says otherwise.
+    """
+    from rtkit.cli import _play, _record
+    from rtkit.probe.types import import_modules
+
+    if is_play and is_info:
+        raise UsageProblem("-p and -d cannot be used together")
+    if (is_play or is_info) and filename is None:
+        raise UsageProblem("No log file specified.")
+    import_modules(modules, folders)
+    part = _part(start, end, is_by_index, has_duration=duration_s is not None)
+    if is_info:
+        _play.describe(app, str(filename), is_json=is_json)
+    elif is_play:
+        pace = _play.Pace(rate or 1.0, is_untimed, exec_rate or 100.0, is_absolute, duration_s)
+        _play.play(app, str(filename), form, ports, part, pace, is_lossless=lossless)
+    else:
+        _refuse_when_recording(start, is_untimed, rate)
+        name = filename or f"rtlog_{int(time.time())}.{'txt' if form == 'text' else 'mcap'}"
+        _record.record(app, name, _form(form, name), ports, part, duration_s, is_lossless=lossless)
+
+
+def _form(form: str | None, name: str) -> str:
+    chosen = form or ("text" if name.endswith(".txt") else "mcap")
+    if chosen == "simpkl":
+        raise UsageProblem("simpkl logs can execute code when they are read: use mcap")
+    if chosen not in FORMATS:
+        raise UsageProblem(f"Invalid logger type: {chosen} (one of {', '.join(FORMATS)})")
+    return chosen
+
+
+def _refuse_when_recording(start: str | None, is_untimed: bool, rate: float | None) -> None:
+    for option, given in (("-s", start is not None), ("-n", is_untimed), ("-r", rate is not None)):
+        if given:
+            raise UsageProblem(f"{option} is for playing (-p)")
+
+
+def _part(start: str | None, end: str | None, is_by_index: bool, *, has_duration: bool) -> Part:
+    from rtkit.recording.entries import Part
+
+    return Part(
+        _place(start, "-s", is_by_index),
+        None if has_duration else _place(end, "-e", is_by_index),
+        is_by_index,
+    )
+
+
+def _place(text: str | None, option: str, is_by_index: bool) -> int | None:
+    """Read an index, or a time in seconds, exactly to the nanosecond."""
+    if text is None:
+        return None
+    whole, dot, decimals = text.partition(".")
+    is_number = whole.isascii() and whole.isdigit() and (not dot or decimals.isdigit())
+    if not is_number or len(whole) > 12 or (is_by_index and dot):
+        kind = "an index" if is_by_index else "a time in seconds"
+        raise UsageProblem(f"{option} needs {kind}, not {text}")
+    return int(whole) if is_by_index else int(whole) * _NS + int(f"{decimals:0<9}"[:9] or 0)

@@ -1,0 +1,87 @@
+"""What a recording consists of, and which part of it is wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
+
+NANOSECONDS = 1_000_000_000
+
+
+class Channel(NamedTuple):
+    """One stream of a recording.
+
+    Attributes:
+        data_type: Name of the type of its values; empty where they may be of any.
+        sources: Paths of the ports that it was recorded from.
+    """
+
+    name: str
+    data_type: str
+    sources: tuple[str, ...] = ()
+
+
+class Entry(NamedTuple):
+    """One value of a recording.
+
+    Attributes:
+        time_ns: Its own time stamp, else when it arrived, Unix time [ns].
+        arrived_ns: When it arrived, Unix time [ns].
+        payload: The value in CDR.
+    """
+
+    channel: str
+    time_ns: int
+    arrived_ns: int
+    payload: bytes
+
+
+class Info(NamedTuple):
+    """What there is to know of a recording without looking at values.
+
+    Attributes:
+        began_ns: When the recording began, Unix time [ns].
+        first_ns: Time of the first entry; None without any. Likewise `last_ns`.
+        counts: How many entries each channel has.
+        is_whole: False where the recorder was killed before it could close the file.
+    """
+
+    size: int
+    began_ns: int
+    first_ns: int | None
+    last_ns: int | None
+    channels: tuple[Channel, ...]
+    counts: Mapping[str, int]
+    is_whole: bool
+
+    @property
+    def entries(self) -> int:
+        """How many entries there are."""
+        return sum(self.counts.values())
+
+
+class Part(NamedTuple):
+    """Which entries are wanted.
+
+    Attributes:
+        start: First one: a time [ns], or an index counted from 0; None for the beginning.
+        end: Last one: a time; or an index, before which it ends when there is no start, and with
+            which it ends when there is one, as in the tools of old; None for the end.
+        is_by_index: Whether these are indices.
+    """
+
+    start: int | None = None
+    end: int | None = None
+    is_by_index: bool = False
+
+    def of(self, entries: Iterable[Entry]) -> Iterator[Entry]:
+        """Yield those that are wanted, of entries in the order of their times."""
+        last = self.end
+        if last is not None and self.is_by_index and self.start is None:
+            last -= 1
+        for index, entry in enumerate(entries):
+            place = index if self.is_by_index else entry.time_ns
+            if last is not None and place > last:
+                return
+            if self.start is None or place >= self.start:
+                yield entry

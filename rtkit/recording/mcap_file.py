@@ -1,0 +1,218 @@
+"""Recordings as MCAP files: self-describing, indexed, and readable after a crash.
+
+Values stand in chunks. A chunk is closed after half a second at the latest, and each closed chunk
+can be read even if the file was never finished.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import time
+from collections.abc import Callable, Iterator
+from types import TracebackType
+from typing import IO, Any, Self
+
+from rtkit.component.typenames import scoped_name
+from rtkit.errors import Malformed
+from rtkit.recording import schema
+from rtkit.recording.entries import Channel, Entry, Info
+
+CHUNK_S = 0.5
+"""After how long a chunk is closed at the latest [s]."""
+
+_CHUNK_BYTES = 4 * 1024 * 1024
+_PROFILE = "rtkit"
+_META = "rtkit.recording"
+_MAX_RECORD = 1 << 30
+
+
+class Writer:
+    """Writes a recording; use as a context manager, which finishes the file.
+
+    Attributes:
+        count: How many values were written.
+    """
+
+    def __init__(self, file: IO[bytes]) -> None:
+        from mcap.writer import CompressionType
+        from mcap.writer import Writer as Mcap
+
+        self._mcap = Mcap(file, chunk_size=_CHUNK_BYTES, compression=CompressionType.LZ4)
+        self._mcap.start(_PROFILE, "rtkit")
+        self._mcap.add_metadata(_META, {"began_ns": str(time.time_ns())})
+        self._numbers: dict[str, int] = {}
+        self._sequence: dict[str, int] = {}
+        self._close_at: float | None = None
+        self.count = 0
+        file.flush()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._mcap.finish()  # type: ignore[no-untyped-call]
+
+    @property
+    def flush_at(self) -> float | None:
+        """When `flush` is due at the latest, monotonic [s]; None while nothing waits."""
+        return self._close_at
+
+    def add_channel(self, channel: Channel, cls: type) -> None:
+        """Declare a stream, once, before its first value."""
+        if cls is bytes:
+            number = 0
+        else:
+            text = schema.idl_of(cls).encode()
+            number = self._mcap.register_schema(schema.name_of(cls), schema.ENCODING, text)
+        self._numbers[channel.name] = self._mcap.register_channel(
+            channel.name,
+            "cdr",
+            number,
+            {"data_type": channel.data_type, "sources": "\n".join(channel.sources)},
+        )
+
+    def write(self, entry: Entry) -> None:
+        """Add a value to the present chunk."""
+        sequence = self._sequence[entry.channel] = self._sequence.get(entry.channel, -1) + 1
+        number = self._numbers[entry.channel]
+        self.count += 1
+        # Viewers go by the first time, which is that of the arrival.
+        self._mcap.add_message(number, entry.arrived_ns, entry.payload, entry.time_ns, sequence)
+        now = time.monotonic()
+        if self._close_at is None:
+            self._close_at = now + CHUNK_S
+        elif now >= self._close_at:
+            self.flush()
+
+    def flush(self) -> None:
+        """Close the present chunk: what it has can be read from now on."""
+        self._mcap.flush()  # type: ignore[no-untyped-call]
+        self._close_at = None
+
+
+class Reader:
+    """Reads a recording, also one that was never finished."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    def info(self) -> Info:
+        """Look through the whole file and tell what is in it.
+
+        Raises:
+            Malformed: It is no recording.
+            OSError: It cannot be read.
+        """
+        channels: dict[str, Channel] = {}
+        counts: dict[str, int] = {}
+        times: list[int] = []
+        began = [0]
+
+        def note(channel: Channel) -> None:
+            channels[channel.name] = channel
+            counts.setdefault(channel.name, 0)
+
+        is_whole = True
+        walk = _Walk(self._path, note, lambda ns: began.__setitem__(0, ns))
+        for entry in walk.entries():
+            counts[entry.channel] += 1
+            times[:] = (
+                [entry.time_ns, entry.time_ns]
+                if not times
+                else [
+                    min(times[0], entry.time_ns),
+                    max(times[1], entry.time_ns),
+                ]
+            )
+        is_whole = walk.is_whole
+        first, last = times or (None, None)
+        return Info(
+            os.path.getsize(self._path),
+            began[0] or first or 0,
+            first,
+            last,
+            tuple(channels.values()),
+            counts,
+            is_whole,
+        )
+
+    def entries(self) -> Iterator[Entry]:
+        """Yield all entries in the order in which they arrived.
+
+        Raises:
+            Malformed: It is no recording.
+            OSError: It cannot be read.
+        """
+        return _Walk(self._path, lambda _channel: None, lambda _ns: None).entries()
+
+
+class _Walk:
+    """One walk through a file from its beginning.
+
+    Attributes:
+        is_whole: Whether the file was finished, once the walk is over.
+    """
+
+    def __init__(
+        self, path: str, note: Callable[[Channel], object], begin: Callable[[int], object]
+    ) -> None:
+        self._path = path
+        self._note = note
+        self._begin = begin
+        self._names: dict[int, str] = {}
+        self._schemas: dict[int, str] = {}
+        self.is_whole = False
+
+    def entries(self) -> Iterator[Entry]:
+        from mcap import records
+        from mcap.exceptions import EndOfFile, McapError
+        from mcap.stream_reader import CRCValidationError, StreamReader
+
+        with open(self._path, "rb") as file:
+            reader = StreamReader(file, validate_crcs=True, record_size_limit=_MAX_RECORD)
+            is_begun = False
+            try:
+                for record in reader.records:
+                    is_begun = True
+                    if isinstance(record, records.Message):
+                        yield self._entry(record)
+                    elif isinstance(record, records.DataEnd):
+                        self.is_whole = True
+                        return
+                    else:
+                        self._take(record)
+            except (EndOfFile, CRCValidationError, struct.error) as error:
+                if not is_begun:
+                    raise self._broken(error, is_begun) from error
+            except (McapError, ValueError, RuntimeError, KeyError, MemoryError) as error:
+                raise self._broken(error, is_begun) from error
+
+    def _broken(self, error: Exception, is_begun: bool) -> Malformed:
+        what = "damaged recording" if is_begun else "no recording"
+        return Malformed(f"{what}: {self._path}: {' '.join(str(error).split())}")
+
+    def _take(self, record: Any) -> None:
+        from mcap import records
+
+        if isinstance(record, records.Schema):
+            self._schemas[record.id] = record.name
+        elif isinstance(record, records.Channel):
+            self._names[record.id] = record.topic
+            named = record.metadata.get("data_type", "") or self._schemas.get(record.schema_id, "")
+            sources = tuple(filter(None, record.metadata.get("sources", "").split("\n")))
+            self._note(Channel(record.topic, scoped_name(named), sources))
+        elif isinstance(record, records.Metadata) and record.name == _META:
+            text = record.metadata.get("began_ns", "")
+            if text.isascii() and text.isdigit():
+                self._begin(int(text))
+
+    def _entry(self, message: Any) -> Entry:
+        return Entry(
+            self._names[message.channel_id], message.publish_time, message.log_time, message.data
+        )

@@ -1,0 +1,91 @@
+"""Recordings as MCAP files."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+
+from rtkit.component.codec import codec_for
+from rtkit.component.types import Time, TimedLong
+from rtkit.errors import Malformed
+from rtkit.recording.entries import Channel, Entry
+from rtkit.recording.mcap_file import Reader, Writer
+
+ENCODE = codec_for(TimedLong).encode
+_BEGUN = 40
+"""Bytes of a file after which it is known for a recording."""
+LONG = Channel("a", "RTC::TimedLong", ("/localhost/A.rtc:out", "/localhost/B.rtc:out"))
+
+
+def entry(number: int, channel: str = "a") -> Entry:
+    stamp = 10**18 + number
+    return Entry(channel, stamp, stamp + 7, ENCODE(TimedLong(Time(), number)))
+
+
+def recorded(path: Path, count: int, chunk: int = 5) -> list[Entry]:
+    entries = [entry(number) for number in range(count)]
+    with path.open("wb") as file, Writer(file) as writer:
+        writer.add_channel(LONG, TimedLong)
+        for number, each in enumerate(entries):
+            writer.write(each)
+            if number % chunk == chunk - 1:
+                writer.flush()
+    return entries
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "x.mcap"
+    entries = recorded(path, 23)
+    assert list(Reader(str(path)).entries()) == entries
+    info = Reader(str(path)).info()
+    assert (info.entries, info.is_whole, info.channels) == (23, True, (LONG,))
+    assert (info.first_ns, info.last_ns) == (entries[0].time_ns, entries[-1].time_ns)
+    assert info.began_ns > 10**18
+
+
+def test_a_stock_reader_opens_it(tmp_path: Path) -> None:
+    path = tmp_path / "x.mcap"
+    entries = recorded(path, 12)
+    with path.open("rb") as file:
+        found = list(make_reader(file, validate_crcs=True).iter_messages())
+    assert [message.data for _, _, message in found] == [each.payload for each in entries]
+    schema, channel, _ = found[0]
+    assert schema is not None
+    assert (schema.name, schema.encoding, channel.topic) == ("RTC::TimedLong", "omgidl", "a")
+    assert b"struct TimedLong" in schema.data
+
+
+def test_a_file_that_was_cut_anywhere_gives_what_stands_before(tmp_path: Path) -> None:
+    path, cut = tmp_path / "x.mcap", tmp_path / "cut.mcap"
+    entries = recorded(path, 15)
+    whole = path.read_bytes()
+    seen = set()
+    for size in range(_BEGUN, len(whole)):
+        cut.write_bytes(whole[:size])
+        found = list(Reader(str(cut)).entries())
+        assert found == entries[: len(found)]
+        seen.add(len(found))
+    assert seen == {0, 5, 10, 15}
+    cut.write_bytes(whole[: len(whole) // 2])
+    assert not Reader(str(cut)).info().is_whole
+
+
+@pytest.mark.parametrize("content", [b"", b"hi", b"\x89MCAP0\r\n", bytes(1000)])
+def test_what_is_no_recording(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "x"
+    path.write_bytes(content)
+    with pytest.raises(Malformed, match="no recording"):
+        Reader(str(path)).info()
+
+
+def test_a_chunk_is_due_soon_after_its_first_value() -> None:
+    writer = Writer(io.BytesIO())
+    writer.add_channel(LONG, TimedLong)
+    assert writer.flush_at is None
+    writer.write(entry(0))
+    assert writer.flush_at is not None
+    writer.flush()
+    assert writer.flush_at is None

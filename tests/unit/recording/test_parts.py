@@ -1,0 +1,89 @@
+"""Which entries of a recording are wanted; text logs; stamps; schemas."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtkit.component.codec import codec_for
+from rtkit.component.geometry import Point2D
+from rtkit.component.standard import HOMES
+from rtkit.component.typenames import type_by_name
+from rtkit.component.types import Time, TimedLong
+from rtkit.errors import Malformed
+from rtkit.idl.read import read_idl
+from rtkit.probe.stats import stamp_reader
+from rtkit.recording.entries import Entry, Part
+from rtkit.recording.schema import idl_of, name_of
+from rtkit.recording.shift import shifted
+from rtkit.recording.text_log import line_of, read_lines
+
+FIVE = [Entry("a", 100 + number, 0, b"") for number in range(5)]
+
+
+@pytest.mark.parametrize(
+    ("part", "wanted"),
+    [
+        (Part(), [0, 1, 2, 3, 4]),
+        (Part(2, None, True), [2, 3, 4]),
+        (Part(None, 3, True), [0, 1, 2]),
+        (Part(2, 2, True), [2]),
+        (Part(102, None), [2, 3, 4]),
+        (Part(None, 102), [0, 1, 2]),
+        (Part(101, 103), [1, 2, 3]),
+        (Part(9, None, True), []),
+    ],
+)
+def test_parts(part: Part, wanted: list[int]) -> None:
+    assert [entry.time_ns - 100 for entry in part.of(FIVE)] == wanted
+
+
+def test_text_lines_are_read_again() -> None:
+    value = {"tm": {"sec": 1, "nsec": 5}, "data": [1.5, "ä'\""]}
+    line = line_of("in put'", 1_000_000_005, value)
+    assert line.startswith("1.000000005\t(")
+    (found,) = read_lines([line + "\n", "\n"], "x.txt")
+    assert found == ("in put'", 1_000_000_005, value)
+
+
+def test_lines_of_other_tools_are_read_and_not_executed() -> None:
+    text = "1.000000002\t('input0', RTC.TimedLong(tm=RTC.Time(sec=1, nsec=2), data=-3))"
+    (found,) = read_lines([text], "x.txt")
+    assert found.value == {"tm": {"sec": 1, "nsec": 2}, "data": -3}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "hello",
+        "1.0\t('a', 1)",
+        "1.000000000\t('a', __import__('os').system('x'))",
+        "1.000000000\t('a', open('/etc/passwd'))",
+        "1.000000000\t('a', [x for x in y])",
+        "1.000000000\t('a', " + "(" * 5000 + ")",
+    ],
+)
+def test_what_is_no_line(line: str) -> None:
+    with pytest.raises(Malformed, match=r"x\.txt:1"):
+        list(read_lines([line], "x.txt"))
+
+
+def test_stamps_are_moved_and_nothing_else() -> None:
+    stamp = stamp_reader(TimedLong)
+    payload = codec_for(TimedLong).encode(TimedLong(Time(5, 6), 7))
+    moved = shifted(payload, 5_000_000_006)
+    assert codec_for(TimedLong).decode(moved).data == 7
+    assert (stamp(moved) or 0) > 10**18
+    point = codec_for(Point2D).encode(Point2D(1.0, 2.0))
+    assert shifted(point, 1) == point
+    assert shifted(b"", 1) == b""
+
+
+@pytest.mark.parametrize(
+    "name", [f"{scope}::{name}" for scope in HOMES for name in sorted(HOMES[scope])]
+)
+def test_every_standard_type_has_a_schema_that_can_be_read(name: str) -> None:
+    cls = type_by_name(name)
+    assert cls is not None
+    text = idl_of(cls)
+    assert name_of(cls) == name
+    assert read_idl(text).find(name) is not None
