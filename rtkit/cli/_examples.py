@@ -137,6 +137,8 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprofile diff robot.xml robot.new.xml", "What changed, but for ids, dates, positions."),
         ("rtprofile convert robot.xml robot.yaml", "The same as YAML; also --to json."),
         ("rtprofile normalise -i *.xml", "Put right in place what can be, and tell it."),
+        ("rtprofile doc Motor.xml -o Motor.html", "A page about a component, in one file."),
+        ("rtprofile graph robot.xml -o robot.svg", "A picture of a system."),
     ),
     "rtpwd": (("rtpwd", "Print where relative paths start from."),),
     "rtreset": (("rtreset /localhost/Robot0.rtc", "Bring a component out of Error."),),

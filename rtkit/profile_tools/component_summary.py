@@ -18,6 +18,7 @@ from rtkit.profile.rtc_model import (
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.rts_rules import NO_DATE
 from rtkit.profile_tools.outline import Outline, entry
+from rtkit.profile_tools.page import with_line_breaks
 
 _DIRECTIONS = {"DataInPort": "in", "DataOutPort": "out", "EventPort": "event"}
 
@@ -126,7 +127,7 @@ def properties(items: tuple[Property, ...]) -> Iterator[Outline]:
 
 def one_line(text: str | None) -> str:
     """Return a text on one line; empty for none."""
-    return " ".join((text or "").split())
+    return " ".join(with_line_breaks(text or "").split())
 
 
 def dates(created: str, changed: str) -> str:

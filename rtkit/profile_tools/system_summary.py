@@ -116,14 +116,15 @@ def _data_connector(connector: DataPortConnector) -> Outline:
     how = (connector.dataflow_type, connector.subscription_type, connector.interface_type)
     told = " ".join(text.lower() for text in how if text)
     data_type = short_type(normal_data_type(connector.data_type))
-    return entry(_ends(connector.source, connector.target), data_type, told)
+    return entry(connected(connector.source, connector.target), data_type, told)
 
 
 def _service_connector(connector: ServicePortConnector) -> Outline:
-    return entry(_ends(connector.source, connector.target, "--"), connector.trans_method or "")
+    return entry(connected(connector.source, connector.target, "--"), connector.trans_method or "")
 
 
-def _ends(source: TargetPort, target: TargetPort, arrow: str = "->") -> str:
+def connected(source: TargetPort, target: TargetPort, arrow: str = "->") -> str:
+    """Return both ends of a connector."""
     return f"{_end(source)} {arrow} {_end(target)}"
 
 
@@ -141,21 +142,23 @@ def _orders(profile: RtsProfile) -> Iterator[Outline]:
 
 
 def _step(step: Condition) -> Outline:
-    target = _target(step.target_component)
-    return entry(str(step.sequence), target, _waits(step))
+    target = target_name(step.target_component)
+    return entry(str(step.sequence), target, waited_for(step))
 
 
-def _target(target: TargetComponent) -> str:
+def target_name(target: TargetComponent) -> str:
+    """Return whom an order is for."""
     context = "" if target.id == "0" else f" in context {target.id}"
     return f"{target.instance_name}{context}"
 
 
-def _waits(step: Condition) -> str:
+def waited_for(step: Condition) -> str:
+    """Return what a step of an order waits for; empty for nothing."""
     if step.wait_time is not None and step.wait_time.wait_time:
         return f"after {step.wait_time.wait_time} ms"
     if step.preceding is None or not step.preceding.preceding_components:
         return ""
-    names = ", ".join(map(_target, step.preceding.preceding_components))
+    names = ", ".join(map(target_name, step.preceding.preceding_components))
     timing = step.preceding.sending_timing or "SYNC"
     most = f", at most {step.preceding.timeout} ms" if step.preceding.timeout else ""
     return f"when {names} {'is done' if timing == 'SYNC' else 'was told'} ({timing}){most}"

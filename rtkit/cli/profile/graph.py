@@ -1,0 +1,63 @@
+"""``rtprofile graph``: the picture of a system or a component, without running it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli._app import App, check_at_most_one, command
+from rtkit.errors import Refused
+
+if TYPE_CHECKING:
+    from rtkit.profile.rtc_model import RtcProfile
+    from rtkit.profile.rts_model import RtsProfile
+
+_DOT_ENDINGS = (".dot", ".gv")
+
+
+@command("graph", is_local=True)
+@click.option("--svg", "form", flag_value="svg", help="Write SVG (default).")
+@click.option("--dot", "form", flag_value="dot", help="Write the input of Graphviz.")
+@click.option("-o", "--output", default="-", metavar="FILE", help="Where to write it.")
+@click.option("--title", metavar="TEXT", help="What stands above it (default: the id).")
+@click.argument("files", nargs=-1, metavar="[FILE]")
+def main(
+    app: App, files: tuple[str, ...], form: str | None, output: str, title: str | None
+) -> None:
+    """Draw a system without running it: components, ports, connectors; or a component type.
+
+    Data flow from left to right as far as they can; service connectors are dashed. Without
+    Graphviz; for it there is --dot, or an output that ends in .dot or .gv.
+    """
+    from rtkit.cli._atomic import write_output
+    from rtkit.cli.profile._document import read_document
+
+    check_at_most_one(files, "file")
+    profile = read_document(app, *files).profile
+    is_dot = form == "dot" or (form is None and output.lower().endswith(_DOT_ENDINGS))
+    write_output(_drawn(profile, title, is_dot=is_dot).encode(), output)
+
+
+def _drawn(profile: RtcProfile | RtsProfile, title: str | None, *, is_dot: bool) -> str:
+    from rtkit.profile.rts_model import RtsProfile
+
+    told = profile.id if title is None else title
+    if not isinstance(profile, RtsProfile):
+        if is_dot:
+            raise Refused("dot is for systems; a component type is drawn as SVG only")
+        from rtkit.drawing.component import component_svg
+        from rtkit.profile_tools.component_scene import component_name, component_pins
+
+        return component_svg(component_name(profile), component_pins(profile))
+    from rtkit.profile_tools.system_scene import system_scene
+
+    scene = system_scene(profile)
+    if is_dot:
+        from rtkit.drawing.dot import dot_lines
+
+        return "\n".join(dot_lines(scene, told)) + "\n"
+    from rtkit.drawing.layout import laid_out
+    from rtkit.drawing.svg import scene_svg
+
+    return scene_svg(scene, laid_out(scene), told)

@@ -1,0 +1,52 @@
+"""A scene for Graphviz: boxes as records with their ports at both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, End, Scene
+
+_RECORD = str.maketrans({c: f"\\{c}" for c in "{}|<> \\"})
+
+
+def dot_lines(scene: Scene, title: str = "") -> Iterator[str]:
+    """Yield the lines of a digraph; service wires are dashed and end in a ring."""
+    yield f"digraph {_quoted(title or 'system')} {{"
+    yield "  rankdir=LR;"
+    yield "  node [shape=record, fontname=sans];"
+    for index, box in enumerate(scene.boxes):
+        yield f"  c{index} [label={_quoted(_record(box))}];"
+    for wire in scene.wires:
+        style = " [arrowhead=odot, style=dashed]" if wire.kind == SERVICE else ""
+        yield f"  {_end(scene, wire.source)} -> {_end(scene, wire.target)}{style};"
+    yield "}"
+
+
+def _end(scene: Scene, end: End) -> str:
+    side = scene.boxes[end.box].ports[end.port].side
+    return f"c{end.box}:p{end.port}:{'e' if side == RIGHT else 'w'}"
+
+
+def _record(box: Box) -> str:
+    """Return ``{{in|in}|name|{out|out}}``, in which ports have anchors."""
+    parts = [_side(box, LEFT), _text(box.title), _side(box, RIGHT)]
+    return "{" + "|".join(part for part in parts if part) + "}"
+
+
+def _side(box: Box, side: str) -> str:
+    ports = [
+        f"<p{index}> {_text(port.name)}"
+        for index, port in enumerate(box.ports)
+        if port.side == side
+    ]
+    return "{" + "|".join(ports) + "}" if ports else ""
+
+
+def _text(text: str) -> str:
+    return " ".join(text.split()).translate(_RECORD)
+
+
+def _quoted(text: str) -> str:
+    # In a quoted text only the quote needs an escape; backslashes are those of the record.
+    escaped = text.replace('"', '\\"').replace("\n", " ")
+    return f'"{escaped}"'

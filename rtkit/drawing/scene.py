@@ -1,0 +1,106 @@
+"""What is drawn: boxes with ports at their sides, wires between ports; and how large boxes are.
+
+Lengths are pixels, x grows to the right and y downwards.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rtkit.drawing.text import text_width
+
+LEFT, RIGHT = "left", "right"
+IN, OUT, DATA, EVENT, SERVICE = "in", "out", "data", "event", "service"
+
+TITLE_SIZE, SUBTITLE_SIZE, PORT_SIZE = 13, 10, 11
+ROW = 20
+_PADDING = 12
+_BETWEEN_NAMES = 28
+_LEAST_WIDTH = 90
+
+
+class Port(NamedTuple):
+    """A port at the left or right side of a box.
+
+    Attributes:
+        kind: ``in``, ``out``, ``data`` (of unknown direction), ``event`` or ``service``.
+        tip: More of it, for who points at it.
+    """
+
+    name: str
+    side: str
+    kind: str
+    tip: str = ""
+
+
+class Box(NamedTuple):
+    """A component.
+
+    Attributes:
+        subtitle: Below the title, small.
+        is_dashed: Whether it may be missing.
+    """
+
+    title: str
+    subtitle: str
+    ports: tuple[Port, ...] = ()
+    tip: str = ""
+    is_dashed: bool = False
+
+
+class End(NamedTuple):
+    """An end of a wire: indices of a box and of a port of it."""
+
+    box: int
+    port: int
+
+
+class Wire(NamedTuple):
+    """A connector; data flows from `source` to `target`."""
+
+    source: End
+    target: End
+    kind: str = DATA
+    tip: str = ""
+
+
+class Scene(NamedTuple):
+    """A whole system."""
+
+    boxes: tuple[Box, ...]
+    wires: tuple[Wire, ...]
+
+
+class Size(NamedTuple):
+    """How large something is."""
+
+    width: int
+    height: int
+
+
+def header_height(box: Box) -> int:
+    """Return the height of title and subtitle."""
+    return 42 if box.subtitle else 28
+
+
+def box_size(box: Box) -> Size:
+    """Return how large a box has to be for its texts."""
+    sides = [[port for port in box.ports if port.side == side] for side in (LEFT, RIGHT)]
+    rows = max(map(len, sides))
+    widest = [max((text_width(p.name, PORT_SIZE) for p in ports), default=0) for ports in sides]
+    between = _BETWEEN_NAMES if all(widest) else 0
+    width = max(
+        _LEAST_WIDTH,
+        text_width(box.title, TITLE_SIZE, is_bold=True) + 2 * _PADDING,
+        text_width(box.subtitle, SUBTITLE_SIZE) + 2 * _PADDING,
+        sum(widest) + between + 2 * _PADDING,
+    )
+    height = header_height(box) + rows * ROW + (8 if rows else 0)
+    return Size(round(width), height)
+
+
+def port_offset(box: Box, port: int) -> int:
+    """Return how far below the top of its box the middle of a port is."""
+    side = box.ports[port].side
+    row = sum(other.side == side for other in box.ports[:port])
+    return header_height(box) + row * ROW + ROW // 2

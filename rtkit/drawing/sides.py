@@ -1,0 +1,48 @@
+"""On which side of their boxes service ports are: where their partners will be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rtkit.drawing.ranks import backward_edges, ranks
+from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, End, Scene, Wire
+
+
+def with_sides(scene: Scene) -> Scene:
+    """Return a scene whose service wires lead to the right, as far as the data allow."""
+    count = len(scene.boxes)
+    order = _order(count, [wire for wire in scene.wires if wire.kind != SERVICE])
+    wires = tuple(_turned(wire, order) for wire in scene.wires)
+    order = _order(count, wires)
+    votes: dict[End, int] = {}
+    for wire in wires:
+        if wire.kind == SERVICE:
+            leads_right = order[wire.source.box] < order[wire.target.box]
+            for end, sign in ((wire.source, 1), (wire.target, -1)):
+                votes[end] = votes.get(end, 0) + (sign if leads_right else -sign)
+    boxes = tuple(_with_votes(index, box, votes) for index, box in enumerate(scene.boxes))
+    return Scene(boxes, wires)
+
+
+def _order(count: int, wires: Sequence[Wire]) -> list[int]:
+    edges = [(wire.source.box, wire.target.box) for wire in wires]
+    turned = backward_edges(count, edges)
+    forward = [edge for index, edge in enumerate(edges) if index not in turned]
+    back = [edges[index] for index in sorted(turned)]
+    return ranks(count, forward + [(b, a) for a, b in back if a != b])
+
+
+def _turned(wire: Wire, order: Sequence[int]) -> Wire:
+    if wire.kind == SERVICE and order[wire.source.box] > order[wire.target.box]:
+        return wire._replace(source=wire.target, target=wire.source)
+    return wire
+
+
+def _with_votes(index: int, box: Box, votes: dict[End, int]) -> Box:
+    ports = [
+        port._replace(side=RIGHT if votes[End(index, place)] > 0 else LEFT)
+        if End(index, place) in votes
+        else port
+        for place, port in enumerate(box.ports)
+    ]
+    return box._replace(ports=tuple(ports))

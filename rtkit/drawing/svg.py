@@ -1,0 +1,184 @@
+"""A laid-out scene as SVG: no scripts, nothing to be loaded, every text escaped."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from rtkit.drawing.layout import Layout, Point
+from rtkit.drawing.scene import (
+    DATA,
+    EVENT,
+    LEFT,
+    SERVICE,
+    Box,
+    End,
+    Port,
+    Scene,
+    Size,
+    Wire,
+    box_size,
+    header_height,
+    port_offset,
+)
+
+FONT = "font-family=\"'Noto Sans', 'DejaVu Sans', 'Helvetica Neue', Arial, sans-serif\""
+_MARGIN = 24
+_RADIUS = 6
+_TITLE = 34
+STYLE = """
+.rt-box{fill:#ffffff;stroke:#4a5568;stroke-width:1.2}
+.rt-head{fill:#e8eef6}
+.rt-dashed{stroke-dasharray:5 3}
+.rt-title{font-size:13px;font-weight:bold;fill:#1a202c;text-anchor:middle}
+.rt-sub{font-size:10px;fill:#4a5568;text-anchor:middle}
+.rt-name{font-size:11px;fill:#1a202c}
+.rt-end{text-anchor:end}
+.rt-in,.rt-out,.rt-data{fill:#2b6cb0}
+.rt-event{fill:#b7791f}
+.rt-service{fill:#2f855a}
+.rt-wire{fill:none;stroke:#2b6cb0;stroke-width:1.5}
+.rt-wire.rt-w-service{stroke:#2f855a;stroke-dasharray:6 3}
+.rt-wire.rt-w-event{stroke:#b7791f}
+.rt-halo{fill:none;stroke:#ffffff;stroke-width:5}
+.rt-hit{fill:none;stroke:#000000;stroke-opacity:0;stroke-width:9}
+.rt-link:hover .rt-wire{stroke-width:3}
+.rt-joint{fill:#2b6cb0}
+.rt-back{fill:#ffffff}
+.rt-caption{font-size:15px;font-weight:bold;fill:#1a202c}
+"""
+_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_ESCAPES = str.maketrans(
+    {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;"}
+)
+
+
+def escaped(text: str) -> str:
+    """Return a text as it may stand in SVG or HTML, inside elements and attributes."""
+    return _ILLEGAL.sub("\ufffd", text).translate(_ESCAPES)
+
+
+def scene_svg(scene: Scene, layout: Layout, title: str = "") -> str:
+    """Return the picture of a scene; the title stands above it."""
+    top = _MARGIN + (_TITLE if title else 0)
+    width = layout.size.width + 2 * _MARGIN
+    size = Size(max(width, 200), layout.size.height + top + _MARGIN)
+    lines = [*opening(size, title), f'<g transform="translate({_MARGIN} {top})">']
+    for group in _groups(scene):
+        # Those that join are drawn together, so that none of them seems to cross the others.
+        drawn = [(scene.wires[index], rounded(layout.paths[index])) for index in group]
+        lines += [f'<path class="rt-halo" d="{path}"/>' for _, path in drawn]
+        for wire, path in drawn:
+            lines += _wire(wire, path)
+    lines += [f'<circle class="rt-joint" cx="{x}" cy="{y}" r="3"/>' for x, y in layout.joints]
+    for box, place in zip(scene.boxes, layout.places, strict=True):
+        lines += box_lines(box, place)
+    lines += ["</g>", "</svg>"]
+    return "\n".join(lines) + "\n"
+
+
+def opening(size: Size, title: str, extra_style: str = "") -> Iterator[str]:
+    """Yield the beginning of a picture, with its background and, if there is one, its title."""
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size.width} {size.height}"'
+        f' width="{size.width}" height="{size.height}" role="img" {FONT}>'
+    )
+    if title:
+        yield f"<title>{escaped(title)}</title>"
+    yield f"<style>{STYLE}{extra_style}</style>"
+    yield f'<rect class="rt-back" width="{size.width}" height="{size.height}"/>'
+    if title:
+        yield f'<text class="rt-caption" x="{_MARGIN}" y="{_MARGIN + 12}">{escaped(title)}</text>'
+
+
+def box_lines(box: Box, place: Point) -> Iterator[str]:
+    """Yield a component with its ports."""
+    x, y = place
+    size = box_size(box)
+    head = header_height(box)
+    dashed = " rt-dashed" if box.is_dashed else ""
+    yield "<g>"
+    if box.tip:
+        yield f"<title>{escaped(box.tip)}</title>"
+    frame = f'x="{x}" y="{y}" width="{size.width}"'
+    yield f'<rect class="rt-box{dashed}" {frame} height="{size.height}" rx="4"/>'
+    yield f'<path class="rt-head" d="{_header(x + 1, y + 1, size.width - 2, head - 3)}"/>'
+    middle = x + size.width / 2
+    yield f'<text class="rt-title" x="{middle:g}" y="{y + 18}">{escaped(box.title)}</text>'
+    if box.subtitle:
+        yield f'<text class="rt-sub" x="{middle:g}" y="{y + 33}">{escaped(box.subtitle)}</text>'
+    for index, port in enumerate(box.ports):
+        left = x if port.side == LEFT else x + size.width
+        yield from _port(port, left, y + port_offset(box, index))
+    yield "</g>"
+
+
+def _header(x: int, y: int, width: int, height: int) -> str:
+    return f"M{x} {y + height}V{y + 3}q0 -3 3 -3h{width - 6}q3 0 3 3v{height - 3}z"
+
+
+def _port(port: Port, x: int, y: int) -> Iterator[str]:
+    yield "<g>"
+    if port.tip:
+        yield f"<title>{escaped(port.tip)}</title>"
+    yield f'<path class="rt-{port.kind}" d="{port_shape(port.kind, x, y)}"/>'
+    is_left = port.side == LEFT
+    side = "" if is_left else " rt-end"
+    at = x + 10 if is_left else x - 10
+    yield f'<text class="rt-name{side}" x="{at}" y="{y + 4}">{escaped(port.name)}</text>'
+    yield "</g>"
+
+
+def port_shape(kind: str, x: int, y: int) -> str:
+    """Return the mark of a port at the edge of its box; those of data point where data go."""
+    if kind in (SERVICE, DATA):
+        return f"M{x - 5} {y - 5}h10v10h-10z"
+    if kind == EVENT:
+        return f"M{x - 6} {y}l6 -6l6 6l-6 6z"
+    return f"M{x - 5} {y - 5}h6l5 5l-5 5h-6z"
+
+
+def _groups(scene: Scene) -> list[list[int]]:
+    """Return wires that have a port in common, as far as that goes."""
+    groups: dict[End, list[int]] = {}
+    for index, wire in enumerate(scene.wires):
+        one, other = groups.get(wire.source, []), groups.get(wire.target, [])
+        merged = [*one, *(() if one is other else other), index]
+        for each in merged:
+            groups[scene.wires[each].source] = groups[scene.wires[each].target] = merged
+    return list({id(group): group for group in groups.values()}.values())
+
+
+def _wire(wire: Wire, drawn: str) -> Iterator[str]:
+    kind = f" rt-w-{wire.kind}" if wire.kind != DATA else ""
+    yield '<g class="rt-link">'
+    if wire.tip:
+        yield f"<title>{escaped(wire.tip)}</title>"
+    yield f'<path class="rt-wire{kind}" d="{drawn}"/>'
+    yield f'<path class="rt-hit" d="{drawn}"/>'
+    yield "</g>"
+
+
+def rounded(points: Sequence[Point]) -> str:
+    """Return the path through corners, which are rounded."""
+    if not points:
+        return ""
+    parts = [f"M{points[0][0]} {points[0][1]}"]
+    for before, corner, after in zip(points, points[1:], points[2:], strict=False):
+        room = min(_RADIUS, _length(before, corner) / 2, _length(corner, after) / 2)
+        start, end = _towards(corner, before, room), _towards(corner, after, room)
+        parts.append(f"L{start[0]:g} {start[1]:g}Q{corner[0]} {corner[1]} {end[0]:g} {end[1]:g}")
+    parts.append(f"L{points[-1][0]} {points[-1][1]}")
+    return "".join(parts)
+
+
+def _length(one: Point, other: Point) -> int:
+    return abs(one[0] - other[0]) + abs(one[1] - other[1])
+
+
+def _towards(corner: Point, other: Point, distance: float) -> tuple[float, float]:
+    length = _length(corner, other) or 1
+    return (
+        corner[0] + (other[0] - corner[0]) * distance / length,
+        corner[1] + (other[1] - corner[1]) * distance / length,
+    )

@@ -1,0 +1,135 @@
+"""Whatever the system: boxes do not overlap, wires lead from port to port and round the boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rtkit.drawing.layout import Layout, Point, laid_out
+from rtkit.drawing.scene import (
+    DATA,
+    IN,
+    LEFT,
+    OUT,
+    RIGHT,
+    SERVICE,
+    Box,
+    End,
+    Port,
+    Scene,
+    Wire,
+    box_size,
+    port_offset,
+)
+from rtkit.drawing.sides import with_sides
+
+PORTS = {
+    IN: Port("in", LEFT, IN),
+    OUT: Port("a longer name", RIGHT, OUT),
+    SERVICE: Port("service", LEFT, SERVICE),
+}
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> Scene:
+    kinds = st.lists(st.sampled_from(list(PORTS)), max_size=5)
+    layouts = draw(st.lists(kinds, max_size=12))
+    boxes = tuple(
+        Box(f"Box{index}", "Type", tuple(PORTS[kind] for kind in sorted(listed)))
+        for index, listed in enumerate(layouts)
+    )
+    ends = [End(b, p) for b, box in enumerate(boxes) for p in range(len(box.ports))]
+
+    def of_kind(kind: str) -> list[End]:
+        return [end for end in ends if boxes[end.box].ports[end.port].kind == kind]
+
+    wires: list[Wire] = []
+    for kind, sources, targets in (
+        (DATA, of_kind(OUT), of_kind(IN)),
+        (SERVICE, of_kind(SERVICE), of_kind(SERVICE)),
+    ):
+        if sources and targets:
+            pairs = st.tuples(st.sampled_from(sources), st.sampled_from(targets))
+            chosen = draw(st.lists(pairs, max_size=14, unique=True))
+            wires += [Wire(one, other, kind) for one, other in chosen if one != other]
+    return with_sides(Scene(boxes, tuple(wires)))
+
+
+def place_of(scene: Scene, layout: Layout, end: End) -> Point:
+    box = scene.boxes[end.box]
+    x, y = layout.places[end.box]
+    is_right = box.ports[end.port].side == RIGHT
+    return x + (box_size(box).width if is_right else 0), y + port_offset(box, end.port)
+
+
+def pieces(path: tuple[Point, ...]) -> Iterator[tuple[Point, Point]]:
+    return pairwise(path)
+
+
+@settings(max_examples=150, deadline=None)
+@given(scenes())
+def test_boxes_do_not_overlap(scene: Scene) -> None:
+    layout = laid_out(scene)
+    frames = [
+        (x, y, x + box_size(box).width, y + box_size(box).height)
+        for box, (x, y) in zip(scene.boxes, layout.places, strict=True)
+    ]
+    for one, other in combinations(frames, 2):
+        is_apart = one[2] < other[0] or other[2] < one[0] or one[3] < other[1] or other[3] < one[1]
+        assert is_apart, (one, other)
+    for left, top, right, bottom in frames:
+        assert left >= 0
+        assert top >= 0
+        assert right <= layout.size.width
+        assert bottom <= layout.size.height
+
+
+@settings(max_examples=150, deadline=None)
+@given(scenes())
+def test_wires_lead_from_port_to_port_at_right_angles(scene: Scene) -> None:
+    layout = laid_out(scene)
+    for wire, path in zip(scene.wires, layout.paths, strict=True):
+        assert path[0] == place_of(scene, layout, wire.source)
+        assert path[-1] == place_of(scene, layout, wire.target)
+        for (x, y), (u, v) in pieces(path):
+            assert (x == u) != (y == v)
+            assert 0 <= min(x, u) <= max(x, u) <= layout.size.width
+            assert 0 <= min(y, v) <= max(y, v) <= layout.size.height
+
+
+@settings(max_examples=150, deadline=None)
+@given(scenes())
+def test_wires_lead_round_boxes(scene: Scene) -> None:
+    layout = laid_out(scene)
+    for path in layout.paths:
+        for (x, y), (u, v) in pieces(path):
+            for box, (left, top) in zip(scene.boxes, layout.places, strict=True):
+                size = box_size(box)
+                inside_x = min(x, u) < left + size.width and max(x, u) > left
+                inside_y = min(y, v) < top + size.height and max(y, v) > top
+                assert not (inside_x and inside_y), (box.title, path)
+
+
+@settings(max_examples=150, deadline=None)
+@given(scenes())
+def test_wires_without_a_common_port_do_not_lie_on_one_another(scene: Scene) -> None:
+    layout = laid_out(scene)
+    listed = list(zip(scene.wires, layout.paths, strict=True))
+    for (one, first), (other, second) in combinations(listed, 2):
+        if {one.source, one.target} & {other.source, other.target}:
+            continue
+        for (a, b), (c, d) in pieces(first):
+            for (e, f), (g, h) in pieces(second):
+                if a == c == e == g:
+                    assert max(b, d) <= min(f, h) or max(f, h) <= min(b, d), (first, second)
+                if b == d == f == h:
+                    assert max(a, c) <= min(e, g) or max(e, g) <= min(a, c), (first, second)
+
+
+@settings(max_examples=50, deadline=None)
+@given(scenes())
+def test_a_scene_always_looks_the_same(scene: Scene) -> None:
+    assert laid_out(scene) == laid_out(scene)

@@ -1,0 +1,263 @@
+"""Pictures of real and of nasty systems: well-formed, with every name in them, few crossings."""
+
+from __future__ import annotations
+
+import os.path
+import re
+import shutil
+import subprocess
+from itertools import combinations, pairwise
+from typing import Any
+
+import pytest
+from lxml import etree
+
+from rtkit.drawing.channels import Net, joints, routes
+from rtkit.drawing.component import Interface, Pin, component_svg
+from rtkit.drawing.dot import dot_lines
+from rtkit.drawing.layout import Layout, laid_out
+from rtkit.drawing.order import Link, count_crossings, ordered
+from rtkit.drawing.ranks import backward_edges, ranks
+from rtkit.drawing.scene import (
+    DATA,
+    EVENT,
+    IN,
+    LEFT,
+    OUT,
+    RIGHT,
+    SERVICE,
+    Box,
+    End,
+    Port,
+    Scene,
+    Wire,
+    box_size,
+)
+from rtkit.drawing.svg import rounded, scene_svg
+from rtkit.drawing.text import shortened, text_width
+from rtkit.profile.read import read_file
+from rtkit.profile.rts_model import RtsProfile
+from rtkit.profile_tools.system_scene import system_scene
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus", "rts")
+SHIPPED = os.path.join(ROOT, "profiles", "systems")
+SVG = "{http://www.w3.org/2000/svg}"
+NASTY = "a<b>&\"'|{x}\\ \x01]]> 日本"
+
+
+def systems() -> list[str]:
+    folders = [folder for folder in (SHIPPED, CORPUS) if os.path.isdir(folder)]
+    return [
+        os.path.join(folder, name)
+        for folder in folders
+        for name in sorted(os.listdir(folder))
+        if name != "README.md"
+    ]
+
+
+def system(file: str) -> RtsProfile:
+    profile = read_file(file).profile
+    assert isinstance(profile, RtsProfile)
+    return profile
+
+
+def crossings(layout: Layout) -> int:
+    """Count where wires cross, but for those that join."""
+    level, upright = [], []
+    for index, path in enumerate(layout.paths):
+        for (x, y), (u, v) in pairwise(path):
+            if y == v:
+                level.append((index, min(x, u), max(x, u), y))
+            else:
+                upright.append((index, x, min(y, v), max(y, v)))
+    return sum(
+        one != other and left < x < right and top < y < bottom and (x, y) not in layout.joints
+        for one, left, right, y in level
+        for other, x, top, bottom in upright
+    )
+
+
+def checked(svg: str) -> Any:
+    """Parse a picture, which may neither run nor load anything."""
+    root = etree.fromstring(svg.encode())
+    assert root.tag == f"{SVG}svg"
+    tags = {element.tag for element in root.iter()}
+    parts = ("svg", "title", "style", "rect", "g", "path", "text", "circle")
+    assert tags <= {f"{SVG}{part}" for part in parts}
+    for element in root.iter():
+        assert not any(name.startswith("on") or "href" in name for name in element.attrib)
+    styles = "".join(element.text for element in root.iter(f"{SVG}style"))
+    assert "url(" not in styles
+    assert "@import" not in styles
+    return root
+
+
+@pytest.mark.parametrize("file", systems(), ids=os.path.basename)
+def test_every_system_has_its_picture(file: str) -> None:
+    profile = system(file)
+    scene = system_scene(profile)
+    root = checked(scene_svg(scene, laid_out(scene), profile.id))
+    texts = [element.text for element in root.iter(f"{SVG}text")]
+    assert texts[0] == profile.id
+    for component in profile.components:
+        assert component.instance_name in texts
+    wires = profile.data_port_connectors + profile.service_port_connectors
+    assert len(scene.wires) == len(wires)
+    assert len(root.findall(f".//{SVG}g[@class='rt-link']")) == len(wires)
+
+
+def test_few_wires_of_real_systems_cross() -> None:
+    found = {}
+    for file in systems():
+        scene = system_scene(system(file))
+        found[os.path.basename(file)] = crossings(laid_out(scene))
+    assert max(found.values()) <= 4, found
+    assert sum(found.values()) <= 12, found
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz absent")
+@pytest.mark.parametrize("file", systems(), ids=os.path.basename)
+def test_graphviz_takes_every_system(file: str) -> None:
+    scene = system_scene(system(file))
+    text = "\n".join(dot_lines(scene, NASTY))
+    done = subprocess.run(
+        ["dot", "-Tplain"], input=text, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    edges = [line for line in done.stdout.splitlines() if line.startswith("edge ")]
+    assert len(edges) == len(scene.wires)
+
+
+def nasty_scene() -> Scene:
+    ports = (Port(NASTY, LEFT, IN, NASTY), Port(NASTY, RIGHT, OUT, NASTY))
+    boxes = (Box(NASTY, NASTY, ports, NASTY), Box(NASTY, "", ports, is_dashed=True))
+    return Scene(boxes, (Wire(End(0, 1), End(1, 0), SERVICE, NASTY), Wire(End(0, 1), End(0, 0))))
+
+
+def test_any_text_can_be_drawn() -> None:
+    scene = nasty_scene()
+    root = checked(scene_svg(scene, laid_out(scene), NASTY))
+    shown = NASTY.replace("\x01", "\ufffd")
+    texts = [element.text for element in root.iter(f"{SVG}text")]
+    assert texts == [shown] * 8
+    pins = [Pin(scene.boxes[0].ports[0], NASTY, (Interface(NASTY, NASTY, True),))]
+    assert shown in [element.text for element in checked(component_svg(NASTY, pins)).iter()]
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz absent")
+def test_graphviz_takes_any_text() -> None:
+    text = "\n".join(dot_lines(nasty_scene(), NASTY)).replace("\x01", "")
+    done = subprocess.run(["dot", "-Tsvg"], input=text, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    root = etree.fromstring(done.stdout.encode())
+    assert NASTY.replace("\x01", "") in [element.text for element in root.iter(f"{SVG}text")]
+
+
+def test_a_system_without_components_has_a_picture_too() -> None:
+    scene = Scene((), ())
+    assert laid_out(scene).size == (0, 0)
+    checked(scene_svg(scene, laid_out(scene)))
+
+
+def test_the_dot_form() -> None:
+    boxes = (
+        Box("A", "", (Port("out", RIGHT, OUT), Port("s", LEFT, SERVICE))),
+        Box("B c", "", (Port("in", LEFT, IN), Port("s", RIGHT, SERVICE))),
+    )
+    wires = (Wire(End(0, 0), End(1, 0)), Wire(End(1, 1), End(0, 1), SERVICE))
+    assert list(dot_lines(Scene(boxes, wires), 'the "system"')) == [
+        'digraph "the \\"system\\"" {',
+        "  rankdir=LR;",
+        "  node [shape=record, fontname=sans];",
+        '  c0 [label="{{<p1> s}|A|{<p0> out}}"];',
+        '  c1 [label="{{<p0> in}|B\\ c|{<p1> s}}"];',
+        "  c0:p0:e -> c1:p0:w;",
+        "  c1:p1:e -> c0:p1:w [arrowhead=odot, style=dashed];",
+        "}",
+    ]
+
+
+def test_interfaces_are_balls_and_sockets() -> None:
+    interfaces = (Interface("give", "Give", True), Interface("take", "Take", False))
+    pins = [
+        Pin(Port("in", LEFT, IN), "TimedLong"),
+        Pin(Port("event", LEFT, EVENT), "Any"),
+        Pin(Port("control", RIGHT, SERVICE), "", interfaces),
+    ]
+    root = checked(component_svg("Robot", pins))
+    assert len(root.findall(f".//{SVG}circle[@class='rt-ball']")) == 1
+    arcs = [p for p in root.iter(f"{SVG}path") if "A7 7" in p.get("d")]
+    assert len(arcs) == 1
+    texts = [element.text for element in root.iter(f"{SVG}text")]
+    expected = ["Robot", "in", "TimedLong", "event", "Any", "give: Give", "take: Take", "control"]
+    assert texts == expected
+
+
+def test_a_component_without_ports_is_a_box() -> None:
+    root = checked(component_svg("Nothing", []))
+    assert [element.text for element in root.iter(f"{SVG}text")] == ["Nothing"]
+
+
+def test_boxes_have_room_for_their_texts() -> None:
+    ports = (Port("x" * 20, LEFT, IN), Port("y" * 30, RIGHT, OUT), Port("z", LEFT, DATA))
+    size = box_size(Box("Title", "", ports))
+    assert size.width >= text_width("x" * 20, 11) + text_width("y" * 30, 11) + 24
+    assert box_size(Box("T" * 60, "", ports)).width > size.width
+    assert box_size(Box("Title", "sub", ports)).height > size.height
+
+
+def test_corners_are_rounded() -> None:
+    assert rounded([(0, 0), (20, 0), (20, 30)]) == "M0 0L14 0Q20 0 20 6L20 30"
+    assert rounded([(0, 0), (4, 0), (4, 30)]) == "M0 0L2 0Q4 0 4 2L4 30"
+    assert rounded([]) == ""
+
+
+def test_long_texts_lose_their_middle() -> None:
+    text = "JARA_ARM::ManipulatorCommonInterface_Middle"
+    short = shortened(text, 10, 120)
+    assert text_width(short, 10) <= 120
+    assert re.fullmatch("JARA.*….*Middle", short)
+    assert shortened("short", 10, 120) == "short"
+
+
+def test_chains_and_circles_have_columns() -> None:
+    assert ranks(4, [(0, 1), (1, 2), (0, 2), (3, 2)]) == [0, 1, 2, 1]
+    circle = [(0, 1), (1, 2), (2, 0)]
+    assert backward_edges(3, circle) == {2}
+    assert backward_edges(2, [(0, 0), (0, 1)]) == {0}
+
+
+def test_an_order_without_crossings_is_found() -> None:
+    columns = [[0, 1, 2], [3, 4, 5]]
+    links = [Link(0, 5), Link(1, 4), Link(2, 3)]
+    found = ordered(columns, links)
+    place = {node: i for column in found for i, node in enumerate(column)}
+    ends = sorted((place[each.left], place[each.right]) for each in links)
+    assert count_crossings([(float(a), float(b)) for a, b in ends]) == 0
+
+
+def test_crossings_are_counted_as_by_hand() -> None:
+    ends = [(0.0, 3.0), (0.0, 1.0), (1.0, 2.0), (2.0, 0.0), (2.0, 2.0)]
+    by_hand = sum((a[0] - b[0]) * (a[1] - b[1]) < 0 for a, b in combinations(ends, 2))
+    assert count_crossings(sorted(ends)) == by_hand == 5
+
+
+def test_nets_that_change_places_give_way() -> None:
+    swapped = [Net((10,), (40,)), Net((40,), (10,))]
+    first, second = routes(swapped)
+    assert sorted(map(len, (first, second))) == [1, 2]
+    (line,) = min(first, second, key=len)
+    left, right = max(first, second, key=len)
+    assert left.track < line.track < right.track
+    assert left.net.rights == right.net.lefts
+
+
+def test_straight_nets_need_no_line() -> None:
+    assert routes([Net((10,), (10,)), Net((20,), (30,))])[0] == ()
+
+
+def test_wires_join_where_three_pieces_meet() -> None:
+    assert joints(Net((10,), (10, 40))) == [10]
+    assert joints(Net((10,), (40, 70))) == [40]
+    assert joints(Net((10,), (40,))) == []
