@@ -7,6 +7,7 @@ import sys
 
 COMMANDS: dict[str, str] = {
     "act": "rtact",
+    "build": "rtbuild",
     "cat": "rtcat",
     "check": "rtcheck",
     "comp": "rtcomp",

@@ -8,6 +8,12 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtact -e all /localhost/Robot0.rtc", "In all of its execution contexts."),
         ("rtact A.rtc B.rtc C.rtc", "Several at once, below the working directory of the tree."),
     ),
+    "rtbuild": (
+        ("rtbuild RTC.xml", "Generate a component beside its profile; again after each change."),
+        ("rtbuild robot.yaml -o robot -I idl", "In a folder of its own, with IDL files of idl."),
+        ("rtbuild --dry-run RTC.xml", "What would be written."),
+        ("rtbuild MyService.idl -o src", "Only the types and protocols of an IDL file."),
+    ),
     "rtcat": (
         ("rtcat /localhost/Robot0.rtc", "Identity, state and ports of a component."),
         ("rtcat -ll /localhost/Robot0.rtc:velocity", "A port with all of its connections."),

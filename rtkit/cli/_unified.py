@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 SUMMARIES: dict[str, str] = {
     "act": "Activate components: Inactive to Active.",
+    "build": "Generate a component from its RTC profile.",
     "cat": "Describe a component, a port or a manager.",
     "check": "Compare the live system with an RTS profile.",
     "comp": "Make and change composite components.",

@@ -25,6 +25,7 @@ a provider at once.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from copy import copy
 from threading import Lock
@@ -137,7 +138,8 @@ class ServicePort(Port):
     ) -> Self:
         """Offer a further interface; without implementation the component itself does it.
 
-        A class as implementation is instantiated once for each component.
+        A class as implementation is instantiated once for each component, with that component
+        where its constructor takes an argument.
         """
         return self._add(interface, instance_name, type_name, Polarity.PROVIDED, implementation)
 
@@ -289,7 +291,7 @@ class ServicePort(Port):
         if done_by is None:
             done_by = owner
         elif isinstance(done_by, type):
-            done_by = done_by()
+            done_by = done_by(owner) if _takes_argument(done_by) else done_by()
         missing = use.interface.missing_in(done_by)
         if missing:
             raise Refused(
@@ -297,6 +299,16 @@ class ServicePort(Port):
                 f" {use.interface.name}: it lacks {', '.join(missing)}"
             )
         return use._replace(implementation=done_by)
+
+
+def _takes_argument(cls: type) -> bool:
+    """Whether a class wants something to be made: the component that it works for."""
+    kinds = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    try:
+        wanted = inspect.signature(cls).parameters.values()
+    except ValueError:
+        return False  # a class that is not written in Python
+    return any(each.kind in kinds and each.default is each.empty for each in wanted)
 
 
 class RequiredPort(ServicePort, Generic[S]):

@@ -41,6 +41,17 @@ if TYPE_CHECKING:
     from lark.exceptions import UnexpectedInput
 
 _LONGEST_EXPECTATION = 4
+_WORDS = {
+    "CHARACTER": "a character",
+    "DIRECTION": "in, out or inout",
+    "NAME": "a name",
+    "NUMBER": "a number",
+    "STRING": "a text",
+    "TEXT": "a type",
+    "TRUTH": "TRUE or FALSE",
+    "WORD": "a type",
+}
+"""What messages call the terminals of the grammar that are no fixed words."""
 
 
 def nothing(_name: str, _file: str) -> None:
@@ -114,11 +125,9 @@ def _explain(error: UnexpectedInput, source: Source) -> str:
         return f"{place}: unexpected character {getattr(error, 'char', '')!r}"
     if token.type == "$END":
         return f"{source.place(len(source.lines))}: the file ends too early"
-    names = {each.name: each.pattern.value for each in _parser()[0].terminals}
+    texts = {each.name: each.pattern.value for each in _parser()[0].terminals}
     expected: list[str] = sorted(getattr(error, "accepts", None) or getattr(error, "expected", []))
-    words = [
-        "a name" if name == "NAME" else repr(names.get(name, name)) for name in sorted(expected)
-    ]
+    words = [_WORDS.get(name) or repr(texts.get(name, name)) for name in expected if name != "AT"]
     wanted = f"; expected {' or '.join(words)}" if len(words) <= _LONGEST_EXPECTATION else ""
     return f"{place}: unexpected {str(token)!r}{wanted}"
 

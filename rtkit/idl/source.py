@@ -1,5 +1,7 @@
 """The text of an IDL file with all that it includes, each line with the place it came from.
 
+A file is read once, whether or not it guards itself.
+
 Of the preprocessor there is what interface definitions use: ``#include``, guards, ``#define`` of
 a name or a plain value, ``#if`` of ``0``, ``1`` and ``defined(NAME)``. ``#pragma`` says nothing
 here.
@@ -21,7 +23,6 @@ _NAME = r"[A-Za-z_]\w*"
 _DEFINED = re.compile(rf"(!?)\s*defined\s*\(?\s*({_NAME})\s*\)?")
 _DEFINE = re.compile(rf"({_NAME})(\(?)\s*(.*)", re.DOTALL)
 _IGNORED = ("pragma", "ident", "line", "warning", "")
-_DEEPEST = 50
 
 
 class InvalidIdl(InvalidDocument):
@@ -50,8 +51,9 @@ class Source:
     def __init__(self, file: str, text: str, find: Find) -> None:
         self._find = find
         self._defined: dict[str, str] = {}
+        self._seen: set[str] = set()
         self.missing: list[str] = []
-        self.lines = list(self._read(file, text, 0))
+        self.lines = list(self._read(file, text))
 
     @property
     def text(self) -> str:
@@ -64,9 +66,10 @@ class Source:
             return Place("", 1)
         return self.lines[min(max(line, 1), len(self.lines)) - 1].place
 
-    def _read(self, file: str, text: str, depth: int) -> Iterator[Line]:
-        if depth > _DEEPEST:
-            raise InvalidIdl(f"{file}:1: files include each other without an end")
+    def _read(self, file: str, text: str) -> Iterator[Line]:
+        if file in self._seen:
+            return
+        self._seen.add(file)
         text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
         masked = _COMMENT_OR_TEXT.sub(_blank, text).split("\n")
         active = [True]
@@ -88,11 +91,11 @@ class Source:
             if word in ("if", "ifdef", "ifndef", "else", "elif", "endif"):
                 self._branch(word, rest, active, place)
             elif all(active):
-                yield from self._perform(word, rest, place, depth)
+                yield from self._perform(word, rest, place)
         if len(active) > 1:
             raise InvalidIdl(f"{file}:{number}: #endif is missing")
 
-    def _perform(self, word: str, rest: str, place: Place, depth: int) -> Iterator[Line]:
+    def _perform(self, word: str, rest: str, place: Place) -> Iterator[Line]:
         if word == "include":
             included = _INCLUDE.match(rest)
             if not included:
@@ -101,7 +104,7 @@ class Source:
             if found is None:
                 self.missing.append(included[1])
             else:
-                yield from self._read(*found, depth + 1)
+                yield from self._read(*found)
         elif word == "define":
             macro = _DEFINE.match(rest)
             if not macro or macro[2]:

@@ -74,6 +74,19 @@ class ByPath:
         """
         return _facts(self, path)
 
+    def load(self: _Calls, path: str, init: str = "") -> None:
+        """Have a module loaded: a file by its path, or by its name in a load path.
+
+        Without `init` its init function is ``<name>Init``. Loading it again changes nothing.
+
+        Raises:
+            NotFound: There is no such file, or no such function in it.
+            Refused: It does not import, or its init function raises; says where.
+        """
+        from rtkit.deployment.actions import Load
+
+        self.perform(Load(path, init))
+
     def create(self: _Calls, text: str) -> str:
         """Create a component from a create string and return its path.
 

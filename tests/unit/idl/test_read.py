@@ -46,7 +46,7 @@ def from_file(name):
 
 
 def test_a_service_is_read_with_its_documentation():
-    found = from_file("SimpleService.idl")
+    found = from_file("MyService.idl")
     service = found.interface("SimpleService::MyService")
     assert service.doc == "Echoes texts and keeps a number.\n\nWhat was given is remembered."
     assert service.operations == (

@@ -1,0 +1,99 @@
+"""All files of a component: a profile in, texts by file name out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rtkit.builder.component_code import component_code
+from rtkit.builder.names import module_name
+from rtkit.builder.obstacles import obstacle
+from rtkit.builder.packaging import pyproject
+from rtkit.builder.prepare import Sources, prepare
+from rtkit.builder.readme import readme
+from rtkit.builder.regions import CODE_STAMP, XML_STAMP
+from rtkit.builder.sample import sample_system
+from rtkit.builder.standard_types import KNOWN
+from rtkit.builder.subject import Subject
+from rtkit.builder.test_code import test_code
+from rtkit.builder.types_code import TypesCode
+from rtkit.idl.model import Definitions
+from rtkit.profile.rtc_model import RtcProfile
+from rtkit.profile.write import write_rtc
+
+PROFILE = "RTC.xml"
+
+
+class File(NamedTuple):
+    """A generated file, not yet stamped.
+
+    Attributes:
+        has_regions: It has room for code of users; else it is theirs once they change it.
+    """
+
+    text: str
+    has_regions: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """What was generated.
+
+    Attributes:
+        files: By path within the project, ``/`` between folders.
+        notes: What could not be taken over as it is.
+    """
+
+    subject: Subject
+    files: dict[str, File]
+    notes: tuple[str, ...]
+
+
+def build(profile: RtcProfile, sources: Sources, made_of: tuple[str, ...] = ()) -> Built:
+    """Generate a component.
+
+    Args:
+        profile: Its RTC profile.
+        sources: What there is beside it.
+        made_of: Names of the IDL files that were read.
+
+    Raises:
+        Malformed: A text of the profile cannot be written to XML.
+    """
+    subject, types = prepare(profile, sources)
+    module = subject.module
+    files = {f"{module}.py": File(component_code(subject, types), has_regions=True)}
+    if subject.has_types:
+        text = types.text(made_of, [CODE_STAMP, ""])
+        files[f"{subject.types_module}.py"] = File(text, has_regions=True)
+    files[f"tests/test_{module}.py"] = File(test_code(subject), has_regions=True)
+    files["README.md"] = File(readme(subject))
+    files["pyproject.toml"] = File(pyproject(subject))
+    files["system.xml"] = File(sample_system(subject))
+    files[PROFILE] = File(_profile(profile))
+    return Built(subject, files, subject.notes)
+
+
+def _profile(profile: RtcProfile) -> str:
+    head, _, body = write_rtc(profile).decode().partition("\n")
+    return f"{head}\n{XML_STAMP}\n{body}"
+
+
+def build_types(definitions: Definitions, name: str) -> tuple[dict[str, File], list[str]]:
+    """Return the module of all that an IDL file declares and rtkit can carry, and what it cannot.
+
+    Args:
+        definitions: What it declares.
+        name: Its name.
+    """
+    wanted, notes = [], []
+    for path, declared in definitions.by_path.items():
+        why = obstacle(definitions, declared)
+        if why:
+            notes.append(f"{declared.place}: {declared.name} is left out: {why}")
+        elif path not in KNOWN:
+            wanted.append(path)
+    types = TypesCode(definitions, wanted)
+    stem = module_name(name.rpartition("/")[2].rpartition(".")[0])
+    text = types.text([name], [CODE_STAMP, ""])
+    return ({f"{stem}_idl.py": File(text, has_regions=True)} if types else {}), notes

@@ -1,0 +1,318 @@
+"""The module of a component."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtkit.builder import standard_types
+from rtkit.builder.layout import (
+    Call,
+    Code,
+    Mapping,
+    Node,
+    Text,
+    Tuple,
+    assigned,
+    chained,
+    constant,
+    mapping,
+)
+from rtkit.builder.methods import documentation, signature
+from rtkit.builder.regions import CODE_STAMP, region
+from rtkit.builder.subject import Machine, Offer, Port, Service, Setting, Subject
+from rtkit.builder.text import INDENT, clean, docstring, one_line, told, width
+from rtkit.builder.types_code import TypesCode
+from rtkit.component.contexts import PERIODIC
+from rtkit.profile.rtc_doc_model import ActionDoc
+
+BODY = INDENT * 2
+SUMMARIES = {
+    "on_initialize": "Prepare, once, before anything else.",
+    "on_finalize": "Clean up, once, at the end.",
+    "on_startup": "React to the start of an execution context.",
+    "on_shutdown": "React to the stop of an execution context.",
+    "on_activated": "Go from Inactive to Active.",
+    "on_deactivated": "Go from Active to Inactive.",
+    "on_aborting": "Enter Error, once, after a failure.",
+    "on_error": "Wait in Error, every period.",
+    "on_reset": "Go from Error to Inactive.",
+    "on_execute": "Do the work of one period.",
+    "on_state_update": "Publish new state, after all participants executed.",
+    "on_rate_changed": "React to a new rate of the execution context.",
+    "on_action": "React to a transition of the state machine.",
+}
+"""What each callback is for, where the profile says nothing."""
+
+PRECONDITION, POSTCONDITION = "Precondition: ", "Postcondition: "
+LABELS = {
+    "inout": "Input and output: ",
+    "algorithm": "Algorithm: ",
+    "creator": "Author: ",
+    "license": "License: ",
+    "reference": "Reference: ",
+}
+"""What the paragraphs about a component begin with."""
+
+_WIDEST_HEAD = 80
+_DRIVEN = ("on_activated", "on_execute")
+_UNHURRIED = ("on_initialize", "on_finalize")
+
+
+def neutral(type_name: str) -> str:
+    """Return the first line of a component's documentation when it has none of its own."""
+    text = f"Component {one_line(type_name)}."
+    return text if width(text) <= _WIDEST_HEAD else "A component."
+
+
+def component_code(subject: Subject, types: TypesCode) -> str:
+    """Return the source of the module, not yet stamped."""
+    lines = [
+        *docstring("A component type, made from its RTC profile.", _headline(subject)),
+        "",
+        CODE_STAMP,
+        "",
+        "from __future__ import annotations",
+        "",
+        *_imports(subject),
+        "",
+        "# isort: split",
+        *region("imports", ""),
+    ]
+    for service in subject.services:
+        for offer in service.offers:
+            if offer.servant:
+                lines += ["", "", *_servant(service, offer, subject, types)]
+    lines += ["", "", *_class(subject, types)]
+    lines += ["", "", *_init(subject), ""]
+    return "\n".join(lines)
+
+
+def _headline(subject: Subject) -> str:
+    return f"Component type {one_line(subject.type_name)}, made from its RTC profile"
+
+
+def _imports(subject: Subject) -> Iterator[str]:
+    if subject.machine:
+        yield "from typing import Any, ClassVar"
+        yield ""
+    yield "from rtkit import component as rt"
+    kinds = [each.type for each in subject.ports]
+    kinds += [each.type for each in subject.machine.events] if subject.machine else []
+    if any(kind.startswith("images.") for kind in kinds):
+        yield standard_types.IMAGES
+    if subject.has_types:
+        yield ""
+        yield f"import {subject.types_module} as idl"
+
+
+def _class(subject: Subject, types: TypesCode) -> list[str]:
+    base = "FsmComponent" if subject.machine else "Component"
+    doc = subject.info.doc
+    more = [f"{LABELS[key]}{text}" for key in LABELS if (text := clean(told(doc, key)))]
+    lines = [f"class {subject.class_name}(rt.{base}):"]
+    lines += docstring(
+        neutral(subject.type_name),
+        subject.info.description,
+        [told(doc, "description"), *more],
+        INDENT,
+    )
+    blocks = [
+        list(_identity(subject)),
+        list(_machine(subject.machine)) if subject.machine else [],
+        [line for each in subject.ports for line in _port(each)],
+        [line for each in subject.services for line in _service(each)],
+        [line for each in subject.settings for line in _setting(each)],
+        *_callbacks(subject),
+        *_operations(subject, types),
+        region("members", INDENT),
+    ]
+    for block in blocks:
+        lines += ["", *block] if block else []
+    return lines
+
+
+def _identity(subject: Subject) -> Iterator[str]:
+    info = subject.info
+    texts = {"vendor": info.vendor, "category": info.category, "version": info.version}
+    if subject.type_name != subject.class_name:
+        texts = {"type_name": subject.type_name, **texts}
+    if subject.execution_type != PERIODIC or subject.machine:
+        texts["execution_type"] = subject.execution_type
+    for name, text in texts.items():
+        if text:
+            yield from assigned(name, Text(text))
+    if subject.rate:
+        yield f"{INDENT}rate = {subject.rate!r}  # Hz"
+
+
+def _machine(machine: Machine) -> Iterator[str]:
+    yield from assigned("event_port", Text(machine.port))
+    states = [
+        (state, Mapping([(event, Text(target)) for event, target in moves.items()]))
+        for state, moves in machine.states.items()
+    ]
+    yield from mapping("states: ClassVar", states)
+    if machine.events:
+        yield from mapping(
+            "events: ClassVar", [(each.name, Code(each.type)) for each in machine.events]
+        )
+
+
+def _named(attribute: str, name: str) -> list[tuple[str, Node]]:
+    """Return the argument that says the name, unless the attribute says it already."""
+    return [] if attribute.rstrip("_") == name else [("name", Text(name))]
+
+
+def port_doc(port: Port) -> str:
+    """Return what a data port is for, with its unit."""
+    profile = port.profile
+    text = one_line(told(profile.doc, "description") or profile.comment)
+    unit = one_line(profile.unit or told(profile.doc, "unit"))
+    return f"{text} [{unit}]".strip() if unit and f"[{unit}]" not in text else text
+
+
+def _port(port: Port) -> list[str]:
+    given: list[tuple[str, Node]] = [] if port.kind == "EventPort" else [("", Code(port.type))]
+    given += _named(port.attribute, port.name)
+    if port.type == "bytes" and port.type_name != "any":
+        given.append(("properties", Mapping([("dataport.data_type", Text(port.type_name))])))
+    text = port_doc(port)
+    given += [("doc", Text(text))] if text else []
+    return assigned(port.attribute, Call(f"rt.{port.kind}", given))
+
+
+def service_doc(service: Service) -> str:
+    """Return what a service port is for."""
+    profile = service.profile
+    texts = [told(profile.doc, "description"), told(profile.doc, "ifdescription")]
+    texts += [told(each.doc, "description") for each in profile.service_interfaces]
+    return next(filter(None, map(one_line, [*texts, profile.comment])), "")
+
+
+def _service(service: Service) -> list[str]:
+    text = service_doc(service)
+    named = _named(service.attribute, service.name)
+    told: list[tuple[str, Node]] = [("doc", Text(text))] if text else []
+    called = [each for each in service.offers if each.protocol]
+    described = [each for each in service.offers if not each.protocol]
+    if len(service.offers) == 1 and called:
+        kind = "provided" if called[0].is_provided else "required"
+        given = [*_offer(called[0], service.name), *named, *told]
+        return assigned(service.attribute, Call(f"rt.ServicePort.{kind}", given))
+    if described:
+        named = [*named, ("interfaces", Tuple([_described(each) for each in described]))]
+    steps = [
+        Call(f".{'provide' if each.is_provided else 'require'}", _offer(each, service.name))
+        for each in called
+    ]
+    return chained(service.attribute, [Call("rt.ServicePort", [*named, *told]), *steps])
+
+
+def _offer(offer: Offer, port: str) -> list[tuple[str, Node]]:
+    given: list[tuple[str, Node]] = [("", Code(offer.protocol))]
+    if offer.name and offer.name != port:
+        given.append(("", Text(offer.name)))
+    if offer.servant:
+        given.append(("implementation", Code(offer.servant)))
+    if offer.type_name != offer.protocol.removeprefix("idl."):
+        given.append(("type_name", Text(offer.type_name)))
+    return given
+
+
+def _described(offer: Offer) -> Node:
+    """Return an interface that is only told of: nobody here knows its operations."""
+    polarity = Code(f"rt.Polarity.{'PROVIDED' if offer.is_provided else 'REQUIRED'}")
+    given: list[tuple[str, Node]] = [("", Text(offer.name)), ("", Text(offer.type_name))]
+    given.append(("", polarity))
+    return Call("rt.PortInterfaceProfile", given)
+
+
+def _setting(setting: Setting) -> list[str]:
+    given = [("", constant(setting.default)), *_named(setting.attribute, setting.name)]
+    for keyword in ("unit", "doc", "constraint", "widget"):
+        text = getattr(setting, keyword)
+        given += [(keyword, Text(text))] if text else []
+    return assigned(setting.attribute, Call("rt.Parameter", given))
+
+
+def _callbacks(subject: Subject) -> Iterator[list[str]]:
+    names = [each.name for each in subject.callbacks]
+    for each in subject.callbacks:
+        given = "" if each.name in _UNHURRIED else ", context: str"
+        is_driven = subject.machine is not None and each.name in _DRIVEN
+        yield [
+            f"{INDENT}def {each.name}(self{given}) -> None:",
+            *callback_doc(each.name, each.status.doc),
+            *region(each.name, BODY),
+            *([f"{BODY}super().{each.name}(context)"] if is_driven else []),
+        ]
+    if subject.machine:
+        yield from _machine_callbacks(subject.machine, names)
+
+
+def callback_doc(name: str, doc: ActionDoc | None) -> list[str]:
+    """Return the docstring of a callback."""
+    before, after = clean(told(doc, "pre_condition")), clean(told(doc, "post_condition"))
+    more = [f"{PRECONDITION}{before}"] if before else []
+    more += [f"{POSTCONDITION}{after}"] if after else []
+    return docstring(SUMMARIES[name], told(doc, "description"), more, BODY)
+
+
+def _machine_callbacks(machine: Machine, names: list[str]) -> Iterator[list[str]]:
+    conditions = ["Conditions of the profile:\n" + "\n".join(machine.conditions)]
+    yield [
+        f"{INDENT}def on_entry(self, state: str) -> None:",
+        f'{BODY}"""Enter a state."""',
+        *region("on_entry", BODY),
+    ]
+    yield [
+        f"{INDENT}def on_exit(self, state: str) -> None:",
+        f'{BODY}"""Leave a state."""',
+        *region("on_exit", BODY),
+    ]
+    yield [
+        f"{INDENT}def on_event(self, event: str, value: Any) -> str | None:",
+        *docstring(
+            "Take an event; return another state than the table says, or None.",
+            "",
+            conditions if machine.conditions else [],
+            BODY,
+        ),
+        *region("on_event", BODY, [f"{BODY}return None"]),
+    ]
+
+
+def _operations(subject: Subject, types: TypesCode) -> Iterator[list[str]]:
+    for service in subject.services:
+        for offer in service.offers:
+            if offer.is_provided and not offer.servant:
+                yield from _methods(service, offer, types)
+
+
+def _methods(service: Service, offer: Offer, types: TypesCode) -> Iterator[list[str]]:
+    owner = offer.servant or service.attribute
+    for method in offer.methods:
+        yield [
+            *signature(method, "idl.", INDENT),
+            *documentation(method, lambda path: f"idl.{types.name(path)}", BODY),
+            *region(f"{owner}.{method.name}", BODY, [f"{BODY}raise NotImplementedError"]),
+        ]
+
+
+def _servant(service: Service, offer: Offer, subject: Subject, types: TypesCode) -> Iterator[str]:
+    yield f"class {offer.servant}:"
+    yield f'{INDENT}"""What a service port offers; `component` is the one that it is part of."""'
+    yield ""
+    yield f"{INDENT}def __init__(self, component: {subject.class_name}) -> None:"
+    yield f"{BODY}self.component = component"
+    for method in _methods(service, offer, types):
+        yield ""
+        yield from method
+
+
+def _init(subject: Subject) -> list[str]:
+    return [
+        f"def {subject.init}(manager: rt.Manager) -> None:",
+        f'{INDENT}"""Register the component type of this module."""',
+        f"{INDENT}manager.register_factory({subject.class_name})",
+    ]

@@ -1,0 +1,84 @@
+"""The state machine of a profile: the events that its event port carries."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+
+from rtkit.builder.subject import Event, Machine
+from rtkit.builder.text import one_line
+from rtkit.profile import rtc_model
+
+INITIAL = "InitialState"
+"""The state that editors draw for the beginning; an event without name leads out of it."""
+
+_Table = Mapping[str, Mapping[str, str]]
+_Note = Callable[[str], None]
+
+
+def machine_of(
+    port: rtc_model.DataPort,
+    drawn: _Table | None,
+    type_of: Callable[[str], str],
+    note: _Note,
+) -> Machine | None:
+    """Return the machine of an event port; None where nothing tells a state.
+
+    Args:
+        port: The event port.
+        drawn: The states where a drawing of the machine is at hand.
+        type_of: Gives the expression of a data type.
+        note: Told what cannot be taken over as it is.
+    """
+    states = {state: dict(moves) for state, moves in (drawn or _states(port.events, note)).items()}
+    if not states:
+        return None
+    known = {event for moves in states.values() for event in moves}
+    types: dict[str, str] = {}
+    for each in port.events:
+        name = _event(each.name)
+        if name in known:
+            types.setdefault(name, type_of(each.type or ""))
+    missing = [event for moves in states.values() for event in moves if event not in types]
+    events = [*types.items(), *((event, "bytes") for event in dict.fromkeys(missing))]
+    return Machine(
+        port.name or "event",
+        states,
+        tuple(Event(name, type) for name, type in events),
+        tuple(filter(None, map(_condition, port.events))),
+    )
+
+
+def _states(events: Iterable[rtc_model.Event], note: _Note) -> dict[str, dict[str, str]]:
+    states: dict[str, dict[str, str]] = {}
+    first = ""
+    for each in events:
+        source, target, name = _state(each.source), _state(each.target), _event(each.name)
+        if source == INITIAL and not name:
+            first = first or target
+            continue
+        if source:
+            states.setdefault(source, {})
+        if target:
+            states.setdefault(target, {})
+        if not (source and target and name):
+            told = f"from {source or '(none)'} to {target or '(none)'}"
+            note(f"a transition {told} has no event: it is left out")
+        elif states[source].setdefault(name, target) != target:
+            note(f"state {source}: event {name} leads to {states[source][name]}, not to {target}")
+    if first:
+        states = {first: states.pop(first, {}), **states}
+    return states
+
+
+def _state(name: str) -> str:
+    """Return the name of a state; a dot would put it inside another one."""
+    return one_line(name).replace(".", "_")
+
+
+def _event(name: str) -> str:
+    return one_line(name)
+
+
+def _condition(event: rtc_model.Event) -> str:
+    condition = one_line(event.condition)
+    return f"{_event(event.name)} in {_state(event.source)}: {condition}" if condition else ""

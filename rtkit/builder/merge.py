@@ -1,0 +1,97 @@
+"""What becomes of files that are there already when they are generated again."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+from rtkit.builder.regions import (
+    fingerprint,
+    is_placeholder,
+    joined,
+    split,
+    stamp_of,
+    stamped,
+)
+from rtkit.errors import Malformed
+
+
+class Fate(Enum):
+    """What is to be done with a file."""
+
+    WRITE = "written"
+    SAME = "unchanged"
+    KEEP = "kept"
+    CONFLICT = "conflict"
+
+
+class Merged(NamedTuple):
+    """A file after all.
+
+    Attributes:
+        text: What it is to hold; of one that is kept, what it would.
+        why: For a conflict, and for one that is kept: why.
+        line: Of the file as it is, where that has one; from 1.
+
+    A conflict has the text that can be written all the same, if what was there is kept aside.
+    """
+
+    fate: Fate
+    text: str
+    why: str = ""
+    line: int = 0
+
+
+def merge(old: str | None, new: str, *, has_regions: bool) -> Merged:
+    """Return what a file is to hold, given what it holds and what was generated.
+
+    Code of users stays. A file with regions whose generated part was changed is a conflict;
+    one without regions that was changed is the user's and is kept.
+    """
+    text = stamped(new, has_regions=has_regions)
+    if old is None:
+        return Merged(Fate.WRITE, text)
+    if old == text:
+        return Merged(Fate.SAME, text)
+    try:
+        return _with_regions(old, text) if has_regions else _whole(old, text)
+    except Malformed as error:
+        number, _, why = str(error).partition(": ")
+        return Merged(Fate.CONFLICT, text, why, int(number))
+
+
+def _whole(old: str, text: str) -> Merged:
+    stamp = stamp_of(old)
+    if stamp and stamp == fingerprint(old, has_regions=False):
+        return Merged(Fate.WRITE, text)
+    return Merged(Fate.KEEP, text, "it was changed" if stamp else "it was not made by rtbuild")
+
+
+def _with_regions(old: str, text: str) -> Merged:
+    before, after = split(old), split(text)
+    stamp = stamp_of(old)
+    if not stamp:
+        return Merged(Fate.CONFLICT, text, "it was not made by rtbuild", 1)
+    if stamp != fingerprint(old, has_regions=True):
+        line = _first_difference(before.generated, after.generated)
+        where = before.numbers[min(line, len(before.numbers) - 1)]
+        why = "the generated part was changed"
+        return Merged(Fate.CONFLICT, joined(after, before.regions), why, where)
+    for name, lines in before.regions.items():
+        if name not in after.regions and not is_placeholder(lines):
+            why = f"there is no place any more for your code {name}"
+            return Merged(Fate.CONFLICT, joined(after, before.regions), why, _place(old, name))
+    merged = joined(after, before.regions)
+    return Merged(Fate.SAME if merged == old else Fate.WRITE, merged)
+
+
+def _first_difference(old: list[str], new: list[str]) -> int:
+    for index, (one, other) in enumerate(zip(old, new, strict=False)):
+        if one != other and not stamp_of(one):
+            return index
+    return min(len(old), len(new))
+
+
+def _place(text: str, name: str) -> int:
+    marked = (n for n, line in enumerate(text.split("\n"), 1) if f"<user code {name}>" in line)
+    return next(marked, 1)

@@ -1,0 +1,114 @@
+"""Operations of interface definitions as methods.
+
+Parameters that go in are parameters. What comes back is the result, then each parameter that goes
+out, in order: nothing is None, one is itself, several are a tuple. An attribute is a method
+``get_…``, and one that can be written also ``set_…``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+from rtkit.builder.annotations import OWN, Annotations
+from rtkit.builder.names import Taken, in_words
+from rtkit.builder.text import INDENT, WIDTH, docstring, sentence, width
+from rtkit.idl.model import Attribute, Direction, Interface, Operation, Path
+
+_LONG_RESULT = 60
+
+
+class Method(NamedTuple):
+    """A method; annotations have ``§`` before names of the module with the types.
+
+    Attributes:
+        results: What comes back where that is more than a result: its name for each parameter,
+            an empty one for the result.
+    """
+
+    name: str
+    parameters: tuple[tuple[str, str], ...]
+    result: str
+    doc: str
+    results: tuple[str, ...] = ()
+    raises: tuple[Path, ...] = ()
+
+
+def methods_of(interface: Interface, types: Annotations) -> list[Method]:
+    """Return the methods of an interface, without those of its bases."""
+    taken = Taken(dir(object))
+    found: list[Method] = []
+    for operation in interface.operations:
+        name = taken.add(operation.name)
+        found.append(_operation(operation, name, types, f"{interface.path[-1]}{name}"))
+    for attribute in interface.attributes:
+        found += _attribute(attribute, taken, types)
+    return found
+
+
+def _operation(operation: Operation, name: str, types: Annotations, label: str) -> Method:
+    taken = Taken()
+    given = [each for each in operation.parameters if each.direction is not Direction.OUT]
+    back = [each for each in operation.parameters if each.direction is not Direction.IN]
+    results = [(each.name, types.of(each.type)) for each in back]
+    if operation.result is not None:
+        results.insert(0, ("", types.of(operation.result)))
+    return Method(
+        name,
+        tuple((taken.add(each.name), types.of(each.type)) for each in given),
+        _result([kind for _, kind in results], types, label),
+        operation.doc,
+        tuple(name for name, _ in results) if back else (),
+        tuple(dict.fromkeys(operation.raises)),
+    )
+
+
+def _result(kinds: Sequence[str], types: Annotations, label: str) -> str:
+    if len(kinds) < 2:
+        return kinds[0] if kinds else "None"
+    line = f"tuple[{', '.join(kinds)}]"
+    if width(line) <= _LONG_RESULT:
+        return line
+    name = types.new_name(f"{label[:1].upper()}{label[1:]}Result")
+    items = [f"{INDENT}{kind.replace(OWN, '')}," for kind in kinds]
+    types.pending.append([f"{name} = tuple[", *items, "]"])
+    return f"{OWN}{name}"
+
+
+def _attribute(attribute: Attribute, taken: Taken, types: Annotations) -> Iterator[Method]:
+    kind, words = types.of(attribute.type), in_words(attribute.name)
+    doc = attribute.doc or f"Return the {words}"
+    yield Method(taken.add(f"get_{attribute.name}"), (), kind, doc)
+    if not attribute.is_readonly:
+        name = taken.add(f"set_{attribute.name}")
+        yield Method(name, (("value", kind),), "None", f"Change the {words}")
+
+
+def signature(method: Method, prefix: str, indent: str) -> list[str]:
+    """Return the lines of ``def …:``; `prefix` is how code gets at the types."""
+    given = ["self", *(f"{name}: {kind}" for name, kind in method.parameters)]
+    head = f"{indent}def {method.name}("
+    tail = f") -> {method.result}:".replace(OWN, prefix)
+    plain = [each.replace(OWN, prefix) for each in given]
+    line = f"{head}{', '.join(plain)}{tail}"
+    if width(line) <= WIDTH:
+        return [line]
+    return [head, *(f"{indent}{INDENT}{each}," for each in plain), f"{indent}{tail}"]
+
+
+def documentation(method: Method, names: Callable[[Path], str], indent: str) -> list[str]:
+    """Return the lines of the docstring; `names` gives those of exceptions."""
+    sections: list[str] = []
+    if method.results:
+        told = [f"``{name}``" if name else "the result" for name in method.results]
+        sections += ["", "Returns:", f"{INDENT}{sentence(_listed(told))}"]
+    if method.raises:
+        told = [
+            f"{INDENT}{names(path)}: As the interface definition says." for path in method.raises
+        ]
+        sections += ["", "Raises:", *told]
+    return docstring(sentence(in_words(method.name)), method.doc, indent=indent, sections=sections)
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -1,0 +1,98 @@
+"""What makes a component a project: metadata for pip, settings of the linter, what to ignore."""
+
+from __future__ import annotations
+
+import re
+
+from rtkit.builder.regions import FILE_STAMP
+from rtkit.builder.subject import Subject
+from rtkit.builder.text import one_line
+
+ENTRY_POINTS = "rtkit.components"
+"""Entry points of this group are modules of components: ``NAME = MODULE:INIT``."""
+
+_VERSION = re.compile(r"v?(\d{1,9}(?:\.\d{1,9}){0,5})(?:[-_.]?(?:(a|b|rc)|alpha|beta)(\d{0,9}))?")
+_PLAIN_NAME = re.compile(r"[A-Za-z0-9][\w.-]*", re.ASCII)
+_SELECT = ("E", "F", "W", "I", "UP", "B", "C4", "D", "N", "SLF", "RUF", "PT", "SIM", "TID")
+
+
+def project_name(type_name: str) -> str:
+    """Return a name that package indexes take."""
+    name = re.sub("[^a-z0-9]+", "-", type_name.lower()).strip("-")
+    return f"rtc-{name}" if name else "rtc-component"
+
+
+def project_version(version: str) -> str:
+    """Return the version in the form of package indexes; ``0`` where it is none."""
+    found = _VERSION.match(version.strip())
+    return found[1] if found else "0"
+
+
+def toml(text: str) -> str:
+    """Return a basic string of TOML."""
+    plain = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in plain) + '"'
+
+
+def pyproject(subject: Subject) -> str:
+    """Return ``pyproject.toml``, not yet stamped."""
+    module = subject.module
+    files = [f"{module}.py"] + ([f"{subject.types_module}.py"] if subject.has_types else [])
+    entry = subject.type_name if _PLAIN_NAME.fullmatch(subject.type_name) else module
+    description = subject.description or f"Component {subject.type_name}"
+    names = ["N802", "N999"]
+    if _has_foreign_names(subject):
+        names = ["E741", "N802", "N803", "N999"]
+    lines = [
+        FILE_STAMP,
+        "",
+        "[build-system]",
+        'requires = ["hatchling"]',
+        'build-backend = "hatchling.build"',
+        "",
+        "[project]",
+        f"name = {toml(project_name(subject.type_name))}",
+        f"version = {toml(project_version(subject.info.version))}",
+        f"description = {toml(one_line(description))}",
+        'readme = "README.md"',
+        'requires-python = ">=3.11"',
+        'dependencies = ["rtkit"]',
+        "",
+        "[project.optional-dependencies]",
+        'dev = ["pytest>=8", "ruff>=0.9"]',
+        "",
+        "# By this rtmgr finds the component where the package is installed.",
+        f'[project.entry-points."{ENTRY_POINTS}"]',
+        f"{toml(entry)} = {toml(f'{module}:{subject.init}')}",
+        "",
+        "[tool.hatch.build.targets.wheel]",
+        f"only-include = [{', '.join(map(toml, files))}]",
+        "",
+        "[tool.pytest.ini_options]",
+        'pythonpath = ["."]',
+        'testpaths = ["tests"]',
+        "",
+        "[tool.ruff]",
+        "line-length = 100",
+        'target-version = "py311"',
+        "",
+        "[tool.ruff.lint]",
+        f"select = [{', '.join(map(toml, _SELECT))}]",
+        "# Texts of the profile may be of any language.",
+        'ignore = ["D105", "D107", "N818", "RUF001", "RUF002", "RUF003"]',
+        "",
+        "[tool.ruff.lint.pydocstyle]",
+        'convention = "google"',
+        "",
+        "[tool.ruff.lint.per-file-ignores]",
+        "# Names that loaders look for, and those of interface definitions.",
+        f"{toml(f'{module}.py')} = [{', '.join(map(toml, names))}]",
+    ]
+    if subject.has_types:
+        kinds = ("E741", "N801", "N802", "N803", "N815", "N999")
+        lines.append(f"{toml(files[1])} = [{', '.join(map(toml, kinds))}]")
+    return "\n".join([*lines, '"tests/**" = ["D", "N999", "SLF"]', ""])
+
+
+def _has_foreign_names(subject: Subject) -> bool:
+    return any(offer.methods for service in subject.services for offer in service.offers)

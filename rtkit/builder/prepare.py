@@ -1,0 +1,280 @@
+"""From an RTC profile to what is to be generated: names, types and values settled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
+
+from rtkit.builder import standard_types
+from rtkit.builder.machine import machine_of
+from rtkit.builder.names import Taken, class_name, module_name, snake_case, type_name
+from rtkit.builder.obstacles import of_interface, of_type
+from rtkit.builder.settings import settings_of, unused
+from rtkit.builder.subject import Callback, Machine, Offer, Port, Service, Subject
+from rtkit.builder.text import one_line
+from rtkit.builder.types_code import TypesCode
+from rtkit.component.base import Component
+from rtkit.component.contexts import PERIODIC, kind_named
+from rtkit.component.fsm import FsmComponent
+from rtkit.errors import Refused
+from rtkit.idl.model import Definitions, Interface, Named, Path
+from rtkit.profile.rtc_model import (
+    Actions,
+    BasicInfo,
+    DataPort,
+    RtcProfile,
+    ServiceInterface,
+    ServicePort,
+)
+
+NOTHING = Definitions({})
+EVENT_PORT = "EventPort"
+_KINDS = {"DataInPort": "InPort", "DataOutPort": "OutPort", EVENT_PORT: EVENT_PORT}
+_IN_CLASS = ("ClassVar", "I", "O", "idl", "images", "l", "rt", "super")
+
+
+@dataclass(slots=True)
+class Sources:
+    """What there is beside the profile.
+
+    Attributes:
+        stem: Name of the profile's file, for one that does not say whom it describes.
+        definitions: What its IDL files declare.
+        drawn: States of its machine, where a drawing is at hand.
+    """
+
+    stem: str = "Component"
+    definitions: Definitions = NOTHING
+    drawn: Mapping[str, Mapping[str, str]] | None = None
+
+
+def idl_files(profile: RtcProfile) -> Iterator[str]:
+    """Yield the IDL files that the profile names for what rtkit does not know already."""
+    for port in profile.data_ports:
+        path = standard_types.path_of(port.type)
+        if path and path not in standard_types.KNOWN and port.idl_file:
+            yield port.idl_file
+    for service in profile.service_ports:
+        for each in service.service_interfaces:
+            if each.idl_file:
+                yield each.idl_file
+
+
+def prepare(profile: RtcProfile, sources: Sources) -> tuple[Subject, TypesCode]:
+    """Return what is to be generated for a profile, and the types that go with it."""
+    return _Preparation(profile, sources).run()
+
+
+@dataclass(slots=True)
+class _Preparation:
+    profile: RtcProfile
+    sources: Sources
+    notes: list[str] = field(default_factory=list)
+    classes: set[str] = field(default_factory=set)
+
+    def run(self) -> tuple[Subject, TypesCode]:
+        profile = self.profile
+        info = profile.basic_info or _unnamed(self.sources.stem)
+        if profile.basic_info is None:
+            self.notes.append(f"a fragment: it is called {info.name} after its file")
+        own = self._type_name(info)
+        types = TypesCode(self.sources.definitions, self._wanted())
+        self.classes.add(class_name(own))
+        machine = self._machine(types)
+        taken = Taken([*_attributes(machine is not None), *_IN_CLASS, class_name(own)])
+        names: set[str] = {machine.port} if machine else set()
+        ports = tuple(self._ports(types, machine, taken, names))
+        services = tuple(self._services(types, taken, names))
+        subject = Subject(
+            profile=profile,
+            info=info,
+            type_name=own,
+            module=module_name(own),
+            class_name=class_name(own),
+            description=one_line(info.description),
+            execution_type=self._execution_type(info),
+            rate=self._rate(info),
+            ports=ports,
+            services=services,
+            settings=settings_of(profile, taken, self.notes.append),
+            callbacks=tuple(_callbacks(profile.actions, machine is not None)),
+            machine=machine,
+            has_types=_uses_types(ports, services, machine),
+            notes=tuple(dict.fromkeys(self.notes)),
+        )
+        return subject, types
+
+    def _type_name(self, info: BasicInfo) -> str:
+        name = type_name(info.name, class_name(self.sources.stem))
+        if name != info.name:
+            self.notes.append(f"{info.name!r} can be no name of a type; it is called {name}")
+        return name
+
+    def _wanted(self) -> Iterator[Path]:
+        """Yield what is needed of the interface definitions and can be carried."""
+        definitions = self.sources.definitions
+        for port in self.profile.data_ports:
+            for text in [port.type, *(event.type or "" for event in port.events)]:
+                path = self._declared(text)
+                if path and not of_type(definitions, Named(path)):
+                    yield path
+        for service in self.profile.service_ports:
+            for each in service.service_interfaces:
+                found = self._interface(each)
+                if found is not None and not of_interface(definitions, found):
+                    yield found.path
+
+    def _declared(self, text: str) -> Path:
+        """Return the path of a data type that the interface definitions declare."""
+        path = standard_types.path_of(text)
+        if not path or path in standard_types.KNOWN:
+            return ()
+        return _full(path, self.sources.definitions)
+
+    def _interface(self, each: ServiceInterface) -> Interface | None:
+        path = _full(standard_types.path_of(each.type), self.sources.definitions)
+        found = self.sources.definitions.by_path.get(path)
+        return found if isinstance(found, Interface) else None
+
+    def _execution_type(self, info: BasicInfo) -> str:
+        name = info.execution_type.strip()
+        try:
+            kind_named(name or PERIODIC)
+        except Refused as error:
+            self.notes.append(f"{error}; it is {PERIODIC}")
+            return PERIODIC
+        return name or PERIODIC
+
+    def _rate(self, info: BasicInfo) -> float:
+        rate = info.execution_rate or 0.0
+        if rate < 0:
+            self.notes.append(f"a rate of {rate:g} Hz is none; it is left out")
+        return max(rate, 0.0)
+
+    def _machine(self, types: TypesCode) -> Machine | None:
+        for port in self.profile.data_ports:
+            if port.port_type == EVENT_PORT:
+                return machine_of(
+                    port,
+                    self.sources.drawn,
+                    lambda text: self._type(text, "an event", types)[0],
+                    self.notes.append,
+                )
+        return None
+
+    def _ports(
+        self, types: TypesCode, machine: Machine | None, taken: Taken, names: set[str]
+    ) -> Iterator[Port]:
+        is_machine_done = machine is None
+        for each in self.profile.data_ports:
+            if each.port_type == EVENT_PORT and not is_machine_done:
+                is_machine_done = True
+                continue
+            name = self._port_name(each, names)
+            is_event_port = each.port_type == EVENT_PORT
+            text = "" if is_event_port else each.type
+            type, type_name = self._type(text, f"port {name}", types)
+            attribute = taken.add(snake_case(name, "port"))
+            yield Port(attribute, name, _KINDS[each.port_type], type, type_name, each)
+
+    def _port_name(self, each: DataPort | ServicePort, names: set[str]) -> str:
+        name = unused(each.name or "port", names)
+        if name != each.name:
+            why = "its name is taken" if each.name else "it has no name"
+            self.notes.append(f"port {each.name!r} is called {name}: {why}")
+        return name
+
+    def _type(self, text: str, where: str, types: TypesCode) -> tuple[str, str]:
+        """Return the expression of a data type, and the name that its values travel under."""
+        path = standard_types.path_of(text)
+        if not path:
+            return "bytes", "any"
+        full = self._declared(text) or path
+        name = f"IDL:{'/'.join(full)}:1.0"
+        known = standard_types.expression(path)
+        if known:
+            return known, name
+        why = of_type(self.sources.definitions, Named(full))
+        if not why:
+            return f"idl.{types.name(full)}", name
+        self.notes.append(f"{where}: {why}; values of that type pass as bytes")
+        return "bytes", name
+
+    def _services(self, types: TypesCode, taken: Taken, names: set[str]) -> Iterator[Service]:
+        done: set[str] = set()
+        for each in self.profile.service_ports:
+            name = self._port_name(each, names)
+            attribute = taken.add(snake_case(name, "port"))
+            offers = [
+                self._offer(interface, name, types, taken, done)
+                for interface in each.service_interfaces
+            ]
+            yield Service(attribute, name, tuple(offers), each)
+
+    def _offer(
+        self,
+        each: ServiceInterface,
+        port: str,
+        types: TypesCode,
+        taken: Taken,
+        done: set[str],
+    ) -> Offer:
+        is_provided = each.direction == "Provided"
+        name, type_name = one_line(each.name), "::".join(standard_types.path_of(each.type))
+        found = self._interface(each)
+        file = (each.idl_file or "").replace("\\", "/").rpartition("/")[2]
+        why = f"{file} was not found" if file else "no IDL file is named"
+        if found is not None:
+            why = of_interface(self.sources.definitions, found)
+        if found is None or why:
+            self.notes.append(f"port {port}: {type_name or '(no type)'}: {why}; described only")
+            return Offer(name, type_name or "Unknown", is_provided)
+        methods = tuple(types.methods(found.path)) if is_provided else ()
+        servant = ""
+        if any(method.name in taken or method.name in done for method in methods):
+            wished = f"{class_name(port)}{class_name(found.path[-1])}"
+            servant = unused(wished, self.classes, "")
+        else:
+            done |= {taken.add(method.name) for method in methods}
+        protocol = f"idl.{types.name(found.path)}"
+        return Offer(name, "::".join(found.path), is_provided, protocol, methods, servant)
+
+
+def _uses_types(
+    ports: tuple[Port, ...], services: tuple[Service, ...], machine: Machine | None
+) -> bool:
+    expressions = [port.type for port in ports]
+    expressions += [event.type for event in machine.events] if machine else []
+    expressions += [offer.protocol for service in services for offer in service.offers]
+    return any(each.startswith("idl.") for each in expressions)
+
+
+def _unnamed(stem: str) -> BasicInfo:
+    return BasicInfo(stem, "STATIC", "PERIODIC", "DataFlowComponent", "", "", "", PERIODIC, "", "")
+
+
+def _attributes(has_machine: bool) -> set[str]:
+    """Return the names that every component has."""
+    if not has_machine:
+        return set(dir(Component("x")))
+    one = type("Any", (FsmComponent,), {"states": {"A": {}}})
+    return set(dir(one("x")))
+
+
+def _callbacks(actions: Actions | None, has_machine: bool) -> Iterator[Callback]:
+    for each in fields(Actions):
+        status = getattr(actions, each.name) if actions is not None else None
+        if each.name in ("foreign", "on_mode_changed") or status is None or not status.implemented:
+            continue
+        if each.name != "on_action" or has_machine:
+            yield Callback(each.name, status)
+
+
+def _full(path: Path, definitions: Definitions) -> Path:
+    """Return the path that a name stands for; one without module may be that of any module."""
+    if path in definitions.by_path:
+        return path
+    if len(path) != 1:
+        return ()
+    matches = [each for each in definitions.by_path if each[-1:] == path]
+    return matches[0] if len(matches) == 1 else ()

@@ -1,0 +1,82 @@
+"""A sample system profile: the component alone, as it is in the beginning."""
+
+from __future__ import annotations
+
+from rtkit.builder.regions import XML_STAMP
+from rtkit.builder.subject import Subject
+from rtkit.component.contexts import kind_named
+from rtkit.component.kinds import kind_of
+from rtkit.profile.common import Property
+from rtkit.profile.rts_model import (
+    RTS_VERSION,
+    Component,
+    ConfigurationData,
+    ConfigurationSet,
+    ExecutionContext,
+    Location,
+    Port,
+    RtsProfile,
+)
+from rtkit.profile.write import write_rts
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.enums import ExecutionKind
+from rtkit.rtc.profiles import TypeProfile
+
+CREATE, MODULE = "rtkit.create", "rtkit.module"
+"""Properties by which rtkit knows how to make a component."""
+
+_EPOCH = "1970-01-01T00:00:00"
+_DEFAULT_RATE = 1000.0
+
+
+def sample_system(subject: Subject) -> str:
+    """Return a system profile of one component, not yet stamped."""
+    info = subject.info
+    identity = TypeProfile(subject.type_name, info.vendor, info.category, info.version)
+    instance = f"{subject.type_name}0"
+    profile = RtsProfile(
+        id=f"RTSystem:{info.vendor}:{subject.type_name}:{info.version or '1.0'}",
+        version=RTS_VERSION,
+        creation_date=info.creation_date or _EPOCH,
+        update_date=info.update_date or info.creation_date or _EPOCH,
+        abstract=f"A sample of component type {subject.type_name}",
+        components=(_component(subject, identity.id, instance),),
+    )
+    head, _, body = write_rts(profile).decode().partition("\n")
+    return f"{head}\n{XML_STAMP}\n{body}"
+
+
+def _options(subject: Subject) -> dict[str, str]:
+    return {"instance_name": f"{subject.type_name}0", "manager_name": subject.module}
+
+
+def _component(subject: Subject, id: str, instance: str) -> Component:
+    data = [port.name for port in subject.ports]
+    if subject.machine:
+        data.append(subject.machine.port)
+    kind = kind_named(subject.execution_type)
+    is_periodic = kind is ExecutionKind.PERIODIC
+    rate = (subject.rate or _DEFAULT_RATE) if is_periodic else None
+    values = tuple(
+        ConfigurationData(each.name, kind_of(each.default).write(each.default))
+        for each in subject.settings
+    )
+    return Component(
+        id=id,
+        path_uri=f"localhost/{instance}.rtc",
+        instance_name=instance,
+        active_configuration_set="default" if values else None,
+        composite_type="None",
+        visible=True,
+        data_ports=tuple(Port(f"{instance}.{name}", visible=True) for name in data),
+        service_ports=tuple(
+            Port(f"{instance}.{each.name}", visible=True) for each in subject.services
+        ),
+        configuration_sets=(ConfigurationSet("default", values),) if values else (),
+        execution_contexts=(ExecutionContext("0", kind.value, rate),),
+        location=Location(100, 100, 50, 100, "RIGHT"),
+        properties=(
+            Property(CREATE, str(CreateString(subject.type_name, options=_options(subject)))),
+            Property(MODULE, f"{subject.module}.py:{subject.init}"),
+        ),
+    )

@@ -1,0 +1,39 @@
+"""Data types that rtkit has already, by the names of interface definitions."""
+
+from __future__ import annotations
+
+from enum import Enum
+from importlib import import_module
+from typing import Any
+
+from rtkit.component.standard import HOMES
+from rtkit.component.typenames import scoped_name
+from rtkit.idl.model import Path
+
+KNOWN: frozenset[Path] = frozenset((scope, name) for scope in HOMES for name in HOMES[scope])
+"""Their paths."""
+
+IMAGES = "from rtkit.component import images"
+"""What code needs that uses those of the module ``Img``."""
+
+_PREFIXES = {"RTC": "rt", "Img": "images"}
+
+
+def expression(path: Path) -> str:
+    """Return how code names a type of the standard; empty for another one."""
+    return f"{_PREFIXES[path[0]]}.{path[1]}" if path in KNOWN else ""
+
+
+def path_of(text: str) -> Path:
+    """Return the path of a data type as a profile names it: ``TimedLong``, ``RTC::TimedLong``."""
+    path = tuple(part for part in scoped_name(text).split("::") if part)
+    if len(path) == 1:
+        return next(((scope, *path) for scope in HOMES if path[0] in HOMES[scope]), path)
+    return path
+
+
+def first_member(path: Path) -> str:
+    """Return the first member of a type that is an enumeration; empty for another one."""
+    scope, name = path
+    cls: Any = getattr(import_module(f"rtkit.component.{HOMES[scope][name]}"), name)
+    return next(iter(cls)).name if issubclass(cls, Enum) else ""

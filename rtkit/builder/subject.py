@@ -1,0 +1,135 @@
+"""What is to be generated: an RTC profile with every name and value as Python has it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rtkit.builder.methods import Method
+from rtkit.profile.rtc_model import ActionStatus, BasicInfo, DataPort, RtcProfile, ServicePort
+
+
+class Callback(NamedTuple):
+    """A callback that is to be there."""
+
+    name: str
+    status: ActionStatus
+
+
+class Port(NamedTuple):
+    """A data port.
+
+    Attributes:
+        attribute: What it is called in the class.
+        kind: ``InPort``, ``OutPort`` or ``EventPort``.
+        type: Expression of its data type.
+        type_name: What it is called on its way, ``IDL:Robot/State:1.0`` or ``any``.
+    """
+
+    attribute: str
+    name: str
+    kind: str
+    type: str
+    type_name: str
+    profile: DataPort
+
+
+class Offer(NamedTuple):
+    """An interface of a service port.
+
+    Attributes:
+        protocol: Expression of its protocol class; empty where its definition is not known.
+        methods: What it consists of, in case it is provided.
+        servant: Class that carries it out; empty where the component itself does.
+    """
+
+    name: str
+    type_name: str
+    is_provided: bool
+    protocol: str = ""
+    methods: tuple[Method, ...] = ()
+    servant: str = ""
+
+
+class Service(NamedTuple):
+    """A service port."""
+
+    attribute: str
+    name: str
+    offers: tuple[Offer, ...]
+    profile: ServicePort
+
+
+class Setting(NamedTuple):
+    """A configuration parameter."""
+
+    attribute: str
+    name: str
+    default: bool | int | float | str | tuple[float, ...] | tuple[int, ...]
+    unit: str
+    doc: str
+    constraint: str
+    widget: str
+
+
+class Event(NamedTuple):
+    """An event of the state machine; `type` is an expression."""
+
+    name: str
+    type: str
+
+
+class Machine(NamedTuple):
+    """A state machine.
+
+    Attributes:
+        port: Name of its event port.
+        states: State, event, next state.
+        conditions: What the profile says of when a transition is taken, a line for each.
+    """
+
+    port: str
+    states: dict[str, dict[str, str]]
+    events: tuple[Event, ...]
+    conditions: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A component type to generate.
+
+    Attributes:
+        type_name: As the profile has it.
+        module: Name of its file.
+        class_name: Name of its class.
+        description: One line, if there is one.
+        rate: Of a periodic execution context [Hz]; 0 where none is given.
+        has_types: Whether a module of interface definitions goes with it.
+        notes: What could not be taken over as it is.
+    """
+
+    profile: RtcProfile
+    info: BasicInfo
+    type_name: str
+    module: str
+    class_name: str
+    description: str
+    execution_type: str
+    rate: float
+    ports: tuple[Port, ...]
+    services: tuple[Service, ...]
+    settings: tuple[Setting, ...]
+    callbacks: tuple[Callback, ...]
+    machine: Machine | None
+    has_types: bool
+    notes: tuple[str, ...]
+
+    @property
+    def types_module(self) -> str:
+        """Name of the file with what its interface definitions say."""
+        return f"{self.module}_idl"
+
+    @property
+    def init(self) -> str:
+        """Name of its init function."""
+        return f"{self.module}Init"

@@ -1,0 +1,212 @@
+"""Interface definitions as Python: protocols, data classes, enumerations, constants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from rtkit.builder import standard_types
+from rtkit.builder.annotations import OWN, Annotations, member_names
+from rtkit.builder.closure import closure
+from rtkit.builder.layout import assigned, constant
+from rtkit.builder.methods import Method, documentation, methods_of, signature
+from rtkit.builder.names import Taken
+from rtkit.builder.text import INDENT, WIDTH, docstring, one_line, wrapped
+from rtkit.idl.model import (
+    Constant,
+    Declaration,
+    Definitions,
+    Enumeration,
+    EnumValue,
+    Field,
+    Interface,
+    Path,
+    Struct,
+    Type,
+    Typedef,
+)
+
+_IMPORTS = {
+    "dataclass": ("dataclasses", "dataclass"),
+    "field": ("dataclasses", "field"),
+    "Enum": ("enum", "Enum"),
+    "TYPE_CHECKING": ("typing", "TYPE_CHECKING"),
+    "Annotated": ("typing", "Annotated"),
+    "Final": ("typing", "Final"),
+    "Protocol": ("typing", "Protocol"),
+}
+
+
+class TypesCode:
+    """The module made of some declarations and all that they need.
+
+    `rtkit.builder.obstacles` must have found nothing against any of them.
+    """
+
+    def __init__(self, definitions: Definitions, wanted: Iterable[Path]) -> None:
+        self._definitions = definitions
+        self._order = closure(definitions, wanted)
+        self._types = Annotations(definitions, self._order)
+        self._methods: dict[Path, list[Method]] = {}
+        self._blocks = [block for path in self._order for block in self._emit(path)]
+
+    def __bool__(self) -> bool:
+        return bool(self._order)
+
+    def name(self, path: Path) -> str:
+        """Return what a declaration is called in the module."""
+        return self._types.names[path]
+
+    def annotation(self, type: Type) -> str:
+        """Return how code names a type, ``§`` before names of the module."""
+        return self._types.of(type)
+
+    def methods(self, path: Path) -> list[Method]:
+        """Return the methods of an interface, those of its bases first."""
+        declared = self._definitions.by_path[path]
+        found: dict[str, Method] = {}
+        for base in declared.bases if isinstance(declared, Interface) else ():
+            found.update({each.name: each for each in self.methods(base)})
+        found.update({each.name: each for each in self._methods.get(path, ())})
+        return list(found.values())
+
+    def text(self, made_of: Sequence[str], mark: Sequence[str] = ()) -> str:
+        """Return the source; `mark` are lines that stand before the imports."""
+        registered = [
+            f'register({self.name(path)}, "{"::".join(path)}")'
+            for path in self._order
+            if isinstance(each := self._definitions.by_path[path], Struct) and not each.is_exception
+        ]
+        doc = docstring("What interface definitions say.", "", [f"Made of {', '.join(made_of)}."])
+        lines = [*doc, "", *mark, "from __future__ import annotations"]
+        lines += self._imports(has_register=bool(registered))
+        lines += _laid_out(self._blocks)
+        return "\n".join([*lines, *(["", "", *registered] if registered else []), ""])
+
+    def _imports(self, *, has_register: bool) -> list[str]:
+        uses = self._types.uses
+        modules: dict[str, list[str]] = {}
+        for use in _IMPORTS:
+            if use in uses:
+                modules.setdefault(_IMPORTS[use][0], []).append(use)
+        standard = [f"from {m} import {', '.join(names)}" for m, names in modules.items()]
+        ours = ["from rtkit import component as rt"] if "rt" in uses else []
+        ours += [standard_types.IMAGES] if "images" in uses else []
+        ours += ["from rtkit.component.typenames import register"] if has_register else []
+        return [line for block in (standard, ours) if block for line in ["", *block]]
+
+    def _emit(self, path: Path) -> Iterator[list[str]]:
+        """Yield the code of a declaration, behind what it turns out to need."""
+        code = self._code(self._definitions.by_path[path], self.name(path))
+        yield from self._types.pending
+        self._types.pending.clear()
+        if code:
+            yield code
+
+    def _code(self, declared: Declaration, name: str) -> list[str]:
+        if isinstance(declared, Struct):
+            return (
+                self._exception(declared, name)
+                if declared.is_exception
+                else self._struct(declared, name)
+            )
+        if isinstance(declared, Enumeration):
+            return self._enumeration(declared, name)
+        if isinstance(declared, Interface):
+            return self._interface(declared, name)
+        if isinstance(declared, Typedef):
+            return [f"{name} = {self._plain(declared.type)}"]
+        return self._constant(declared, name) if isinstance(declared, Constant) else []
+
+    def _plain(self, type: Type) -> str:
+        return self._types.of(type).replace(OWN, "")
+
+    def _struct(self, declared: Struct, name: str) -> list[str]:
+        self._types.uses.add("dataclass")
+        fields = self._fields(declared)
+        doc = docstring(
+            f"Structure {name}.", declared.doc, indent=INDENT, sections=_attributes(fields)
+        )
+        lines = []
+        for own, each in fields:
+            default = self._types.zero(each.type).default
+            if default.startswith("field("):
+                self._types.uses.add("field")
+            lines.append(f"{INDENT}{own}: {self._plain(each.type)} = {default}")
+        head = ["@dataclass(frozen=True, slots=True)", f"class {name}:"]
+        return [*head, *doc, "", *lines]
+
+    def _fields(self, declared: Struct) -> list[tuple[str, Field]]:
+        taken = Taken(self._types.all)
+        return [(taken.add(each.name), each) for each in declared.fields]
+
+    def _exception(self, declared: Struct, name: str) -> list[str]:
+        fields = self._fields(declared)
+        doc = docstring(
+            f"Exception {name}.", declared.doc, indent=INDENT, sections=_attributes(fields)
+        )
+        lines = [f"class {name}(Exception):", *doc]
+        if not fields:
+            return lines
+        given = [f"{own}: {self._types.of_any(each.type).replace(OWN, '')}" for own, each in fields]
+        names = ", ".join(own for own, _ in fields)
+        head = f"{INDENT}def __init__(self, {', '.join(given)}) -> None:"
+        if len(head) <= WIDTH:
+            lines += ["", head]
+        else:
+            split = [f"{INDENT * 2}{each}," for each in ["self", *given]]
+            lines += ["", f"{INDENT}def __init__(", *split, f"{INDENT}) -> None:"]
+        lines.append(f"{INDENT * 2}super().__init__({names})")
+        return lines + [f"{INDENT * 2}self.{own} = {own}" for own, _ in fields]
+
+    def _enumeration(self, declared: Enumeration, name: str) -> list[str]:
+        self._types.uses.add("Enum")
+        members = [
+            f"{INDENT}{member} = {number}" for number, member in enumerate(member_names(declared))
+        ]
+        doc = docstring(f"Enumeration {name}.", declared.doc, indent=INDENT)
+        return [f"class {name}(Enum):", *doc, "", *members]
+
+    def _constant(self, declared: Constant, name: str) -> list[str]:
+        if isinstance(declared.value, EnumValue):
+            owner = self._definitions.by_path[declared.value.path]
+            assert isinstance(owner, Enumeration)
+            member = member_names(owner)[owner.members.index(declared.value.name)]
+            return [f"{name} = {self.name(owner.path)}.{member}"]
+        self._types.uses.add("Final")
+        return assigned(f"{name}: Final", constant(declared.value), "")
+
+    def _interface(self, declared: Interface, name: str) -> list[str]:
+        self._types.uses.add("Protocol")
+        methods = self._methods[declared.path] = methods_of(declared, self._types)
+        bases = [self.name(path) for path in declared.bases]
+        lines = [f"class {name}({', '.join([*bases, 'Protocol'])}):"]
+        lines += docstring(f"Interface {name}.", declared.doc, indent=INDENT)
+        for method in methods:
+            lines += ["", *signature(method, "", INDENT)]
+            lines += documentation(method, self.name, INDENT * 2)
+        return lines
+
+
+def _attributes(fields: Iterable[tuple[str, Field]]) -> list[str]:
+    """Return the section of a docstring about the fields that have one."""
+    lines: list[str] = []
+    for name, each in fields:
+        if each.doc:
+            first, *rest = wrapped(f"{name}: {one_line(each.doc)}", WIDTH - 4 * len(INDENT))
+            lines += [f"{INDENT}{first}", *(f"{INDENT * 2}{line}" for line in rest)]
+    return ["", "Attributes:", *lines] if lines else []
+
+
+def _laid_out(blocks: Sequence[list[str]]) -> list[str]:
+    """Return blocks below each other: single lines close together, others two blank lines apart."""
+    lines: list[str] = []
+    was_single = False
+    for block in blocks:
+        is_single = not block[0].startswith(("class ", "@"))
+        if not lines:
+            lines += [""] if is_single else ["", ""]
+        elif not (is_single and was_single):
+            lines += ["", ""]
+        lines += block
+        was_single = is_single
+    return lines

@@ -1,0 +1,242 @@
+"""The files of a component on disk: what is read to build it, and what is written."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.builder.build import PROFILE, File, build, build_types
+from rtkit.builder.merge import Fate, Merged, merge
+from rtkit.builder.prepare import Sources, idl_files
+from rtkit.builder.standard_types import KNOWN
+from rtkit.errors import NotFound, Refused
+from rtkit.idl.read import read_idl
+from rtkit.profile.read import read_bytes, read_rtc
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rtkit.idl.model import Definitions
+    from rtkit.profile.rtc_model import RtcProfile
+
+STDIN = "-"
+_ROOT = "RTM_ROOT"
+
+
+@dataclass(slots=True)
+class Project:
+    """What is to be on disk.
+
+    Attributes:
+        files: By path.
+        notes: What the user should know.
+        remarks: What the user may want to know.
+    """
+
+    folder: str
+    files: dict[str, File]
+    notes: list[str] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+
+class Change(NamedTuple):
+    """What becomes of a file."""
+
+    path: str
+    merged: Merged
+
+    @property
+    def is_conflict(self) -> bool:
+        """Whether it cannot be written without losing something."""
+        return self.merged.fate is Fate.CONFLICT
+
+    @property
+    def line(self) -> int:
+        """Where the reason stands in the file."""
+        return self.merged.line
+
+    @property
+    def why(self) -> str:
+        """Why it is a conflict, or kept."""
+        return self.merged.why
+
+    def fate_when(self, *, is_forced: bool) -> str:
+        """Return what becomes of it, in a word."""
+        is_written = is_forced and self.merged.fate in (Fate.CONFLICT, Fate.KEEP)
+        return (Fate.WRITE if is_written else self.merged.fate).value
+
+
+class _Idl:
+    """Finds IDL files and remembers which were read."""
+
+    def __init__(self, folders: Iterable[str]) -> None:
+        self._folders = [folder for folder in folders if folder]
+        self.read: dict[str, str] = {}
+
+    def find(self, name: str, including: str = "") -> tuple[str, str] | None:
+        """Return path and text of a file, wherever it is; None when it is nowhere."""
+        plain = name.replace("\\", "/").replace(f"<{_ROOT}>", os.environ.get(_ROOT, ""))
+        folders = [os.path.dirname(including)] if including else []
+        for folder in [*folders, *self._folders]:
+            for tail in dict.fromkeys([plain, os.path.basename(plain)]):
+                path = os.path.join(folder, tail)
+                if tail and os.path.isfile(path):
+                    path = os.path.normpath(path)
+                    return path, self.text(path)
+        return None
+
+    def text(self, path: str) -> str:
+        """Return what a file says; comments may be of any encoding."""
+        self.read[path] = read_bytes(path).decode("utf-8", "replace")
+        return self.read[path]
+
+
+def read(typed: str, output: str | None, folders: Sequence[str]) -> Project:
+    """Read a profile or an IDL file and generate what it asks for.
+
+    Raises:
+        NotFound: A file cannot be read.
+        InvalidDocument: It is neither, or something is wrong with it.
+    """
+    beside = os.path.dirname(typed) if typed != STDIN else ""
+    folder = output if output is not None else beside
+    root = os.environ.get(_ROOT, "")
+    places = [beside or ".", os.path.join(beside, "idl"), *folders]
+    idl = _Idl([*places, root and os.path.join(root, "rtm", "idl")])
+    if typed.lower().endswith(".idl"):
+        return _types_alone(typed, folder, idl)
+    data = sys.stdin.buffer.read() if typed == STDIN else read_bytes(typed)
+    reading = read_rtc(data, typed)
+    definitions, sources = _definitions(reading.profile, idl)
+    stem = os.path.basename(typed).partition(".")[0] if typed != STDIN else "Component"
+    drawn = _drawn(reading.profile, beside)
+    built = build(reading.profile, Sources(stem, definitions, drawn), tuple(sources))
+    project = Project(folder, dict(built.files), list(built.notes))
+    project.remarks = [f"{typed}:{note.line}: {note.text}" for note in reading.notes]
+    project.files |= {f"idl/{name}": File(text) for name, text in sources.items()}
+    project.files.pop(PROFILE if _is_same(typed, os.path.join(folder, PROFILE)) else "", None)
+    return project
+
+
+def _types_alone(typed: str, folder: str, idl: _Idl) -> Project:
+    text = idl.text(typed)
+    name = os.path.basename(typed)
+    definitions = read_idl(text, typed, idl.find, KNOWN)
+    built, notes = build_types(definitions, name)
+    if not built:
+        raise Refused(f"{typed}: nothing in it can be carried{_listed(notes)}")
+    return Project(folder, built, notes)
+
+
+def _listed(notes: Sequence[str]) -> str:
+    return f": {'; '.join(notes)}" if notes else ""
+
+
+def _definitions(profile: RtcProfile, idl: _Idl) -> tuple[Definitions, dict[str, str]]:
+    """Return what the IDL files of a profile declare, and their texts by name."""
+    names = list(dict.fromkeys(idl_files(profile)))
+    found = [path for name in names if (path := _path(idl, name))]
+    text = "".join(f'#include "{path}"\n' for path in dict.fromkeys(found))
+    definitions = read_idl(text, "", lambda name, file: _included(idl, name, file), KNOWN)
+    return definitions, {os.path.basename(path): text for path, text in idl.read.items()}
+
+
+def _path(idl: _Idl, name: str) -> str:
+    found = idl.find(name)
+    return found[0] if found else ""
+
+
+def _included(idl: _Idl, name: str, file: str) -> tuple[str, str] | None:
+    return (name, idl.text(name)) if not file else idl.find(name, file)
+
+
+def _drawn(profile: RtcProfile, beside: str) -> Mapping[str, Mapping[str, str]] | None:
+    """Return the states of a machine that is drawn beside the profile."""
+    info = profile.basic_info
+    for name in (f"{info.name}FSM.scxml", f"{info.name}.scxml") if info else ():
+        path = os.path.join(beside, os.path.basename(name))
+        if os.path.isfile(path):
+            from rtkit.profile.scxml import read_scxml
+
+            return read_scxml(read_bytes(path), path).states
+    return None
+
+
+def _is_same(one: str, other: str) -> bool:
+    return one != STDIN and os.path.exists(other) and os.path.samefile(one, other)
+
+
+def compare(project: Project) -> list[Change]:
+    """Return what is to become of each file.
+
+    Raises:
+        NotFound: A file that is there cannot be read.
+    """
+    return [
+        Change(path, _merged(path, file))
+        for name, file in project.files.items()
+        for path in [os.path.join(project.folder, *name.split("/"))]
+    ]
+
+
+def _merged(path: str, file: File) -> Merged:
+    if not os.path.lexists(path):
+        return merge(None, file.text, has_regions=file.has_regions)
+    try:
+        old = read_bytes(path).decode("utf-8").replace("\r\n", "\n")
+    except UnicodeDecodeError:
+        why = "it is not of UTF-8"
+        return Merged(Fate.CONFLICT if file.has_regions else Fate.KEEP, file.text, why, 1)
+    return merge(old, file.text, has_regions=file.has_regions)
+
+
+def write(changes: Sequence[Change], *, is_forced: bool) -> None:
+    """Write what is to be written: all of it, or nothing where something cannot be written."""
+    wanted = [each for each in changes if each.fate_when(is_forced=is_forced) == Fate.WRITE.value]
+    staged: list[tuple[str, str]] = []
+    try:
+        for each in wanted:
+            os.makedirs(os.path.dirname(each.path) or ".", exist_ok=True)
+            staged.append((_stage(each.path, each.merged.text), each.path))
+        for each in wanted:
+            if each.merged.fate is not Fate.WRITE:
+                _keep(each.path)
+        while staged:
+            os.replace(*staged[0])
+            staged.pop(0)
+    finally:
+        for temporary, _ in staged:
+            os.unlink(temporary)
+
+
+def _stage(path: str, text: str) -> str:
+    """Write the text beside its place, with the mode that the file is to have."""
+    temporary = f"{path}.{os.getpid()}.new"
+    if os.path.isdir(path):
+        raise NotFound(f"{path} is a folder")
+    descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    with open(descriptor, "w", encoding="utf-8", newline="\n") as stream:
+        stream.write(text)
+    if os.path.exists(path):
+        os.chmod(temporary, os.stat(path).st_mode & 0o777)
+    return temporary
+
+
+def _keep(path: str) -> None:
+    for name in _backups(path):
+        try:
+            os.link(path, name)
+        except FileExistsError:
+            continue
+        return
+
+
+def _backups(path: str) -> Iterator[str]:
+    yield f"{path}.bak"
+    number = 1
+    while True:
+        number += 1
+        yield f"{path}.bak{number}"

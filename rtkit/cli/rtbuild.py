@@ -1,0 +1,103 @@
+"""``rtbuild``: generate a component from its RTC profile, or Python types from an IDL file."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, command
+from rtkit.errors import Malformed, Partial, Refused, RtkitError
+
+if TYPE_CHECKING:
+    from rtkit.cli._project import Change
+
+_SHOWN = ("written", "kept")
+
+
+@command("rtbuild")
+@click.option(
+    "-o", "--output", metavar="DIR", help="Where to write (default: the folder of the file)."
+)
+@click.option(
+    "-I",
+    "--include",
+    "folders",
+    multiple=True,
+    metavar="DIR",
+    help="Look for IDL files there too; may be given several times.",
+)
+@click.option("-n", "--dry-run", is_flag=True, help="Tell what would be written, write nothing.")
+@click.option(
+    "-f",
+    "--force",
+    is_flag=True,
+    help="Write also what was changed; what was there is kept as NAME.bak.",
+)
+@click.option("--json", "is_json", is_flag=True, help="A JSON object for each file.")
+@click.argument("files", nargs=-1, metavar="PROFILE|IDL")
+def main(
+    app: App,
+    files: tuple[str, ...],
+    output: str | None,
+    folders: tuple[str, ...],
+    dry_run: bool,
+    force: bool,
+    is_json: bool,
+) -> None:
+    r"""Generate a component from its RTC profile, or Python types from an IDL file.
+
+    \b
+    NAME.py             the component: ports, parameters, services, callbacks
+    NAME_idl.py         types and protocols, where the profile names IDL files
+    tests/test_NAME.py  a test of it
+    README.md  pyproject.toml  system.xml
+
+    Generating again keeps the code between "user code" marks, and whole files that are not code
+    once they were changed. Changed code outside of the marks is a conflict: nothing is written.
+
+    IDL files are looked for where the profile says, beside it, in its folder idl, in the folders
+    of -I and below $RTM_ROOT.
+    """
+    from rtkit.cli import _project
+
+    if len(files) != 1:
+        raise Malformed("One RTC profile or IDL file has to be given.")
+    project = _project.read(files[0], output, folders)
+    for note in project.remarks:
+        app.tell(note)
+    for note in project.notes:
+        app.say(f"note: {note}")
+    changes = _project.compare(project)
+    conflicts = [each for each in changes if each.is_conflict]
+    if conflicts and not force:
+        raise _refused(conflicts)
+    if not dry_run:
+        _project.write(changes, is_forced=force)
+    _tell(app, changes, is_json=is_json, is_forced=force)
+
+
+def _refused(conflicts: Sequence[Change]) -> Partial:
+    failures: list[tuple[str, RtkitError]] = [
+        (each.path, Refused(f"{each.path}:{each.line}: {each.why}")) for each in conflicts
+    ]
+    return Partial("nothing was written; --force writes, and keeps these as NAME.bak", failures)
+
+
+def _tell(app: App, changes: Sequence[Change], *, is_json: bool, is_forced: bool) -> None:
+    if is_json:
+        from json import dumps
+
+        for each in changes:
+            fate = each.fate_when(is_forced=is_forced)
+            record = {"schema": "rtkit.build/1", "path": each.path, "fate": fate, "why": each.why}
+            sys.stdout.write(dumps(record) + "\n")
+        return
+    for each in changes:
+        fate = each.fate_when(is_forced=is_forced)
+        if fate in _SHOWN or app.is_verbose:
+            why = f" ({each.why})" if each.why else ""
+            click.echo(_out.printable(f"{fate:<9}  {each.path}{why}"))
