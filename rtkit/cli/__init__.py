@@ -33,6 +33,7 @@ COMMANDS: dict[str, str] = {
     "start": "rtstart",
     "stop": "rtstop",
     "teardown": "rtteardown",
+    "wait": "rtwait",
 }
 """Verb of the unified tool to the file, console script and man page of the command."""
 

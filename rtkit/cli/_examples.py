@@ -163,4 +163,8 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtteardown robot.xml", "Remove the connections of a profile."),
         ("rtteardown --exit robot.xml", "End its components too."),
     ),
+    "rtwait": (
+        ("rtwait -t 10 Robot0.rtc active", "Until it is active, or 10 s are over."),
+        ("rtwait A.rtc B.rtc active Laser0.rtc:scan data", "A and B active, and a scan came."),
+    ),
 }

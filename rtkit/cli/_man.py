@@ -56,8 +56,8 @@ def _page(verb: str, name: str) -> str:
         lines.append(".SH COMMANDS")
         for word in command.words:
             lines += _word(command, word, context)
-    others = ", ".join(f"{other}(1)" for other in ("rtkit", *COMMANDS.values()) if other != name)
-    return _text([*lines, *_tail(name), ".SH SEE ALSO", _escape(others)])
+    # That page names all commands; if each page did, a new command would change every page.
+    return _text([*lines, *_tail(name), ".SH SEE ALSO", "rtkit(1)"])
 
 
 def _word(group: Group, word: str, context: click.Context) -> Iterator[str]:

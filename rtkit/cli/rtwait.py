@@ -1,0 +1,191 @@
+"""``rtwait``: wait until components are there, in a state, or until ports carry data."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import click
+
+from rtkit.cli._app import App, WrongArguments, command
+from rtkit.errors import Malformed, Partial, RtkitError, Unreachable
+
+if TYPE_CHECKING:
+    from rtkit.deployment.watch import Watched
+    from rtkit.rtc.names import Path
+    from rtkit.tree.view import Node
+
+EXISTS, GONE, DATA = "exists", "gone", "data"
+_STATES = {"created": "Created", "inactive": "Inactive", "active": "Active", "error": "Error"}
+WORDS = (EXISTS, *_STATES, GONE, DATA)
+_DEFAULT_S = 30.0
+_MOMENT_S = 0.05
+
+
+class Goal(NamedTuple):
+    """What is to become of one path."""
+
+    path: Path
+    wanted: str
+
+    def problem(self, node: Node | None) -> str:
+        """Return what keeps it from being so, "" when it is."""
+        row = node.row if node is not None else None
+        if row is None:
+            return "" if self.wanted == GONE else "does not exist"
+        if self.wanted == GONE:
+            return "still exists"
+        if row.zombie:
+            return f"is a zombie ({row.zombie})"
+        if self.wanted in (EXISTS, DATA) or row.state == _STATES[self.wanted]:
+            return ""
+        why = f" ({row.trouble or row.cause})" if row.trouble or row.cause else ""
+        return f"is {row.state}{why}, not {_STATES[self.wanted]}"
+
+
+@command("rtwait")
+@click.option(
+    "--timeout",
+    "-t",
+    "timeout_s",
+    type=click.FloatRange(min=0.01),
+    default=_DEFAULT_S,
+    metavar="SECONDS",
+    help="How long to wait at most (default 30).",
+)
+@click.argument("words", nargs=-1, metavar="PATH... [STATE]...")
+def main(app: App, words: tuple[str, ...], timeout_s: float) -> None:
+    r"""Wait until components are there, in a state, or until ports carry data.
+
+    A state holds for the paths before it: exists (what is meant when there is none), created,
+    inactive, active, error, gone; data for ports, which is what is meant by PATH:PORT.
+
+    \b
+    rtwait Robot0.rtc                             until it exists
+    rtwait Robot0.rtc Laser0.rtc active           until both are active
+    rtwait Robot0.rtc active Laser0.rtc:scan      and until a scan comes
+
+    The status is 0 when all of that holds at once, 1 when the time is up: then each path for
+    which it does not is told with the reason. It waits for the manager, too.
+    """
+    until = time.monotonic() + timeout_s
+    goals = _goals(app, words)
+    _reach(app, goals, until, timeout_s)
+    carried = [goal for goal in goals if goal.wanted == DATA]
+    if carried:
+        _hear(app, carried, until, timeout_s)
+
+
+def _goals(app: App, words: Sequence[str]) -> list[Goal]:
+    goals: list[Goal] = []
+    pending: list[Path] = []
+    for word in words:
+        if word in WORDS:
+            if not pending:
+                raise WrongArguments(f"No path before the state {word}.")
+            goals += [_goal(path, word) for path in pending]
+            pending = []
+        else:
+            pending.append(app.path(word))
+    goals += [_goal(path, DATA if path.port else EXISTS) for path in pending]
+    if not goals:
+        raise WrongArguments("No component specified.")
+    return goals
+
+
+def _goal(path: Path, wanted: str) -> Goal:
+    if (path.port is not None) is not (wanted == DATA):
+        what = "a state is one of a component" if path.port else "data come from a port"
+        raise Malformed(f"{path.typed} {wanted}: {what}")
+    if path.is_directory or not path.elements:
+        raise Malformed(f"Not a component: {path.typed}")
+    return Goal(path, wanted)
+
+
+def _reach(app: App, goals: Sequence[Goal], until: float, timeout_s: float) -> None:
+    """Wait until all goals hold, without asking again before something has changed.
+
+    Raises:
+        Partial: The time is up; has what is missing.
+    """
+    while True:
+        try:
+            known, problems = _look(app, goals)
+        except Unreachable as error:
+            if time.monotonic() >= until:
+                raise
+            app.close()
+            app.tell(str(error))
+            # Nothing tells that a manager begins.
+            time.sleep(min(_MOMENT_S, max(0.0, until - time.monotonic())))
+            continue
+        if not problems:
+            return
+        left_s = until - time.monotonic()
+        if left_s <= 0:
+            raise Partial("", failures=_failures(problems, timeout_s))
+        app.tree.watch(_targets(app, goals), known, left_s)
+
+
+def _look(app: App, goals: Sequence[Goal]) -> tuple[tuple[str, ...], list[tuple[Goal, str]]]:
+    """Return what is seen of the targets, and what is the matter with each goal after that."""
+    known = app.tree.watch(_targets(app, goals))
+    nodes = _nodes(app, goals)
+    told = ((goal, goal.problem(node)) for goal, node in zip(goals, nodes, strict=True))
+    return known, [(goal, problem) for goal, problem in told if problem]
+
+
+def _nodes(app: App, goals: Sequence[Goal]) -> list[Node | None]:
+    from rtkit.tree.resolve import find
+    from rtkit.tree.view import build
+
+    listing = app.tree.listing()
+    root = build(listing)
+    return [find(root, goal.path, listing.host) for goal in goals]
+
+
+def _targets(app: App, goals: Sequence[Goal]) -> list[Watched]:
+    """Return what to watch; a component that is not there yet by the name that it will have."""
+    from rtkit.deployment.watch import Watched
+    from rtkit.rtc.names import COMPONENT_SUFFIX
+
+    targets = []
+    for goal, node in zip(goals, _nodes(app, goals), strict=True):
+        row = node.row if node is not None else None
+        instance = row.instance if row else goal.path.elements[-1].removesuffix(COMPONENT_SUFFIX)
+        targets.append(Watched(instance, row.context if row and row.context else "0"))
+    return targets
+
+
+def _failures(
+    problems: Sequence[tuple[Goal, str]], timeout_s: float
+) -> list[tuple[str, RtkitError]]:
+    return [
+        (goal.path.typed, RtkitError(f"{goal.path.typed} {problem} after {timeout_s:g} s"))
+        for goal, problem in problems
+    ]
+
+
+def _hear(app: App, goals: Sequence[Goal], until: float, timeout_s: float) -> None:
+    """Wait until each of these ports has carried a value.
+
+    Raises:
+        Partial: The time is up; has the ports that did not.
+    """
+    from rtkit.probe.probe import Probe, tap_ports
+    from rtkit.probe.spec import PortSpec, find_streams
+    from rtkit.rtc.enums import PortType
+
+    specs = [PortSpec(goal.path.typed, goal.path) for goal in goals]
+    streams = find_streams(app.tree, specs, PortType.OUT)
+    silent = dict(zip((stream.name for stream in streams), goals, strict=True))
+    with Probe(app.tree, "rtwait", streams, tap_ports(streams)) as probe:
+        probe.connect({})
+        for piece in probe.arrivals(until):
+            for arrival in piece:
+                silent.pop(arrival.stream, None)
+            if not silent:
+                return
+    problems = [(goal, "carried no data") for goal in silent.values()]
+    raise Partial("", failures=_failures(problems, timeout_s))
