@@ -42,7 +42,7 @@ SUMMARIES: dict[str, str] = {
     "start": "Activate every component of an RTS profile.",
     "stop": "Deactivate every component of an RTS profile.",
     "teardown": "Remove every connection of an RTS profile.",
-    "wait": "Wait until components are there, in a state, or until ports carry data.",
+    "wait": "Wait for components, their states, and data of ports.",
 }
 SHELL_INIT = "shell-init"
 WORDS: dict[str, str] = {SHELL_INIT: "Print the functions that a shell needs."}

@@ -1,4 +1,4 @@
-"""``rtwait``: wait until components are there, in a state, or until ports carry data."""
+"""``rtwait``: wait for components, their states, and data of ports."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Goal(NamedTuple):
 )
 @click.argument("words", nargs=-1, metavar="PATH... [STATE]...")
 def main(app: App, words: tuple[str, ...], timeout_s: float) -> None:
-    r"""Wait until components are there, in a state, or until ports carry data.
+    r"""Wait for components, their states, and data of ports.
 
     A state holds for the paths before it: exists (what is meant when there is none), created,
     inactive, active, error, gone; data for ports, which is what is meant by PATH:PORT.
