@@ -148,7 +148,9 @@ def component_path(snapshot: Snapshot, facts: ComponentFacts) -> str:
     """Return where a component is found: its first name, else the place below its manager."""
     if facts.names:
         return "/" + facts.names[0]
-    return f"/localhost/{snapshot.manager}{MANAGER_SUFFIX}/{facts.instance}{COMPONENT_SUFFIX}"
+    usual = f"localhost/{snapshot.manager}{MANAGER_SUFFIX}"
+    manager = snapshot.names[0] if snapshot.names else usual
+    return f"/{manager}/{facts.instance}{COMPONENT_SUFFIX}"
 
 
 def port_path(snapshot: Snapshot, instance: str, port: str) -> str:

@@ -172,6 +172,11 @@ class Runner:
             done = self._app.tree.set(key, value)
         except RtkitError as error:
             raise step.failure(error.kind, str(error)) from error
+        if step.kind == "configure":
+            from rtkit.manager.settings.properties import vain
+
+            if why := vain(key, value):
+                self._app.fail(f"note: {why}")
         if step.kind == "fork" and self._is_printing:
             _out.write([_out.printable(f"{self._node.path}/{done}{MANAGER_SUFFIX}")])
 

@@ -225,7 +225,9 @@ class Component(Callbacks):
             raise Refused(f"{self.instance}: on_initialize failed: {failure}") from failure.error
         self.is_alive = True
         for pattern in wanted:
-            context = ExecutionContext(pattern.id, pattern.kind, pattern.rate, self.instance)
+            context = ExecutionContext(
+                pattern.id, pattern.kind, pattern.rate, self.instance, pattern.properties
+            )
             self.contexts[pattern.id] = context
             context.add_component(self)
             context.start()

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.component.callbacks import Failure, attempt
@@ -28,7 +28,7 @@ from rtkit.component.participant import Participant
 from rtkit.component.period import check_rate
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode, Transition
-from rtkit.rtc.profiles import ExecutionContextProfile
+from rtkit.rtc.profiles import NOTHING, ExecutionContextProfile
 
 if TYPE_CHECKING:
     from rtkit.component.base import Component
@@ -51,6 +51,7 @@ class ExecutionContext:
     Attributes:
         id: Its name within the component that owns it.
         owner: Instance name of that component.
+        properties: What it was told besides, ``cpu_affinity``.
         is_running: Whether ticks do anything.
         wake: Called after a request was queued, by the thread that asked.
         changed: Called by the ticking thread after each change of state or active set.
@@ -58,10 +59,18 @@ class ExecutionContext:
             after it; None while nobody watches.
     """
 
-    def __init__(self, id: str, kind: ExecutionKind, rate: float, owner: str) -> None:
+    def __init__(
+        self,
+        id: str,
+        kind: ExecutionKind,
+        rate: float,
+        owner: str,
+        properties: Mapping[str, str] = NOTHING,
+    ) -> None:
         self.id = id
         self.kind = kind
         self.owner = owner
+        self.properties = properties
         self.is_running = False
         self.wake: Callable[[], None] = nothing
         self.changed: Callable[[Component], None] = ignore
@@ -135,6 +144,7 @@ class ExecutionContext:
                 for each in self._participants
                 if each.component.instance != self.owner
             ),
+            properties=self.properties,
         )
 
     def start(self) -> ReturnCode:

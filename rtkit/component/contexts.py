@@ -10,6 +10,9 @@ from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.pattern import ContextPattern
 
+CPU_AFFINITY = "cpu_affinity"
+"""Property of a context: the processors that its thread may use, ``0,2-3``."""
+
 PERIODIC = "PeriodicExecutionContext"
 _KINDS = {
     PERIODIC: ExecutionKind.PERIODIC,
@@ -80,7 +83,19 @@ def _wanted(item: str, index: int, options: Mapping[str, str], rate: float) -> C
         if options.get(key, "").strip():
             rate = _rate(key, options[key])
             break
-    return ContextPattern(name or str(index), found, check_rate(rate) if is_periodic else rate)
+    properties = _properties(kind, name or str(index), options)
+    rate = check_rate(rate) if is_periodic else rate
+    return ContextPattern(name or str(index), found, rate, properties)
+
+
+def _properties(kind: str, name: str, options: Mapping[str, str]) -> dict[str, str]:
+    """Return what options say of one context besides its rate: by its name before by its type."""
+    every = options.get(f"exec_cxt.{CPU_AFFINITY}", "").strip()
+    found = {CPU_AFFINITY: every} if every else {}
+    for prefix in (f"ec.{kind}.", f"ec.{name}."):
+        own = {k.removeprefix(prefix): v for k, v in options.items() if k.startswith(prefix)}
+        found.update((key, value) for key, value in own.items() if key != "rate")
+    return found
 
 
 def _rate(key: str, text: str) -> float:

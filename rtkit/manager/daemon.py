@@ -27,11 +27,12 @@ from rtkit.manager.logs.logs import open_log
 from rtkit.manager.processes.nursery import Nursery, become_subreaper
 from rtkit.manager.report import Report
 from rtkit.manager.restarting import execute_again
+from rtkit.manager.settings import formats
 from rtkit.manager.settings.configuration import Wanted, door, read, wanted_from_text
 from rtkit.manager.settings.properties import Settings
 from rtkit.resources import resource as shipped
 from rtkit.rtc.address import parse_address
-from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX
+from rtkit.rtc.names import LOCAL
 from rtkit.version import __version__
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ _KINDS = ("data", "beats", "stack", "zygote")
 """What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
 
 _DESCRIPTORS = 65_536
+USUAL_NAME = "%n.mgr"
+"""Template of the name that each manager has, so that all of a host are found in one place."""
 
 
 def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
@@ -246,7 +249,7 @@ def _register(loop: Loop, state: State, stack: ExitStack) -> None:
 
 def _state(name: str, folder: str, settings: Settings) -> State:
     state = State(os.uname().nodename, name, os.getpid(), __version__)
-    state.names = (f"{LOCAL}/{name}{MANAGER_SUFFIX}",)
+    state.names = _names(state.host, name, settings)
     state.processes[OWN_PROCESS] = Process(OWN_PROCESS, name, os.getpid(), "up")
     state.settings, state.folder = settings, folder
     state.base_paths = base_paths()
@@ -255,12 +258,23 @@ def _state(name: str, folder: str, settings: Settings) -> State:
             "manager.instance_name": name,
             "manager.pid": str(os.getpid()),
             "manager.started": f"{time.time():.3f}",
+            "openrtm.name": "rtkit",
             "openrtm.version": __version__,
             **_system(),
             "rtkit.version": __version__,
         }
     )
     return state
+
+
+def _names(host: str, name: str, settings: Settings) -> tuple[str, ...]:
+    """Return under which names the manager itself is registered.
+
+    Raises:
+        Malformed: A template gives a name with an empty element.
+    """
+    templates = (USUAL_NAME, *formats.check_early(settings.text("manager.naming_formats")))
+    return formats.expand(templates, instance=name, host=host, manager=name, pid=os.getpid())
 
 
 def _system() -> dict[str, str]:

@@ -19,6 +19,7 @@ class ContextPattern:
     id: str = "0"
     kind: ExecutionKind = ExecutionKind.PERIODIC
     rate: float = 1000.0
+    properties: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -249,7 +249,9 @@ def _path_of(row: Row, listing: Listing) -> str:
     """Return where a component is found: its first name, else the place below its manager."""
     if row.names:
         return shown_path(row.names[0], listing.host)
-    return f"/{LOCAL}/{listing.manager}{MANAGER_SUFFIX}/{row.instance}{COMPONENT_SUFFIX}"
+    usual = f"{LOCAL}/{listing.manager}{MANAGER_SUFFIX}"
+    manager = shown_path(listing.names[0] if listing.names else usual, listing.host)
+    return f"{manager}/{row.instance}{COMPONENT_SUFFIX}"
 
 
 def _component(listing: Listing, path: str) -> Node:

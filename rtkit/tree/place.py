@@ -21,16 +21,17 @@ if TYPE_CHECKING:
 def manager_of(path: Path) -> str:
     """Return the manager that a path is below, as `connect` takes it; empty for the usual one.
 
-    That is the one at ``host:port``, or another one of this host by ``/localhost/NAME.mgr``.
+    That is the one at ``host:port``, or another one of this host by ``/localhost/…/NAME.mgr``.
     """
     if not path.elements:
         return ""
     host = path.elements[0]
     if is_address(host):
         return host
-    if len(path.elements) < 2 or not path.elements[1].endswith(MANAGER_SUFFIX):
+    named = (each for each in path.elements[1:] if each.endswith(MANAGER_SUFFIX))
+    name = next(named, "").removesuffix(MANAGER_SUFFIX)
+    if not name:
         return ""
-    name = path.elements[1].removesuffix(MANAGER_SUFFIX)
     usual = os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
     if name == usual or not is_local_host(host, os.uname().nodename):
         return ""

@@ -14,7 +14,8 @@ from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import configuring
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import State
-from rtkit.manager.core.wishes import Need, Procedure
+from rtkit.manager.core.stopping import retire_unused
+from rtkit.manager.core.wishes import Later, Need, Procedure
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import TypeProfile
@@ -153,6 +154,7 @@ def _fork(state: State, argument: str) -> Procedure:
         if state.living_process(argument) is not None:
             raise Refused(f"there is a slave named {argument} already")
     process = yield Need(argument or FRESH_SLAVE)
+    yield Later(retire_unused(state, process))
     return Result(value=process.name)
 
 

@@ -6,7 +6,6 @@ What a procedure has changed when it fails, it takes back itself.
 from __future__ import annotations
 
 import contextlib
-import itertools
 from collections.abc import Generator, Iterable
 from dataclasses import replace
 from typing import Any
@@ -15,12 +14,13 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.manager.core.claims import claim_name, names_elsewhere
 from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS, Message
 from rtkit.manager.core.naming import remember, unregister
-from rtkit.manager.core.registration import check_free, early_names, late_names
+from rtkit.manager.core.registration import late_names
 from rtkit.manager.core.state import Claim, Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
 from rtkit.manager.core.transitions import change_state
@@ -128,7 +128,9 @@ def _create(state: State, action: act.Create) -> Procedure:
     if known is not None and not known.zombie:
         return Result(value=known.instance, note=_otherwise(state, action, create, known))
     create = _in_language(state, create)
-    instance, claim = _claim(state, action, create, known)
+    taken = yield from names_elsewhere(state, create)
+    instance, claim = claim_name(state, action, create, taken)
+    known = state.components.get(instance)
     try:
         process = yield from _place(state, claim, create)
         claim.key = process.key
@@ -178,34 +180,6 @@ def _in_language(state: State, create: CreateString) -> CreateString:
     if found is None:
         raise Refused(f"language {asked} is not supported (supported: {', '.join(supported)})")
     return create if create.language else replace(create, language=found)
-
-
-def _claim(
-    state: State, action: act.Create, create: CreateString, known: ComponentFacts | None
-) -> tuple[str, Claim]:
-    """Choose the instance name, ``<type><n>`` unless wished otherwise, and hold it."""
-    instance = create.instance_name or _free_name(state, action, create)
-    check_instance_name(instance)
-    if instance in state.claims:
-        raise Refused(f"{instance} is just being made")
-    asked = action.names or (known.names if known is not None else ())
-    names = tuple(dict.fromkeys(asked or early_names(state, create, instance)))
-    check_free(state, names, instance)
-    claim = state.claims[instance] = Claim(names, is_by_template=not asked)
-    return instance, claim
-
-
-def _free_name(state: State, action: act.Create, create: CreateString) -> str:
-    pattern = action.pattern
-    base = pattern.type.type_name if pattern is not None else create.implementation_id
-    names = (f"{base}{n}" for n in itertools.count())
-    return next(
-        name
-        for name in names
-        if name not in state.components
-        and name not in state.claims
-        and (action.names or not any(map(state.name_owner, early_names(state, create, name))))
-    )
 
 
 def _place(state: State, claim: Claim, create: CreateString) -> Generator[Need, Any, Process]:

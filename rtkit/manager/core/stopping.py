@@ -9,7 +9,7 @@ from collections.abc import Generator, Iterable
 from rtkit.deployment.actions import Result
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.manager.core.state import Process, State
-from rtkit.manager.core.wishes import AllEnded, Ask, Clock, Procedure, Signal
+from rtkit.manager.core.wishes import AllEnded, Ask, Clock, Pause, Procedure, Signal
 
 FINALISE_S = 5.0
 """Grace that all components together have to finalise, one after the other [s]."""
@@ -23,6 +23,14 @@ def retire(state: State, process: Process) -> Procedure:
     may_end = state.settings.flag("manager.shutdown_on_nortcs")
     if may_end and process.is_slave and process.is_ready and not state.is_needed(process.key):
         yield from end_slaves([process], grace_s(state))
+    return Result()
+
+
+def retire_unused(state: State, process: Process) -> Procedure:
+    """End a slave in which nothing was made for long (``manager.shutdown_auto``)."""
+    yield Pause(state.settings.number("manager.auto_shutdown_duration"))
+    if state.settings.flag("manager.shutdown_auto"):
+        yield from retire(state, process)
     return Result()
 
 

@@ -30,6 +30,7 @@ from rtkit.manager.holding.facts_out import facts_of
 from rtkit.manager.holding.host import LATER
 from rtkit.manager.holding.links import Links
 from rtkit.manager.holding.machines import Machines
+from rtkit.manager.holding.neighbours import Neighbours
 from rtkit.manager.holding.pacer import Pacer
 from rtkit.manager.holding.process_settings import complete, configure
 from rtkit.manager.modules.loader import Loader, UntriedModule
@@ -81,6 +82,7 @@ class Holder:
             **Contexts(self).operations,
             **self._links.operations,
             **Machines(self).operations,
+            **Neighbours(self).operations,
         }
 
     def show_beats(self, beats: Beats) -> None:

@@ -10,7 +10,9 @@ import threading
 import time
 
 from rtkit.component.context import ExecutionContext
+from rtkit.component.contexts import CPU_AFFINITY
 from rtkit.component.period import Period
+from rtkit.manager.holding import processors
 
 
 class Pacer:
@@ -49,10 +51,14 @@ class Pacer:
         return not thread.is_alive()
 
     def _run(self) -> None:
-        if self._context.is_periodic:
-            self._run_at_rate()
-        else:
-            self._run_when_due()
+        processors.begin(self._context.properties.get(CPU_AFFINITY, ""))
+        try:
+            if self._context.is_periodic:
+                self._run_at_rate()
+            else:
+                self._run_when_due()
+        finally:
+            processors.end()
 
     def _run_when_due(self) -> None:
         context, alarm = self._context, self._alarm

@@ -8,6 +8,7 @@ import os
 from rtkit.errors import Refused
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.layers import layered
+from rtkit.manager.holding.processors import check, use
 from rtkit.manager.logs.logfile import LogFile, Lossy, Target, Terminal
 from rtkit.manager.logs.logs import begin_component, level_of
 from rtkit.manager.logs.records import Readable
@@ -27,7 +28,7 @@ def configure(message: Message, loader: Loader) -> None:
         Refused: A processor is not there.
     """
     if message["processors"]:
-        use_processors(processors(message["processors"]))
+        use(processors(message["processors"]))
     set_log_level(message["log_level"])
     loader.configure(
         message["load_path"],
@@ -45,6 +46,7 @@ def complete(
         RtkitError: A property, or a file of them, cannot be read.
     """
     whole = layered(create, type, message, inherits=inherits)
+    check(whole.options)
     begin_component(create.instance_name, whole.options, message.get("inherited") or {})
     return whole
 
@@ -56,32 +58,14 @@ def set_log_level(level: str) -> None:
         root.setLevel(number)
 
 
-def use_processors(wanted: frozenset[int]) -> None:
-    """Have all threads of this process run on these processors.
-
-    Raises:
-        Refused: There is none of them.
-    """
-    for thread in os.listdir("/proc/self/task"):
-        try:
-            os.sched_setaffinity(int(thread), wanted)
-        except ProcessLookupError:
-            continue
-        except OSError as error:
-            there = ",".join(map(str, sorted(os.sched_getaffinity(0))))
-            raise Refused(
-                f"cannot run on processors {','.join(map(str, sorted(wanted)))}"
-                f" ({error.strerror}; this process has {there})"
-            ) from error
-
-
 def add_log_files(settings: Settings, name: str) -> None:
     """Log to the files of ``logger.file_name`` too.
 
     Raises:
         Refused: A file cannot be written.
     """
-    formatter = Readable(name, settings.text("logger.date_format"))
+    is_coloured = settings.flag("logger.escape_sequence_enable")
+    formatter = Readable(name, settings.text("logger.date_format"), is_coloured=is_coloured)
     for item in settings.items("logger.file_name"):
         path = item.replace("%p", str(os.getpid()))
         descriptor = _STREAMS.get(path.lower())

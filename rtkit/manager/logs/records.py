@@ -75,18 +75,34 @@ class JsonLines(logging.Formatter):
         return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
 
 
+_PLAIN = "\x1b[0m"
+_COLOURS = {
+    "FATAL": "\x1b[1;37;41m",
+    "ERROR": "\x1b[1;31m",
+    "WARN": "\x1b[33m",
+    "DEBUG": "\x1b[2m",
+    "TRACE": "\x1b[2m",
+    "VERBOSE": "\x1b[2m",
+    "PARANOID": "\x1b[2m",
+}
+
+
 class Readable(logging.Formatter):
     """Records for people: ``12:30:00.250 INFO  Out0: received 1``, exceptions below, indented.
 
     Args:
         process: Put before the source, where several processes write to one place.
         date_format: Of `strftime`; by default the time of day with milliseconds.
+        is_coloured: Show by colour what is more, or less, than usual.
     """
 
-    def __init__(self, process: str = "", date_format: str = "") -> None:
+    def __init__(
+        self, process: str = "", date_format: str = "", *, is_coloured: bool = False
+    ) -> None:
         super().__init__()
         self.process = process
         self._date_format = date_format
+        self._is_coloured = is_coloured
 
     def format(self, record: logging.LogRecord) -> str:
         """Return a record's lines, without the end of the last one."""
@@ -97,7 +113,10 @@ class Readable(logging.Formatter):
         head = f"{moment}{part} {level:<5} {prefix}{record.name}: "
         first, *others = _cut(_message(record)).split("\n")
         others += _cut(_exception(self, record)).splitlines()
-        return "\n".join([printable(head + first), *(f"    {printable(each)}" for each in others)])
+        head = printable(head + first)
+        colour = _COLOURS.get(level, "") if self._is_coloured else ""
+        head = f"{colour}{head}{_PLAIN}" if colour else head
+        return "\n".join([head, *(f"    {printable(each)}" for each in others)])
 
 
 def printable(text: str) -> str:

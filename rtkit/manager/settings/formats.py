@@ -14,6 +14,7 @@ from rtkit.rtc.profiles import TypeProfile
 
 DEFAULT = "%n.rtc"
 _LETTERS = "ntmvVchMp%"
+_OF_MANAGERS = "nhMp%"
 _EARLY = "nhM%"
 """What is known before a component is made."""
 
@@ -35,6 +36,21 @@ def check(text: str) -> tuple[str, ...]:
             raise Malformed(f"name template has an empty or dotted element: {template}")
         if ":" in template or not template.isprintable():
             raise Malformed(f"name template has a character that no name may have: {template}")
+    return templates
+
+
+def check_early(text: str) -> tuple[str, ...]:
+    """Return the templates of a comma list, in which nothing stands for a component.
+
+    Raises:
+        Malformed: One of them cannot be read; tells why.
+    """
+    templates = check(text)
+    for template in templates:
+        bad = [letter for letter in _letters(template) if letter not in _OF_MANAGERS]
+        if bad:
+            known = " ".join(f"%{letter}" for letter in _OF_MANAGERS)
+            raise Malformed(f"%{bad[0]} means no manager in name template {template} ({known} do)")
     return templates
 
 

@@ -26,7 +26,12 @@ INHERITED = ("exec_cxt.", "execution_contexts", "ec.", "logger.", "naming.", "os
 
 _TRUE = ("YES", "TRUE", "ON", "1")
 _FALSE = ("NO", "FALSE", "OFF", "0")
-_OLD = {"corba.endpoint": "net.endpoints", "manager.corba_servant": "manager.net_servant"}
+_OLD = {
+    "corba.endpoint": "net.endpoints",
+    "manager.corba_servant": "manager.net_servant",
+    "corba.update_master_manager.enable": "manager.update_master_manager.enable",
+    "corba.update_master_manager.interval": "manager.update_master_manager.interval",
+}
 
 
 class Property(NamedTuple):
@@ -46,102 +51,113 @@ class Property(NamedTuple):
 
 
 def _properties() -> Iterator[Property]:
-    for line in _TABLE.strip().splitlines():
+    for line in _TABLE.strip().replace("\n    ", " ").splitlines():
         key, default, kind, when, meaning = (cell.strip() for cell in line.split("|", 4))
         yield Property(key, default, kind, _WHEN[when], meaning)
 
 
 _WHEN = {"live": LIVE, "start": START, "fixed": FIXED, "-": NONE}
 _TABLE = """
-config.version | | text | - | version of the configuration file
+config.version | | text | live | version of the file, only shown
 openrtm.name | rtkit | text | fixed | the implementation
 openrtm.version | | text | fixed | its version
 manager.name | manager | text | start | id in direct addresses, corbaloc::host:port/ID
 manager.instance_name | | text | start | name in the tree; the name given to rtmgr start comes first
-manager.naming_formats | %h.host_cxt/%n.mgr | text | - | the manager shows at /localhost/NAME.mgr
+manager.naming_formats | %n.mgr | list | start
+    | names of the manager itself beside NAME.mgr: %n name, %h host, %M name, %p pid
 manager.is_master | YES | boolean | start | NO: registers with net.master_manager as its slave
-manager.net_servant | YES | boolean | start | NO: no front door (as -a)
-manager.update_master_manager.enable | YES | boolean | start | register again and again
-manager.update_master_manager.interval | 10.0 | number | start | how often [s]
-manager.components.naming_policy | process_unique | text | - | names are unique in the manager
-manager.components.precreate | | list | start | create strings of components to make at start
+manager.net_servant | YES | boolean | start | NO: no TCP door (as rtmgr start -a)
+manager.update_master_manager.enable | YES | boolean | start | NO: it registers but once
+manager.update_master_manager.interval | 10.0 | number | start | how often it registers [s]
+manager.components.naming_policy | process_unique | text | live
+    | which names a chosen TYPE<n> differs from: those of this manager with its slaves, or
+    (node_unique, ns_unique) of all managers that the user has on this host
+manager.components.precreate | | list | start | create strings of components to make
 manager.components.preconnect | | list | start | connections: A.out?port=B.in&dataflow_type=push
 manager.components.preactivation | | list | start | instances to activate
 manager.modules.load_path | | list | live | folders of modules; by default the one of the start
 manager.modules.Python.load_paths | | list | live | more of them
 manager.modules.preload | | list | start | modules to load: FILE (InitFunc)
 manager.preload.modules | | list | start | modules to load before those
-manager.modules.abs_path_allowed | YES | boolean | live | modules by absolute path
-manager.modules.search_auto | YES | boolean | live | look for the modules of types
+manager.modules.abs_path_allowed | YES | boolean | live | NO: modules from load paths only
+manager.modules.search_auto | YES | boolean | live | NO: no type whose module was not loaded
 manager.modules.download_allowed | NO | boolean | - | nothing is ever downloaded
-manager.modules.init_func_suffix | Init | text | - | init function behind the file's name
-manager.modules.init_func_prefix | | text | - | init function before the file's name
-manager.modules.config_path | | list | - | folders of configuration files
+manager.modules.init_func_suffix | Init | text | -
+    | the init function of FILE.py is FILEInit; rtmgr -l FILE:INIT names another
+manager.modules.init_func_prefix | | text | -
+    | the init function of FILE.py is FILEInit; rtmgr -l FILE:INIT names another
+manager.modules.config_path | | list | - | paths of config_file begin in the folder of the start
 manager.supported_languages | Python | list | fixed | languages of components
 manager.cpu_affinity | | list | live | processors that manager and slaves may use
 manager.shutdown_on_nortcs | YES | boolean | live | a slave ends with its last component
-manager.shutdown_auto | YES | boolean | - | as before; there is no periodic check
-manager.auto_shutdown_duration | 10 | number | - | [s]
+manager.shutdown_auto | YES | boolean | live
+    | and so does a slave that was forked, when nothing has been made in it for
+    manager.auto_shutdown_duration
+manager.auto_shutdown_duration | 20 | number | live | [s]
 manager.termination_waittime | 2 | number | live | grace of slaves between TERM and KILL [s]
-manager.local_service.modules | | list | - | plug-ins of the manager
-manager.local_service.enabled_services | ALL | list | - |
-net.endpoints | all | list | start | front door: [localhost]:PORT, all for 2810, none for none
-net.nameservers | localhost | list | - | there is no name server; the manager keeps the names
+manager.local_service.modules | | list | - | managers have no plug-ins
+manager.local_service.enabled_services | ALL | list | - | managers have no plug-ins
+net.endpoints | all | list | start | TCP door: [localhost]:PORT, all for 2810, none for none
+net.nameservers | localhost | list | - | there is no name server: each manager keeps the names
 net.master_manager | localhost:2810 | text | start | master to register with if is_master is NO
-net.args | | text | - | arguments of the transport
-net.id | | text | - | kind of the transport
-net.alternate_iiop_addresses | | list | - | further addresses
-net.endpoint_property | | text | - | which addresses are told
-net.nameserver.replace_endpoint | NO | boolean | - | which addresses are told
-net.nameservice.replace_endpoint | NO | boolean | - | which addresses are told
-net.update_master_manager.enable | YES | boolean | - | as manager.update_master_manager.enable
-net.update_master_manager.interval | 10.0 | number | - | [s]
-naming.enable | YES | boolean | live | register names of components
-naming.type | corba | list | - | the manager itself registers them
-naming.formats | %n.rtc | list | live | names of components: %n %t %m %v %V %c %h %M %p
-naming.update.enable | YES | boolean | - | names never get lost
-naming.update.interval | 10.0 | number | - | [s]
-naming.update.rebind | NO | boolean | - |
+net.args | | text | - | the transport takes no arguments
+net.id | | text | - | there is one transport
+net.alternate_iiop_addresses | | list | - | managers are reached on this host only
+net.endpoint_property | | text | - | managers are reached on this host only
+net.nameserver.replace_endpoint | NO | boolean | - | there is no name server
+net.nameservice.replace_endpoint | NO | boolean | - | there is no name server
+naming.enable | YES | boolean | live | NO: no names, but below their manager
+naming.type | corba | list | - | the manager itself registers names
+naming.formats | %n.rtc | list | live
+    | names of components: %n instance, %t and %m type, %v version, %V vendor, %c category, %h host,
+    %M manager, %p pid
+naming.update.enable | YES | boolean | - | names live in the manager and never get lost
+naming.update.interval | 10.0 | number | - | names live in the manager and never get lost
+naming.update.rebind | NO | boolean | - | names live in the manager and never get lost
 exec_cxt.periodic.type | PeriodicExecutionContext | text | live | type of the context
 exec_cxt.periodic.rate | 1000 | number | live | its rate [Hz]; only if given, else the type's own
-exec_cxt.sync_transition | YES | boolean | live | wait until a transition is done
+exec_cxt.sync_transition | YES | boolean | live | NO: commands wait for no transition
 exec_cxt.sync_activation | | boolean | live | the same for activation only
-exec_cxt.sync_deactivation | | boolean | live | for deactivation only
-exec_cxt.sync_reset | | boolean | live | for reset only
+exec_cxt.sync_deactivation | | boolean | live | the same for deactivation only
+exec_cxt.sync_reset | | boolean | live | the same for reset only
 exec_cxt.transition_timeout | | number | live | how long at most [s]; by default as the command says
 exec_cxt.activation_timeout | | number | live | the same for activation only [s]
-exec_cxt.deactivation_timeout | | number | live | for deactivation only [s]
-exec_cxt.reset_timeout | | number | live | for reset only [s]
-exec_cxt.cpu_affinity | | list | - | processors of a context
-execution_contexts | | list | live | contexts of components: TYPE(NAME),...
+exec_cxt.deactivation_timeout | | number | live | the same for deactivation only [s]
+exec_cxt.reset_timeout | | number | live | the same for reset only [s]
+exec_cxt.cpu_affinity | | list | live | processors of the threads that drive contexts
+execution_contexts | | list | live | contexts of components: TYPE(NAME),...; none for none
 logger.enable | YES | boolean | live | NO: nothing is logged
 logger.file_name | | list | start | further log files, stdout or stderr; %p is the pid
-logger.log_level | INFO | level | live | SILENT FATAL ERROR WARN INFO DEBUG TRACE VERBOSE PARANOID
+logger.log_level | INFO | level | live
+    | least level: SILENT FATAL ERROR WARN INFO DEBUG TRACE VERBOSE PARANOID
 logger.date_format | %b %d %H:%M:%S | text | start | of logger.file_name
-logger.clock_type | system | text | - |
-logger.escape_sequence_enable | NO | boolean | - |
-logger.plugins | | list | - | log forwarding
+logger.escape_sequence_enable | NO | boolean | start | YES: logger.file_name in colours
+logger.clock_type | system | text | - | records bear the time of the system
+logger.plugins | | list | - | logs are files, one JSON object a line
 timer.enable | YES | boolean | - | nothing is polled
-timer.tick | 0.1 | number | - | [s]
-sdo.service.provider.enabled_services | ALL | list | - |
-sdo.service.consumer.enabled_services | ALL | list | - |
+timer.tick | 0.1 | number | - | nothing is polled
+sdo.service.provider.enabled_services | ALL | list | - | components have no SDO services
+sdo.service.consumer.enabled_services | ALL | list | - | components have no SDO services
 rtkit.start.strict | NO | boolean | start | YES: a failure while starting ends the manager
 """
 _PATTERNS = (
-    Property("manager.modules.*.load_paths", "", "list", NONE, "of other languages"),
-    Property("manager.modules.*.suffixes", "", "list", NONE, "suffixes of module files"),
+    Property("manager.modules.*.load_paths", "", "list", NONE, "components are Python"),
+    Property("manager.modules.*.suffixes", "", "list", NONE, "modules end in .py"),
     Property("manager.modules.*.manager_cmd", "", "text", NONE, "slaves are forked"),
     Property("manager.modules.*.profile_cmd", "", "text", NONE, "modules are read, not run"),
-    Property("manager.local_service.*", "", "text", NONE, "plug-ins of the manager"),
-    Property("logger.logstream.*", "", "text", NONE, "log forwarding"),
-    Property("ec.*", "", "text", LIVE, "ec.TYPE.KEY, ec.NAME.KEY: of execution contexts"),
-    Property("port.*", "", "text", LIVE, "defaults of ports"),
-    Property("sdo.*", "", "text", NONE, "SDO services"),
+    Property("manager.local_service.*", "", "text", NONE, "managers have no plug-ins"),
+    Property("logger.logstream.*", "", "text", NONE, "logs are files, one JSON object a line"),
+    Property("ec.*", "", "text", LIVE, "ec.TYPE.KEY, ec.NAME.KEY: rate, cpu_affinity of contexts"),
+    Property("port.*", "", "text", LIVE, "defaults of ports and their connections"),
+    Property("sdo.*", "", "text", NONE, "components have no SDO services"),
     Property("os.*", "", "text", FIXED, "operating system of the manager"),
     Property("*.*.config_file", "", "text", LIVE, "CATEGORY.TYPE or .INSTANCE: more properties"),
 )
 _READERS: Mapping[str, Callable[[str], object]] = {
     "manager.cpu_affinity": values.processors,
+    "exec_cxt.cpu_affinity": values.processors,
+    "manager.components.naming_policy": values.naming_policy,
+    "manager.naming_formats": formats.check_early,
     "manager.modules.preload": values.modules,
     "manager.preload.modules": values.modules,
     "net.master_manager": parse_address,
@@ -149,6 +165,12 @@ _READERS: Mapping[str, Callable[[str], object]] = {
     "net.endpoints": values.endpoint,
 }
 KNOWN: Mapping[str, Property] = {each.key: each for each in _properties()}
+
+
+def properties() -> Iterator[Property]:
+    """Yield all that there are; a star in a key stands for anything."""
+    yield from KNOWN.values()
+    yield from _PATTERNS
 
 
 def canonical(key: str) -> str:
@@ -172,6 +194,17 @@ def unknown(key: str) -> str:
     """Return what to tell of a key that is not known."""
     old = [f"corba.{name.removeprefix('net.')}" for name in KNOWN if name.startswith("net.")]
     return f"unknown property: {key}{did_you_mean(key, [*KNOWN, *old, *_OLD], 1)}"
+
+
+def vain(key: str, value: str) -> str:
+    """Return what to tell of a value that is given in vain; empty when it is not."""
+    known = find(key)
+    if known is None or known.when not in (FIXED, NONE) or not value.strip():
+        return ""
+    if check(key, value) == known.default:
+        return ""
+    what = "is read-only" if known.when == FIXED else "has no effect"
+    return f"{key} {what}: {known.meaning}"
 
 
 def check(key: str, value: str) -> str:

@@ -87,16 +87,18 @@ def parse_override(text: str) -> Entry:
 
 
 def warnings(entries: Iterable[Entry], file: str) -> list[str]:
-    """Return what to tell of keys that are not known, and of keys that are given twice."""
+    """Return what to tell of keys that are not known, given twice, or given in vain."""
     told = []
     seen: dict[str, int] = {}
-    for key, _value, line in entries:
+    for key, value, line in entries:
         place = f"{file}:{line}: " if line else ""
         name = properties.canonical(key)
         if properties.find(key) is None:
             told.append(place + properties.unknown(key))
         elif name in seen and line:
             told.append(f"{place}{key} was given in line {seen[name]} already; this one counts")
+        elif properties.vain(key, value):
+            told.append(place + properties.vain(key, value))
         seen[name] = line
     return told
 

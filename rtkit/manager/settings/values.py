@@ -9,6 +9,8 @@ DEFAULT_PORT = 2810
 """Where a manager listens by convention."""
 
 MAX_PROCESSOR = 4095
+PROCESS_UNIQUE = "process_unique"
+POLICIES = (PROCESS_UNIQUE, "node_unique", "ns_unique")
 _LOOPBACK = ("", LOCAL, "127.0.0.1")
 
 
@@ -54,6 +56,17 @@ def processors(text: str) -> frozenset[int]:
             raise Malformed(f"not a list of processors as 0,2-3: {text}")
         found.update(range(low, high + 1))
     return frozenset(found)
+
+
+def naming_policy(text: str) -> str:
+    """Return which names of components `TYPE<n>` are to differ from.
+
+    Raises:
+        Malformed: There is no such policy.
+    """
+    if text not in POLICIES:
+        raise Malformed(f"no naming policy: {text} (one of {', '.join(POLICIES)})")
+    return text
 
 
 def modules(text: str) -> tuple[tuple[str, str], ...]:

@@ -742,3 +742,36 @@ def test_languages(shell):
     shell.ask(create("Thing?instance_name=A&language=python"))
     made = shell.next("create").message["create"]
     assert made == "RTC:::Thing:Python:?instance_name=A&language=python"
+
+
+# names that are new
+
+
+def test_names_of_neighbours_are_asked_for_and_left_out(shell):
+    shell.state.settings.take("manager.components.naming_policy", "node_unique")
+    asked = shell.ask(create("Thing"))
+    call = shell.next("neighbours")
+    assert (call.key, call.message["manager"]) == (OWN, "manager")
+    shell.reply(call, ["Thing0", "Thing2", "Other"])
+    assert "instance_name=Thing1" in shell.next("create").message["create"]
+    assert not asked.is_answered
+    shell.ask(create("Thing"))
+    shell.reply(shell.next("neighbours"), ["Thing0", "Thing2"])
+    assert "instance_name=Thing3" in shell.next("create").message["create"]
+
+
+def test_neighbours_that_do_not_answer_hold_up_nothing(shell):
+    shell.state.settings.take("manager.components.naming_policy", "ns_unique")
+    shell.ask(create("Thing"))
+    shell.refuse(shell.next("neighbours"), Refused("no"))
+    assert "instance_name=Thing0" in shell.next("create").message["create"]
+    shell.ask(create("Thing"))
+    shell.next("neighbours")
+    shell.wait(5)
+    assert "instance_name=Thing1" in shell.next("create").message["create"]
+
+
+def test_who_is_named_needs_no_neighbours(shell):
+    shell.state.settings.take("manager.components.naming_policy", "node_unique")
+    shell.ask(create("Thing?instance_name=A"))
+    assert "instance_name=A" in shell.next("create").message["create"]

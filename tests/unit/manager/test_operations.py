@@ -93,6 +93,31 @@ def test_a_fork_is_a_slave_without_components(client, shell):
     assert client.get("get_slave_managers") == "manager_77\nleft"
 
 
+def test_a_fork_in_which_nothing_is_made_ends(client, shell):
+    client.ask("fork", "idle")
+    idle = shell.fork("idle")
+    client.ask("fork", "used")
+    used = shell.fork("used")
+    shell.make("A", "used")
+    shell.wait(19.9)
+    assert shell.state.processes[idle].is_wanted
+    shell.wait(0.2)
+    assert not shell.state.processes[idle].is_wanted
+    assert shell.state.processes[used].is_wanted
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("manager.shutdown_auto", "NO"), ("manager.shutdown_on_nortcs", "NO")],
+)
+def test_a_fork_stays_if_the_properties_say_so(client, shell, key, value):
+    client.set(key, value)
+    client.ask("fork", "idle")
+    idle = shell.fork("idle")
+    shell.wait(3600)
+    assert shell.state.processes[idle].is_wanted
+
+
 def test_other_managers_register_and_take_themselves_off(client, monkeypatch):
     monkeypatch.setattr("rtkit.manager.requests.managers", lambda: ["two"])
     for name in ("two", "two", "dead", "localhost:2811"):

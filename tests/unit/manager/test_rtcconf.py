@@ -80,3 +80,11 @@ def test_where_the_file_is_looked_for():
     assert ("/etc/rtc.conf", False) in found[1:]
     assert list(candidates({"RTC_MANAGER_CONFIG": "x.conf"}, "/d")) == [("/d/x.conf", True)]
     assert list(candidates({"RTC_MANAGER_CONFIG": "/x"}, "/d")) == [("/x", True)]
+
+
+def test_what_is_given_in_vain_is_told():
+    text = b"timer.tick: 0.5\nnaming.type: corba\nos.name: x\nlogger.clock_type:\nconfig.version: 1"
+    assert warnings(parse(text, "f"), "f") == [
+        "f:1: timer.tick has no effect: nothing is polled",
+        "f:3: os.name is read-only: operating system of the manager",
+    ]

@@ -1,0 +1,70 @@
+"""The name of a component that is to be made: wished or chosen, then held until it is there."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Generator
+from typing import Any
+
+from rtkit.deployment import actions as act
+from rtkit.errors import Refused, RtkitError
+from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.registration import check_free, early_names
+from rtkit.manager.core.state import Claim, State
+from rtkit.manager.core.wishes import Ask
+from rtkit.manager.settings.values import PROCESS_UNIQUE
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.names import check_instance_name
+
+_POLICY = "manager.components.naming_policy"
+_PATIENCE_S = 3.0
+"""How long other managers have to tell which names they have [s]."""
+
+
+def names_elsewhere(state: State, create: CreateString) -> Generator[Ask, Any, Collection[str]]:
+    """Return the names that a chosen one is to differ from besides those of this manager."""
+    if create.instance_name or state.settings.text(_POLICY) == PROCESS_UNIQUE:
+        return ()
+    message = {"op": "neighbours", "manager": state.name}
+    try:
+        names: list[str] = yield Ask(state.processes[OWN_PROCESS], message, _PATIENCE_S)
+    except RtkitError:
+        return ()  # who does not answer is left out: that holds up no creation
+    return frozenset(names)
+
+
+def claim_name(
+    state: State, action: act.Create, create: CreateString, taken: Collection[str] = ()
+) -> tuple[str, Claim]:
+    """Choose the instance name, ``<type><n>`` unless wished otherwise, and hold it.
+
+    Raises:
+        Refused: It, or a path at which it would be listed, is not free.
+        Malformed: No component may bear it.
+    """
+    instance = create.instance_name or _free_name(state, action, create, taken)
+    check_instance_name(instance)
+    if instance in state.claims:
+        raise Refused(f"{instance} is just being made")
+    known = state.components.get(instance)
+    asked = action.names or (known.names if known is not None else ())
+    names = tuple(dict.fromkeys(asked or early_names(state, create, instance)))
+    check_free(state, names, instance)
+    claim = state.claims[instance] = Claim(names, is_by_template=not asked)
+    return instance, claim
+
+
+def _free_name(
+    state: State, action: act.Create, create: CreateString, taken: Collection[str]
+) -> str:
+    pattern = action.pattern
+    base = pattern.type.type_name if pattern is not None else create.implementation_id
+    names = (f"{base}{n}" for n in itertools.count())
+    return next(
+        name
+        for name in names
+        if name not in state.components
+        and name not in state.claims
+        and name not in taken
+        and (action.names or not any(map(state.name_owner, early_names(state, create, name))))
+    )
