@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -94,6 +95,25 @@ def test_the_sample_system_can_be_brought_up(manager: Any) -> None:
     assert manager.run(f"rtstart {folder}/system.xml").status == 0
     manager.ok(f"rtcheck {folder}/system.xml")
     assert "Active" in manager.ok("rtls -l /localhost/RTC_CO2_K300.rtc")
+
+
+def test_an_installed_package_is_found_by_name(shell: Any) -> None:
+    folder = build(shell, "XXX")
+    site = shell.folder / "site"
+    (site / "rtc_xxx-1.0.dist-info").mkdir(parents=True)
+    for name in ("XXX.py", "XXX_idl.py"):
+        shutil.copy(folder / name, site)
+    project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+    entries = project["entry-points"]["rtkit.components"]
+    (site / "rtc_xxx-1.0.dist-info" / "entry_points.txt").write_text(
+        "[rtkit.components]\n" + "".join(f"{name} = {to}\n" for name, to in entries.items())
+    )
+    shutil.rmtree(folder)
+    shell.environment["PYTHONPATH"] += f":{site}"
+    shell.ok("rtmgr start")
+    assert "XXX" in shell.ok(f"rtmgr -m {MANAGER}")
+    shell.ok(f"rtmgr -c 'XXX?manager_name=s1' -c XXX {MANAGER}")
+    shell.ok("rtact /localhost/XXX0.rtc /localhost/XXX1.rtc")
 
 
 def test_what_a_project_imports_lies_beside_it(manager: Any) -> None:

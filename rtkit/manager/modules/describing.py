@@ -26,13 +26,15 @@ class Offer(NamedTuple):
     parameters: Mapping[str, str]
 
 
-def describe(source: bytes, file: str) -> list[Offer] | None:
+def describe(source: bytes, file: str, init: str = "") -> list[Offer] | None:
     """Return what a file offers; None where it is plainly no module of components.
+
+    Without `init` its init function is ``<name>Init``.
 
     Raises:
         Malformed: It means to be one, but cannot be described; tells why and in which line.
     """
-    init = f"{os.path.basename(file).partition('.')[0]}Init"
+    init = init or f"{os.path.basename(file).partition('.')[0]}Init"
     if init.encode() not in source and _REGISTER.encode() not in source:
         return None
     if len(source) > _LARGEST:
@@ -145,11 +147,20 @@ def _parameters(body: list[ast.stmt], names: Mapping[str, object]) -> dict[str, 
         called = node.func.attr if isinstance(node.func, ast.Attribute) else node.func
         if called == "Parameter" or (isinstance(called, ast.Name) and called.id == "Parameter"):
             default = node.args[0] if node.args else None
+            own = _name(node) or name.rstrip("_")
             if isinstance(default, ast.Name):
-                found[name] = str(names.get(default.id, ""))
+                found[own] = str(names.get(default.id, ""))
             elif default is not None:
-                found[name] = _literal(default)
+                found[own] = _literal(default)
     return found
+
+
+def _name(call: ast.Call) -> str:
+    """Return the name that a declaration gives itself; empty when it is that of its attribute."""
+    for each in call.keywords:
+        if each.arg == "name" and isinstance(each.value, ast.Constant):
+            return str(each.value.value)
+    return ""
 
 
 def _literal(node: ast.expr) -> str:

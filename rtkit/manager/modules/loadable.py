@@ -1,4 +1,4 @@
-"""Which modules could be loaded: all that the load paths hold, read and not run."""
+"""Which modules could be loaded: all in load paths and installed packages, read and not run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _lines(search: Search) -> Iterator[str]:
     for name in itertools.islice(search.modules(), MOST):
         try:
             source = search.read(name)
-            offers = describe(source.text, source.file)
+            offers = describe(source.text, source.file, source.init)
         except (Refused, NotFound, Malformed) as error:
             yield record(name, {"problem": str(error)})
             continue

@@ -56,7 +56,8 @@ class Loader:
     """The modules and factories of one process.
 
     Modules are looked for by path, or by name in the load paths; a component type that nobody
-    registered is looked for as ``<implementation_id>.py`` there.
+    registered is looked for as ``<implementation_id>.py`` there, then by its name among the
+    installed packages.
 
     Args:
         load_path: Folders of modules.
@@ -94,11 +95,11 @@ class Loader:
         known = self._modules.get(path)
         if known is not None:
             return known
-        file, source = self._search.read(path)
+        file, source, told = self._search.read(path)
         fingerprint = zlib.crc32(source)
         if not self._imports_untried and self.tried.get(path) != fingerprint:
             raise UntriedModule(path, init)
-        name = init or f"{os.path.basename(file).partition('.')[0]}Init"
+        name = init or told or f"{os.path.basename(file).partition('.')[0]}Init"
         _offer_neighbours(file)
         module = _import(file, source)
         types = self.factories.register_all(_initialise(module, name, path))

@@ -1,6 +1,7 @@
 """Finds modules: by name inside the load paths, by absolute path where that is allowed.
 
 A name leads to no other place: neither by ``..`` nor by a link. What is checked is what is read.
+One that no load path has may be that of a module of an installed package.
 """
 
 from __future__ import annotations
@@ -10,16 +11,30 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.modules.installed import installed
 from rtkit.manager.settings.reading import read_private
 
 SUFFIX = ".py"
 
 
 class Source(NamedTuple):
-    """A module as it was read."""
+    """A module as it was read.
+
+    Attributes:
+        init: Name of its init function where its package says one; else empty.
+    """
 
     file: str
     text: bytes
+    init: str = ""
+
+
+class _Place(NamedTuple):
+    """Where a module is: its file, the load path that it has to be in, if any, and its init."""
+
+    file: str = ""
+    folder: str = ""
+    init: str = ""
 
 
 class Search:
@@ -36,20 +51,21 @@ class Search:
             NotFound: There is no such file.
             Refused: It lies where no module is taken from; tells the rule.
         """
-        file, folder = self._place(path)
+        file, folder, init = self._place(path)
         if not file or not os.path.isfile(file):
-            raise NotFound(f"no module {path} (looked in {', '.join(self.folders)})")
+            looked = f"looked in {', '.join(self.folders)} and among installed packages"
+            raise NotFound(f"no module {path} ({looked})")
         real = os.path.realpath(file)
         if folder and not _is_inside(real, os.path.realpath(folder)):
             raise Refused(f"module {path} is a link that leaves the load path {folder}")
-        return Source(file, read_private(real))
+        return Source(file, read_private(real), init)
 
     def has(self, path: str) -> bool:
-        """Whether a module of that name is in a load path."""
-        return bool(self._find(path)[0])
+        """Whether there is a module of that name."""
+        return bool(self._find(path).file)
 
     def modules(self) -> Iterator[str]:
-        """Yield the files that could be modules, each name once, as it would be found."""
+        """Yield the names of what could be modules, each once, as it would be found."""
         seen = set()
         for folder in self.folders:
             try:
@@ -60,9 +76,11 @@ class Search:
                 if name.endswith(SUFFIX) and not name.startswith(".") and name not in seen:
                     seen.add(name)
                     yield name
+        for name in installed():
+            if f"{name}{SUFFIX}" not in seen:
+                yield f"{name}{SUFFIX}"
 
-    def _place(self, path: str) -> tuple[str, str]:
-        """Return the file, and the load path that it has to be in, if there is one."""
+    def _place(self, path: str) -> _Place:
         if not os.path.isabs(path):
             if ".." in path.split("/"):
                 raise Refused(f"module path leaves the load paths: {path}")
@@ -70,21 +88,22 @@ class Search:
         plain = os.path.normpath(path)
         for folder in self.folders:
             if _is_inside(plain, os.path.normpath(folder)):
-                return plain, "" if self._is_absolute_allowed else folder
+                return _Place(plain, "" if self._is_absolute_allowed else folder)
         if not self._is_absolute_allowed:
             raise Refused(
                 "absolute module paths are not allowed here"
                 f" (manager.modules.abs_path_allowed is NO): {path}"
             )
-        return plain, ""
+        return _Place(plain)
 
-    def _find(self, path: str) -> tuple[str, str]:
+    def _find(self, path: str) -> _Place:
         for name in (path, f"{path}{SUFFIX}"):
             for folder in self.folders:
                 file = os.path.join(folder, name)
                 if os.path.isfile(file):
-                    return file, folder
-        return "", ""
+                    return _Place(file, folder)
+        known = installed().get(path.removesuffix(SUFFIX))
+        return _Place(known.file, init=known.init) if known else _Place()
 
 
 def _is_inside(path: str, folder: str) -> bool:

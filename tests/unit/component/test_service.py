@@ -292,6 +292,33 @@ def test_a_class_as_implementation_is_made_for_each_component():
     assert one.port.served[0].implementation is not other.port.served[0].implementation
 
 
+class Servant:
+    """An implementation that works for a component."""
+
+    def __init__(self, component, suffix="!"):
+        self.component = component
+        self.suffix = suffix
+
+    def count(self) -> int:
+        """Count."""
+        return len(self.component.instance)
+
+
+def test_a_class_as_implementation_is_given_the_component_it_asks_for():
+    class Provider(Component):
+        port = ServicePort.provided(Counting, implementation=Servant)
+
+    made = Provider("Provider0").port.served[0].implementation
+    assert (made.component.instance, made.suffix, made.count()) == ("Provider0", "!", 9)
+
+
+class Counting(Protocol):
+    """Counts."""
+
+    def count(self) -> int:
+        """Count."""
+
+
 def test_an_implementation_that_lacks_methods_is_refused():
     class Lazy(Component):
         service = ServicePort.provided(MyService)

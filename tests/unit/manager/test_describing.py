@@ -41,6 +41,8 @@ class Arm(_Base, Component):
     speed = Parameter(FAST)
     way = Parameter([1, 2], widget="text")
     odd = Parameter(os.getcwd())
+    class_ = Parameter(3)
+    gain = Parameter(1.5, name="gainP")
 
 def ArmInit(manager):
     if True:
@@ -52,7 +54,10 @@ def test_all_that_is_stated_is_understood():
     (offer,) = describe(MODULE.encode(), "/x/Arm.py")
     assert offer.type.id == "RTC:me:Robot:Arm:1.2"
     assert offer.type.description == "Move an arm."
-    assert offer.parameters == {"slow": "1", "speed": "2.5", "way": "1,2", "odd": ""}
+    assert offer.parameters == {"slow": "1", "speed": "2.5", "way": "1,2", "odd": ""} | {
+        "class": "3",
+        "gainP": "1.5",
+    }
     assert "RTKIT_TEST_RAN" not in os.environ
 
 
@@ -135,6 +140,7 @@ def test_the_lines_of_a_scan(tmp_path):
     ]
     assert lines[0].endswith(
         f"&module={one}/Arm.py&conf.default.slow=1&conf.default.speed=2.5&conf.default.way=1,2"
+        "&conf.default.class=3&conf.default.gainP=1.5"
     )
     assert "written by everybody" in lines[1]
     assert "leaves the load path" in lines[2]
