@@ -143,6 +143,15 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprofile diff robot.xml robot.new.xml", "What changed, but for ids, dates, positions."),
         ("rtprofile convert robot.xml robot.yaml", "The same as YAML; also --to json."),
         ("rtprofile normalise -i *.xml", "Put right in place what can be, and tell it."),
+        (
+            "rtprofile new component Motor --in speed:TimedDouble --parameter 'gain:double=1.0'",
+            "Begin Motor.xml.",
+        ),
+        (
+            "rtprofile new system Robot --component Motor.xml:Left --component Eye.xml "
+            "--connect Eye0.speed=Left.speed",
+            "Begin Robot.xml.",
+        ),
         ("rtprofile doc Motor.xml -o Motor.html", "A page about a component, in one file."),
         ("rtprofile graph robot.xml -o robot.svg", "A picture of a system."),
     ),

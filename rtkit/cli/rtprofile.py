@@ -14,6 +14,7 @@ WORDS = {
     "diff": Word("rtkit.cli.profile.diff", "Compare two profiles by what they mean."),
     "convert": Word("rtkit.cli.profile.convert", "Write a profile as XML, YAML or JSON."),
     "normalise": Word("rtkit.cli.profile.normalise", "Bring profiles to the strict form."),
+    "new": Word("rtkit.cli.profile.new", "Begin the profile of a component or of a system."),
     "doc": Word("rtkit.cli.profile.doc", "Write a page about a component, or a system."),
     "graph": Word("rtkit.cli.profile.graph", "Draw a system without running it."),
 }

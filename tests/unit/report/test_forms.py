@@ -179,7 +179,7 @@ def test_file_names_are_uris(file: str, shown: str) -> None:
 def check_junit(root: Any) -> None:
     """Check the shape that Jenkins, GitLab and Ant have in common, attributes and order."""
     assert root.tag == "testsuites"
-    assert set(root.attrib) == {"name", "tests", "failures", "errors", "time"}
+    assert not root.attrib
     (suite,) = root
     assert suite.tag == "testsuite"
     needed = {"name", "tests", "failures", "errors", "skipped", "time", "timestamp", "hostname"}
@@ -195,9 +195,8 @@ def check_junit(root: Any) -> None:
         for failure in case:
             failed += 1
             assert set(failure.attrib) == {"type", "message"}
-    for counts in (root, suite):
-        assert (counts.get("tests"), counts.get("failures")) == (str(len(cases)), str(failed))
-        assert counts.get("errors") == "0"
+    assert (suite.get("tests"), suite.get("failures")) == (str(len(cases)), str(failed))
+    assert suite.get("errors") == "0"
 
 
 def test_junit_is_as_its_readers_want_it() -> None:

@@ -1,0 +1,217 @@
+"""A new system profile, from component profiles and the names of ports to be connected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from rtkit.drawing.layout import laid_out
+from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.profile.common import Property
+from rtkit.profile.rtc_model import DataPort, RtcProfile, ServicePort
+from rtkit.profile.rts_model import (
+    RTS_VERSION,
+    Component,
+    ConfigurationData,
+    ConfigurationSet,
+    DataPortConnector,
+    ExecutionContext,
+    Location,
+    Port,
+    RtsProfile,
+    ServicePortConnector,
+    TargetPort,
+)
+from rtkit.profile.words import normal_data_type
+from rtkit.profile_tools.system_scene import system_scene
+
+_CONTEXT_KINDS = {"PERIODIC": "PERIODIC", "SPORADIC": "EVENT_DRIVEN", "EVENTDRIVEN": "EVENT_DRIVEN"}
+_DEFAULT = "default"
+
+
+class Member(NamedTuple):
+    """A component of a new system: its type, and what it is called."""
+
+    type: RtcProfile
+    instance: str
+
+
+class _End(NamedTuple):
+    """A port that is to be connected."""
+
+    member: Member
+    port: DataPort | ServicePort
+
+    @property
+    def text(self) -> str:
+        """How users write it."""
+        return f"{self.member.instance}.{self.port.name}"
+
+
+def new_system(
+    name: str,
+    date: str,
+    members: Sequence[Member] = (),
+    connections: Iterable[str] = (),
+    *,
+    vendor: str = "Me",
+    version: str = "1.0.0",
+    abstract: str = "",
+    host: str = "localhost",
+) -> RtsProfile:
+    """Return a profile in the strict form; connections are ``INSTANCE.PORT=INSTANCE.PORT``.
+
+    Raises:
+        Malformed: A name is used twice, or a connection is none.
+        NotFound: A connection names what is not there.
+        Refused: Two ports cannot be connected.
+    """
+    if not name.strip() or "/" in name:
+        raise Malformed(f"{name!r} cannot be the name of a system")
+    for what, text in (("name", name), ("vendor", vendor), ("version", version)):
+        if ":" in text:
+            raise Malformed(f"a {what} with a colon would break the id: {text}")
+    by_name = {member.instance: member for member in members}
+    if len(by_name) < len(members):
+        twice = next(
+            m.instance for m in members if [n.instance for n in members].count(m.instance) > 1
+        )
+        raise Malformed(f"component {twice} is named twice")
+    data: list[DataPortConnector] = []
+    services: list[ServicePortConnector] = []
+    for number, text in enumerate(connections, 1):
+        made = _connector(text, str(number), by_name)
+        if isinstance(made, DataPortConnector):
+            data.append(made)
+        else:
+            services.append(made)
+    profile = RtsProfile(
+        f"RTSystem:{vendor}:{name}:{version}",
+        RTS_VERSION,
+        date,
+        date,
+        abstract=abstract or None,
+        components=tuple(_component(member, host) for member in members),
+        data_port_connectors=tuple(data),
+        service_port_connectors=tuple(services),
+    )
+    return _located(profile)
+
+
+def default_instance(type_name: str, taken: Iterable[str]) -> str:
+    """Return the first free name for an instance: ``Motor0``, then ``Motor1``."""
+    known = set(taken)
+    number = 0
+    while f"{type_name}{number}" in known:
+        number += 1
+    return f"{type_name}{number}"
+
+
+def _component(member: Member, host: str) -> Component:
+    info = member.type.basic_info
+    kind = _CONTEXT_KINDS[info.activity_type] if info else "PERIODIC"
+    rate = (info.execution_rate or None) if info and kind == "PERIODIC" else None
+    items = member.type.configuration_set.configurations if member.type.configuration_set else ()
+    values = tuple(ConfigurationData(item.name, item.default_value) for item in items)
+    return Component(
+        member.type.id,
+        f"{host}/{member.instance}.rtc",
+        member.instance,
+        active_configuration_set=_DEFAULT if values else None,
+        visible=True,
+        data_ports=tuple(_data_port(member, port) for port in member.type.data_ports),
+        service_ports=tuple(
+            Port(f"{member.instance}.{port.name}", True, properties=_stated("CorbaPort"))
+            for port in member.type.service_ports
+        ),
+        configuration_sets=(ConfigurationSet(_DEFAULT, values),) if values else (),
+        execution_contexts=(ExecutionContext("0", kind, rate),),
+    )
+
+
+def _data_port(member: Member, port: DataPort) -> Port:
+    kind = "DataOutPort" if port.port_type == "DataOutPort" else "DataInPort"
+    return Port(f"{member.instance}.{port.name}", True, properties=_stated(kind, port.type))
+
+
+def _stated(kind: str, data_type: str = "") -> tuple[Property, ...]:
+    stated = [Property("dataport.data_type", normal_data_type(data_type))] if data_type else []
+    return (*stated, Property("port.port_type", kind))
+
+
+def _connector(
+    text: str, number: str, members: Mapping[str, Member]
+) -> DataPortConnector | ServicePortConnector:
+    one, equals, other = text.partition("=")
+    if not (one and equals and other) or "=" in other:
+        raise Malformed(f"a connection is INSTANCE.PORT=INSTANCE.PORT: {text}")
+    source, target = _end(one, members), _end(other, members)
+    name = f"{source.port.name}_{target.port.name}"
+    if isinstance(source.port, DataPort) and isinstance(target.port, DataPort):
+        if source.port.port_type != "DataOutPort":
+            source, target = target, source
+        data_type = _common_type(source, target)
+        ends = (_target(source), _target(target))
+        return DataPortConnector(number, name, data_type, "corba_cdr", "push", *ends, "new")
+    _check_services(source, target)
+    return ServicePortConnector(number, name, _target(source), _target(target))
+
+
+def _end(text: str, members: Mapping[str, Member]) -> _End:
+    instance, dot, port_name = text.partition(".")
+    member = members.get(instance)
+    if not dot or member is None:
+        known = ", ".join(members) or "none"
+        raise NotFound(f"no such component: {text}; there are: {known}")
+    ports: list[DataPort | ServicePort] = [*member.type.data_ports, *member.type.service_ports]
+    for port in ports:
+        if port.name == port_name:
+            return _End(member, port)
+    known = ", ".join(port.name for port in ports) or "none"
+    raise NotFound(f"no such port: {text}; {instance} has: {known}")
+
+
+def _common_type(source: _End, target: _End) -> str:
+    assert isinstance(source.port, DataPort)
+    assert isinstance(target.port, DataPort)
+    kinds = (source.port.port_type, target.port.port_type)
+    if kinds[0] != "DataOutPort" or kinds[1] == "DataOutPort":
+        told = " and ".join(kinds)
+        raise Refused(f"{source.text} and {target.text} cannot be connected: {told}")
+    types = [
+        normal_data_type(end.port.type)
+        for end in (source, target)
+        if isinstance(end.port, DataPort)
+    ]
+    closed = [each for each in types if each.lower() not in ("", "any")]
+    if len(set(closed)) > 1:
+        told = " and ".join(types)
+        raise Refused(f"{source.text} and {target.text} cannot be connected: {told}")
+    return closed[0] if closed else types[0]
+
+
+def _check_services(source: _End, target: _End) -> None:
+    if not (isinstance(source.port, ServicePort) and isinstance(target.port, ServicePort)):
+        raise Refused(f"{source.text} and {target.text}: one is a data port, one a service port")
+    given = {(each.type, each.direction) for each in source.port.service_interfaces}
+    turned = {"Provided": "Required", "Required": "Provided"}
+    wanted = {(each.type, turned[each.direction]) for each in target.port.service_interfaces}
+    if not given & wanted:
+        raise Refused(f"{source.text} and {target.text}: neither provides what the other requires")
+
+
+def _target(end: _End) -> TargetPort:
+    return TargetPort(
+        end.member.type.id, end.member.instance, f"{end.member.instance}.{end.port.name}"
+    )
+
+
+def _located(profile: RtsProfile) -> RtsProfile:
+    """Say where an editor is to draw the components."""
+    places = laid_out(system_scene(profile)).places
+    components = tuple(
+        replace(component, location=Location(40 + x, 40 + y, -1, -1, "RIGHT"))
+        for component, (x, y) in zip(profile.components, places, strict=True)
+    )
+    return replace(profile, components=components)
