@@ -9,7 +9,7 @@ READY := .venv/.ready
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
 	@echo "make test    linters, types, layers and all tests"
-	@echo "make bench   measure, beside a floor of the same run"
+	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
 	@echo "make man     write the manual pages anew from the commands"
 	@echo "make lint    what make test checks before the tests"
 	@echo "make venv    only set up .venv"
@@ -37,7 +37,7 @@ lint: $(READY)
 	$(BIN)/lint-imports
 
 bench: $(READY)
-	@$(BIN)/python -m bench
+	@$(BIN)/python -m bench $(ROWS)
 
 man: $(READY)
 	$(BIN)/python -m rtkit.cli._man man

@@ -7,21 +7,22 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Iterator
 
-from bench.harness import Row, manager, paired
+from bench.harness import Lines, Row, manager, paired
 from rtkit.deployment.actions import Create
 from rtkit.tree.client import Tree
 
 _FLOOR_IS = "kill of a bare Python process until its pidfd tells"
 
 
-def rows() -> Iterator[Row]:
-    """Measure a small slave beside a bare process."""
+def _killed() -> Lines:
     with manager() as tree:
         measured = paired(lambda: _slave_ms(tree), _bare_ms)
         what = "dead slave (small) marked in the listing, from the kill"
         yield Row(what, "ms", *measured, 50.0, False, _FLOOR_IS)
+
+
+PARTS = {"killed": _killed}
 
 
 def _slave_ms(tree: Tree) -> float:

@@ -19,6 +19,8 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 import rtkit
+from rtkit.deployment.actions import Action, Create, Delete
+from rtkit.link.door import free_port
 from rtkit.manager import launch
 from rtkit.manager.settings.configuration import Wanted
 from rtkit.tree import managers
@@ -29,6 +31,7 @@ ROUNDS = 21
 
 WARM_UP = 3
 _START_S = 20.0
+_PATIENCE_S = 30.0
 
 # Where byte code is not kept, each command and each slave would compile what it imports anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -82,7 +85,19 @@ class Row(NamedTuple):
         )
 
 
+class Missing(NamedTuple):
+    """A line that could not be measured on this machine."""
+
+    what: str
+    why: str
+
+    def as_json(self) -> str:
+        """Return the line as one line of JSON."""
+        return json.dumps({"schema": "rtkit.bench/1", **self._asdict(), "verdict": "not measured"})
+
+
 Measure = Callable[[], float]
+Lines = Iterator[Row | Missing]
 
 
 def pairs_of(one: Measure, other: Measure, rounds: int = ROUNDS) -> list[tuple[float, float]]:
@@ -135,13 +150,26 @@ def command(name: str) -> str:
 
 
 @contextmanager
-def manager(*module_paths: str) -> Iterator[Tree]:
-    """Run a manager of its own for one group of rows, leaving nothing behind."""
+def folders(*module_paths: str) -> Iterator[str]:
+    """Have runtime and state folders of our own, which go with everything in them; one above."""
     with tempfile.TemporaryDirectory(prefix="rtb") as base:
         os.environ["RTKIT_RUNTIME_DIR"] = os.path.join(base, "r")
         os.environ["RTKIT_STATE_DIR"] = os.path.join(base, "s")
         os.environ["RTKIT_MODULE_PATH"] = os.pathsep.join(module_paths)
-        pid = launch.start("manager", Wanted(overrides=("net.endpoints:none",)), _START_S).pid
+        yield base
+
+
+def start_manager(*, has_door: bool = False) -> int:
+    """Start a manager in the present folders, with a TCP door if wanted; return its pid."""
+    endpoints = f":{free_port()}" if has_door else "none"
+    return launch.start("manager", Wanted(overrides=(f"net.endpoints:{endpoints}",)), _START_S).pid
+
+
+@contextmanager
+def manager(*module_paths: str, has_door: bool = False) -> Iterator[Tree]:
+    """Run a manager of its own for one group of rows, leaving nothing behind."""
+    with folders(*module_paths):
+        pid = start_manager(has_door=has_door)
         try:
             with rtkit.connect() as tree:
                 yield tree
@@ -153,10 +181,45 @@ def manager(*module_paths: str) -> Iterator[Tree]:
             os.waitpid(pid, 0)
 
 
-def table(rows: Sequence[Row]) -> str:
+def create(tree: Tree, texts: Sequence[str]) -> None:
+    """Have components made by one call, and all of them."""
+    actions: list[Action] = [Create(text) for text in texts]
+    for result in tree.apply(actions, is_ordered=False, timeout_s=60.0):
+        result.raise_for_error()
+
+
+def until_listed(tree: Tree, count: int, state: str = "Inactive") -> None:
+    """Wait until the benchmark's components, ``N0`` and so on, are all listed in a state."""
+    deadline = time.monotonic() + _PATIENCE_S
+    while True:
+        rows = [row for row in tree.listing().rows if row.instance.startswith("N")]
+        if len(rows) == count and all(row.state == state and not row.zombie for row in rows):
+            return
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"{len(rows)} of {count} components within {_PATIENCE_S:g} s")
+
+
+def remove(tree: Tree, count: int) -> None:
+    """End the benchmark's components, and their slaves."""
+    actions: list[Action] = [Delete(f"N{index}") for index in range(count)]
+    for result in tree.apply(actions, is_ordered=False, timeout_s=60.0):
+        result.raise_for_error()
+    until_alone(tree)
+
+
+def until_alone(tree: Tree) -> None:
+    """Wait until there is no slave any more."""
+    while tree.listing().slaves:
+        pass
+
+
+def table(rows: Sequence[Row | Missing]) -> str:
     """Return the rows for people."""
     cells = [("", "figure", "floor", "ratio", "target", "")]
     for row in rows:
+        if isinstance(row, Missing):
+            cells.append((row.what, "-", "-", "-", "-", f"not measured: {row.why}"))
+            continue
         bound = "" if row.target is None else f"{row.target:g}"
         unit = " x" if row.is_ratio else f" {row.unit}"
         cells.append(
@@ -169,6 +232,11 @@ def table(rows: Sequence[Row]) -> str:
                 row.verdict,
             )
         )
+    return columns(cells)
+
+
+def columns(cells: Sequence[Sequence[str]]) -> str:
+    """Return lines of cells, one below the other."""
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     lines = ["  ".join(f"{c:<{w}}" for c, w in zip(line, widths, strict=True)) for line in cells]
     return "\n".join(line.rstrip() for line in lines)

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import closing
 
-from bench.harness import Row, command, manager, paired, process, timed
-from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
+from bench.forks import Forks
+from bench.harness import (
+    Lines,
+    Row,
+    command,
+    create,
+    manager,
+    paired,
+    process,
+    remove,
+    timed,
+    until_alone,
+    until_listed,
+)
+from rtkit.deployment.actions import Load, Unload
 from rtkit.resources import resource
 from rtkit.tree.client import Tree
 
@@ -16,18 +27,25 @@ _FORK_IS = "fork of a Python process that has the same modules, until the child 
 _MADE_IS = "the same components made by a plain loop in one process, each"
 
 
-def rows() -> Iterator[Row]:
-    """Measure launching in one process and in slaves; figures are per component."""
-    with manager() as tree, closing(_Forks()) as forked:
-        here, apart = _in_manager, _in_slaves
-        yield _row(tree, "10 components, one batch, same process", 10, here, 3.0, _made)
-        yield _row(tree, "100 components, one batch, same process", 100, here, 2.0, _made)
+def _batches() -> Lines:
+    with manager() as tree, closing(Forks()) as forks:
+        here, apart, forked = _in_manager, _in_slaves, _forked(forks)
+        yield _row(tree, "10 components, one batch, same process", 10, here, 3.0, made)
+        yield _row(tree, "100 components, one batch, same process", 100, here, 2.0, made)
         yield _row(tree, "10 components, one batch, own slave each", 10, apart, 12.0, forked)
-        yield _row(tree, "100 components, one batch, own slave each", 100, apart, None, forked, 7)
-        yield _command_row(tree, "10 components, one rtmgr, same process", here, _made)
-        yield _command_row(tree, "10 components, one rtmgr, own slave each", apart, forked)
+        yield _row(tree, "100 components, one batch, own slave each", 100, apart, 8.0, forked, 7)
+
+
+def _commands() -> Lines:
+    with manager() as tree, closing(Forks()) as forks:
+        forked = _forked(forks)
+        yield _command_row(tree, "10 components, one rtmgr, same process", _in_manager, made)
+        yield _command_row(tree, "10 components, one rtmgr, own slave each", _in_slaves, forked)
         yield _trial_row(tree, forked)
         yield _system_row(tree)
+
+
+PARTS = {"batches": _batches, "commands": _commands}
 
 
 def _in_manager(index: int) -> str:
@@ -47,20 +65,19 @@ def _row(
     floor: Callable[[int], float],
     rounds: int = 15,
 ) -> Row:
-    creates: list[Action] = [Create(place(index)) for index in range(count)]
+    texts = [place(index) for index in range(count)]
 
     def launch() -> float:
         def call() -> None:
-            for result in tree.apply(creates, is_ordered=False, timeout_s=60.0):
-                result.raise_for_error()
-            _until_listed(tree, count)
+            create(tree, texts)
+            until_listed(tree, count)
 
         elapsed_ms = timed(call)
-        _remove(tree, count)
+        remove(tree, count)
         return elapsed_ms / count
 
     measured = paired(launch, lambda: floor(count) / count, rounds)
-    floor_is = _MADE_IS if floor is _made else _FORK_IS
+    floor_is = _MADE_IS if floor is made else _FORK_IS
     return Row(f"{what}, each until Inactive", "ms", *measured, target, False, floor_is)
 
 
@@ -74,12 +91,12 @@ def _command_row(
 
     def launch() -> float:
         elapsed_ms = process(line)
-        _until_listed(tree, count)
-        _remove(tree, count)
+        until_listed(tree, count)
+        remove(tree, count)
         return elapsed_ms / count
 
     measured = paired(launch, lambda: floor(count) / count, 15)
-    floor_is = _MADE_IS if floor is _made else _FORK_IS
+    floor_is = _MADE_IS if floor is made else _FORK_IS
     return Row(f"{what}, whole process, each", "ms", *measured, None, False, floor_is)
 
 
@@ -101,7 +118,7 @@ def _system_row(tree: Tree) -> Row:
     def launch() -> float:
         elapsed_ms = process(bring_up)
         process([command("rtteardown"), "--exit", profile])
-        _until_alone(tree)
+        until_alone(tree)
         return elapsed_ms
 
     measured = paired(launch, lambda: process(rtls), 15)
@@ -109,26 +126,8 @@ def _system_row(tree: Tree) -> Row:
     return Row(what, "ms", *measured, None, True, "rtls")
 
 
-def _until_alone(tree: Tree) -> None:
-    while tree.listing().slaves:
-        pass
-
-
-def _until_listed(tree: Tree, count: int) -> None:
-    while True:
-        rows = [row for row in tree.listing().rows if row.instance.startswith("N")]
-        if len(rows) == count and all(row.state == "Inactive" for row in rows):
-            return
-
-
-def _remove(tree: Tree, count: int) -> None:
-    deletes: list[Action] = [Delete(f"N{index}") for index in range(count)]
-    for result in tree.apply(deletes, is_ordered=False, timeout_s=60.0):
-        result.raise_for_error()
-    _until_alone(tree)
-
-
-def _made(count: int) -> float:
+def made(count: int) -> float:
+    """Return how long a plain loop takes to make so many components [ms]."""
     from rtkit.component.base import Component
     from rtkit.component.port import OutPort
     from rtkit.component.types import TimedLong
@@ -145,25 +144,5 @@ def _made(count: int) -> float:
     return timed(make)
 
 
-class _Forks:
-    """The process that forks (see `bench.forks`)."""
-
-    def __init__(self) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "bench.forks"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-
-    def __call__(self, count: int) -> float:
-        """Return how long that many forks take [ms]."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._process.stdin.write(f"{count}\n")
-        self._process.stdin.flush()
-        return float(self._process.stdout.readline())
-
-    def close(self) -> None:
-        """End it."""
-        self._process.communicate()
+def _forked(forks: Forks) -> Callable[[int], float]:
+    return lambda count: forks.ask("fork", count)

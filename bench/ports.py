@@ -10,7 +10,7 @@ import timeit
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from bench.harness import Row, manager, medians, paired, pairs_of
+from bench.harness import Lines, Row, manager, medians, paired, pairs_of
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Pose2D, TimedPose2D
 from rtkit.component.port import InPort, OutPort
@@ -34,16 +34,21 @@ _WAITING = {
 }
 
 
-def rows() -> Iterator[Row]:
-    """Measure both."""
+def _write() -> Lines:
     measured = paired(_write_us, _callbacks_us)
     what = "write to the buffer of an in port, same process"
     yield Row(f"{what}, ratio", "us", *measured, 5.0, True, _CALL_IS)
     yield Row(f"{what}, time", "us", *measured, 1.0, False, _CALL_IS)
+
+
+def _trip() -> Lines:
     # How the kernel spreads processes over cores stays for their life: take fresh ones, often.
     pairs = [pair for _ in range(_SETS) for pair in _round_trips()]
     what = "round trip of a TimedPose2D through two processes"
     yield Row(what, "us", *medians(pairs), 1.4, True, _RAW_IS)
+
+
+PARTS = {"write": _write, "trip": _trip}
 
 
 def _round_trips() -> list[tuple[float, float]]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from lxml import etree
 
-from bench.harness import Row, medians, paired, pairs_of, timed
+from bench.harness import Lines, Row, medians, paired, pairs_of, timed
 from bench.synthetic import system
 from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile
@@ -47,8 +47,7 @@ print((told("VmHWM:") - before) / len(data))
 """
 
 
-def rows() -> Iterator[Row]:
-    """Measure the largest real profile, and a large system in every form."""
+def _read() -> Lines:
     largest = _largest()
     if largest is not None:
         what = f"largest profile of the corpus ({len(largest.read_bytes()) / 1e3:.0f} kB), read"
@@ -59,6 +58,9 @@ def rows() -> Iterator[Row]:
     yield from _large(profile)
     yield from _others(profile)
     yield _memory(profile)
+
+
+PARTS = {"read": _read}
 
 
 def _large(profile: RtsProfile) -> Iterator[Row]:

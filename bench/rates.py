@@ -14,10 +14,12 @@ import sys
 import tempfile
 import time
 from array import array
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
+from random import Random
 
-from bench.harness import Row, manager, medians
+from bench.harness import Lines, Row, manager, medians
+from rtkit.component.period import Period
 from rtkit.deployment.actions import Action, ChangeState, Create, SetParameters
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
@@ -27,21 +29,52 @@ _ROUNDS = 9
 _NS = 1_000_000_000
 _NONE = 0.1
 _COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
+_OVERRUNS = 0.001
+_SUM_IS = "a loop that sleeps a period after each tick, of up to 60 us"
 _LOOP_IS = "a bare loop that sleeps until absolute deadlines, in a process of its own"
 
 
-def rows() -> Iterator[Row]:
-    """Measure at 100 Hz and at 1 kHz."""
-    for rate, count in _RATES.items():
-        pairs = _pairs(rate, count)
-        for at, name in enumerate(("median", "99 of 100")):
-            both = [(one[at], other[at]) for one, other in pairs]
-            what = f"jitter of a period at {rate} Hz, {name}"
-            yield Row(what, "us", *medians(both), 3.0, True, _LOOP_IS)
-        # A loop that is late catches up; a context leaves out what is past, for others' sake.
-        missing = [(max(one[2], _NONE), max(other[2], _NONE)) for one, other in pairs]
-        what = f"periods left out at {rate} Hz, of 1000"
-        yield Row(what, "", *medians(missing), None, False, _LOOP_IS)
+def _jitter(rate: int) -> Lines:
+    pairs = _pairs(rate, _RATES[rate])
+    for at, name in enumerate(("median", "99 of 100")):
+        both = [(one[at], other[at]) for one, other in pairs]
+        what = f"jitter of a period at {rate} Hz, {name}"
+        yield Row(what, "us", *medians(both), 3.0, True, _LOOP_IS)
+    missing = [(max(one[2], _NONE), max(other[2], _NONE)) for one, other in pairs]
+    what = f"periods left out at {rate} Hz, of 1000"
+    yield Row(what, "", *medians(missing), None, False, _LOOP_IS)
+
+
+def _drift() -> Lines:
+    for rate in _RATES:
+        ours, summed = _drifts_us(rate)
+        ratio = ours / summed if summed else 1.0
+        what = f"drift of a context at {rate} Hz after an hour, simulated"
+        yield Row(what, "us", ours, summed, ratio, 1.0, False, _SUM_IS)
+
+
+PARTS = {"100Hz": lambda: _jitter(100), "1kHz": lambda: _jitter(1000), "drift": _drift}
+
+
+def _drifts_us(rate: int) -> tuple[float, float]:
+    """Return how far the last deadline of an hour is off, and how far summed periods are [us].
+
+    Each tick takes some time, now and then more than a period; the clock is not a real one.
+    """
+    chance = Random(rate)
+    period = Period(rate, 0)
+    now_ns, summed_ns, ticks = 0, 0, 0
+    while period.deadline_ns < 3600 * _NS:
+        now_ns = max(now_ns, period.deadline_ns) + chance.randrange(60_000)
+        if chance.random() < _OVERRUNS:
+            now_ns += chance.randrange(3 * _NS // rate)
+        ticks += 1
+        summed_ns += round(1e6 / rate) * 1000 + chance.randrange(60_000)
+        period.advance(now_ns)
+    index = round(period.deadline_ns * rate / _NS)
+    return abs(period.deadline_ns - index * _NS / rate) / 1e3, (
+        summed_ns - ticks * _NS / rate
+    ) / 1e3
 
 
 Told = tuple[float, float, float]

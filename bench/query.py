@@ -1,0 +1,38 @@
+"""The floor of commands: a bare Python process that asks the manager the same question."""
+
+from __future__ import annotations
+
+import sys
+
+from rtkit.link import keys, places
+from rtkit.tree.client import Tree
+
+FLOOR_IS = "python -c: import click and zenoh, open a client session, one query, close"
+_SCRIPT = """
+import click, zenoh
+c = zenoh.Config()
+for k, v in (
+    ("mode", '"client"'),
+    ("connect/endpoints", '["unixsock-stream/{socket}"]'),
+    ("scouting/multicast/enabled", "false"),
+    ("scouting/gossip/enabled", "false"),
+    ("connect/timeout_ms", "0"),
+):
+    c.insert_json5(k, v)
+s = zenoh.open(c)
+for r in s.get(
+    "{key}",
+    handler=zenoh.handlers.FifoChannel(16),
+    consolidation=zenoh.ConsolidationMode.NONE,
+    timeout=5.0,
+):
+    print(len(r.ok.payload.to_string()))
+s.close()
+"""
+
+
+def floor(tree: Tree) -> list[str]:
+    """Return the command line that asks for the listing and prints its size."""
+    key = keys.extension_key(keys.service(tree.host, tree.manager), "listing")
+    script = _SCRIPT.format(socket=places.manager_socket(tree.manager), key=key)
+    return [sys.executable, "-c", script]

@@ -1,0 +1,59 @@
+"""The measurements can be listed and chosen; what they print is well formed, measured or not."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from bench import table3
+from bench.__main__ import GROUPS, main
+from bench.harness import Missing, Row, table
+
+
+def test_every_group_offers_parts(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["-l"]) == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert {name.partition("/")[0] for name in listed} == set(GROUPS)
+
+
+def test_what_is_not_there_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["slav"]) == 2
+    outcome = capsys.readouterr()
+    assert outcome.out == ""
+    assert "nothing is measured as slav; there is commands/reading, " in outcome.err
+
+
+def row(what: str, figure: float, target: float | None, *, is_ratio: bool = False) -> Row:
+    return Row(what, "ms", figure, 2.0, figure / 2, target, is_ratio, "a floor")
+
+
+@pytest.mark.parametrize(
+    ("line", "verdict"),
+    [
+        (row("a", 3.0, 3.0), "ok"),
+        (row("a", 3.1, 3.0), "MISSED"),
+        (row("a", 3.0, 1.5, is_ratio=True), "ok"),
+        (row("a", 3.0, 1.4, is_ratio=True), "MISSED"),
+        (row("a", 3.0, None), "-"),
+        (Missing("a", "no sshd on this machine"), "not measured"),
+    ],
+)
+def test_a_line_says_whether_its_target_is_met(line: Row | Missing, verdict: str) -> None:
+    assert json.loads(line.as_json())["verdict"] == verdict
+    assert verdict in table([line]).splitlines()[1]
+
+
+def test_table_3_has_a_place_for_each_of_its_rows() -> None:
+    assert table3.pivot([row("something else", 1.0, None)]) == ""
+    measured = row("Table 3: rtmgr, one command, own processes, 10 components, each", 21.3, None)
+    lines = table3.pivot([measured]).splitlines()
+    assert lines[1] == "Table 3"
+    assert [line.split("  ")[0] for line in lines[3:]] == [
+        "rtmgr, one command each",
+        "rtmgr, one command",
+        "ssh, by hand",
+        "ssh, by script",
+    ]
+    assert lines[4].split()[-1] == "21"
+    assert lines[5].count("not measured") == 4
