@@ -5,11 +5,13 @@ For who reports on profiles. Who wants the profile reads it (`rtkit.profile.read
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from rtkit.profile.common import Note
 from rtkit.profile.findings import InvalidProfile
+from rtkit.profile.forms import XML, form_of
 from rtkit.profile.positions import Positions
 from rtkit.profile.read import STDIN, as_it_stands, outcome
 
@@ -54,9 +56,9 @@ def examine(
     return Examination(
         seen.kind,
         seen.profile,
-        tuple(sorted(seen.errors)),
-        tuple(sorted(seen.repairs)),
-        tuple(sorted(seen.remarks)),
+        _sorted(seen.errors, data, source, form),
+        _sorted(seen.repairs, data, source, form),
+        _sorted(seen.remarks, data, source, form),
         None if seen.profile is None else Positions(seen.root, seen.spec, seen.found),
     )
 
@@ -76,4 +78,16 @@ def objections(
     except InvalidProfile:
         # What cannot be opened has been told of by who examined it.
         return ()
-    return tuple(sorted(explained_violations(root, grammar.schema)))
+    return _sorted(explained_violations(root, grammar.schema), data, source, form)
+
+
+def _sorted(
+    notes: Sequence[Note], data: bytes | str, source: str, form: str | None
+) -> tuple[Note, ...]:
+    """Return notes by line; those on XML by the lines at which people look."""
+    raw = data.encode("utf-8", "surrogatepass") if isinstance(data, str) else data
+    if not notes or (form or form_of(raw, source)) != XML:
+        return tuple(sorted(notes))
+    from rtkit.profile.source_lines import at_their_lines
+
+    return tuple(sorted(at_their_lines(notes, raw)))

@@ -1,0 +1,49 @@
+"""The lines that people see: where a tag begins and where an attribute stands.
+
+The parser only tells the line on which a start tag ends. For tags over several lines the text is
+looked at, where its encoding has ASCII in it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+
+from rtkit.profile.common import Note
+
+_LAST_NAME = re.compile(r"(?:[^/\[\]:'@]*:)?([^/\[\]:'@]+)(?:\[\d+\])?$")
+_LOCAL_NAME = re.compile(
+    r"local-name\(\)='([^']*)'(?: and namespace-uri\(\)='[^']*')?\](?:\[\d+\])?$"
+)
+
+
+def at_their_lines(notes: Iterable[Note], data: bytes) -> list[Note]:
+    """Return the notes of an XML document with the lines at which a reader would look."""
+    if b"\0" in data[:4]:
+        return list(notes)
+    # Any encoding that has ASCII in it will do: names of profiles are nothing else.
+    lines = data.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return [replace(note, line=_line(note, lines)) for note in notes]
+
+
+def _line(note: Note, lines: list[str]) -> int:
+    element, _, attribute = note.path.partition("/@")
+    name = _name(element)
+    if not name or not 0 < note.line <= len(lines):
+        return note.line
+    start = re.compile(rf"<(?:[\w.-]+:)?{re.escape(name)}(?![\w.-])")
+    begin = next((n for n in range(note.line, 0, -1) if start.search(lines[n - 1])), None)
+    if begin is None:
+        return note.line
+    named = _name(attribute)
+    if begin == note.line or not named:
+        return begin
+    inside = re.compile(rf"(?<![\w.-]){re.escape(named)}\s*(?:=|$)")
+    return next((n for n in range(begin, note.line + 1) if inside.search(lines[n - 1])), begin)
+
+
+def _name(path: str) -> str:
+    """Return the local name that the last step of a path tells."""
+    found = _LOCAL_NAME.search(path) or _LAST_NAME.search(path)
+    return found[1] if found else ""
