@@ -107,6 +107,13 @@ def test_every_system_has_its_picture(file: str) -> None:
     assert len(root.findall(f".//{SVG}g[@class='rt-link']")) == len(wires)
 
 
+def test_the_picture_of_the_readme_is_up_to_date() -> None:
+    scene = system_scene(system(os.path.join(SHIPPED, "sensor-controller-motor.xml")))
+    file = os.path.join(ROOT, "docs", "pictures", "sensor-controller-motor.svg")
+    with open(file, encoding="utf-8") as stream:
+        assert stream.read() == scene_svg(scene, laid_out(scene))
+
+
 def test_few_wires_of_real_systems_cross() -> None:
     found = {}
     for file in systems():
