@@ -26,7 +26,8 @@ from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
 from rtkit.errors import Malformed
 from rtkit.link import keys
-from rtkit.link.streams import Caller, Fetcher, Inlet, Outlet, Streams
+from rtkit.link.ends import Caller, Fetcher, Inlet, Outlet
+from rtkit.link.streams import Streams
 from rtkit.rtc.profiles import ConnectorProfile
 
 NUMBERED = "rtkit.numbered"

@@ -11,7 +11,7 @@ from rtkit.component.base import Component
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
-from rtkit.link.streams import Fetcher, Outlet
+from rtkit.link.ends import Fetcher, Outlet
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.host import LATER, Host, Operations

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from rtkit.component.invocation import Direct, Remote, Served, Target, answer
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
-from rtkit.link.streams import Caller
+from rtkit.link.ends import Caller
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.host import LATER, Host, Operations

@@ -1,0 +1,216 @@
+"""The ends of connectors between two processes: of streams of values, of pulling, of calls."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import queue
+import struct
+import threading
+from collections.abc import Callable
+from uuid import uuid4
+
+import zenoh
+
+from rtkit.errors import Unreachable
+
+Deliver = Callable[[bytes], object]
+_NUMBER = struct.Struct("<Q")
+
+
+class Outlet:
+    """The sending end of one stream; `put` may be called from any one thread at a time."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        publisher: zenoh.Publisher,
+        release: Callable[[], None],
+        *,
+        is_numbered: bool,
+    ) -> None:
+        self._session = session
+        self._publisher = publisher
+        self._release = release
+        self._numbers = itertools.count() if is_numbered else None
+
+    def put(self, payload: bytes) -> bool:
+        """Send one value; False when the stream is closed."""
+        number = None if self._numbers is None else _NUMBER.pack(next(self._numbers))
+        try:
+            self._publisher.put(payload, attachment=number)
+        except (zenoh.ZError, RuntimeError):  # the latter while it is being closed
+            return False
+        return True
+
+    def flush(self, timeout_s: float) -> bool:
+        """Wait until the receiver has everything that was put before; False when it did not tell.
+
+        A mark follows the values, which the receiver sends back when it comes to it.
+        """
+        key = str(self._publisher.key_expr)
+        arrived = threading.Event()
+        mark = f"{key}/flushed/{uuid4().hex}"
+        try:
+            heard = self._session.declare_subscriber(mark, lambda _sample: arrived.set())
+            try:
+                block = zenoh.CongestionControl.BLOCK
+                self._session.put(key, b"", attachment=mark.encode(), congestion_control=block)
+                return arrived.wait(timeout_s)
+            finally:
+                heard.undeclare()  # type: ignore[no-untyped-call]
+        except zenoh.ZError:
+            return False
+
+    def close(self) -> None:
+        """End this end; the other one just hears nothing more."""
+        # While another thread is inside `put`, zenoh refuses ("Already borrowed"); the publisher
+        # then goes with its last reference.
+        with contextlib.suppress(zenoh.ZError, RuntimeError):
+            self._publisher.undeclare()  # type: ignore[no-untyped-call]
+        self._release()
+
+
+class Inlet:
+    """The end of one stream that listens: it receives values, or is asked for them.
+
+    Attributes:
+        lost: Values that were sent and did not arrive, where the sender numbers them.
+    """
+
+    def __init__(self) -> None:
+        self._declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | None = None
+        self._next: int | None = None
+        self.lost = 0
+
+    def receive(self, session: zenoh.Session, key: str, deliver: Deliver) -> None:
+        """Have `deliver` called with each value from now on."""
+
+        def heard(sample: zenoh.Sample) -> None:
+            attachment = sample.attachment
+            if attachment is None:
+                deliver(sample.payload.to_bytes())
+            elif len(attachment) == _NUMBER.size:
+                self._count(*_NUMBER.unpack(attachment.to_bytes()))
+                deliver(sample.payload.to_bytes())
+            else:
+                session.put(attachment.to_string(), b"")
+
+        self._declared = session.declare_subscriber(key, heard)
+
+    def answer(self, session: zenoh.Session, key: str, reply: Callable[[], bytes | None]) -> None:
+        """Answer with the next value whenever it is asked for from now on."""
+
+        def asked(query: zenoh.Query) -> None:
+            with query:
+                value = reply()
+                if value is not None:
+                    query.reply(key, value)
+
+        self._declared = session.declare_queryable(key, asked)
+
+    def _count(self, number: int) -> None:
+        if self._next is not None and number > self._next:
+            self.lost += number - self._next
+        self._next = number + 1
+
+    def close(self) -> None:
+        """Take no part in the stream any more."""
+        if self._declared is not None:
+            with contextlib.suppress(zenoh.ZError):
+                self._declared.undeclare()  # type: ignore[no-untyped-call]
+
+
+class Fetcher:
+    """The end of one pull stream that asks for values."""
+
+    def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
+        self._session = session
+        self._key = key
+        self._release = release
+
+    def fetch(self, timeout_s: float) -> bytes | None:
+        """Return the next value, None when the other end has none or is gone."""
+        try:
+            replies = self._session.get(
+                self._key,
+                timeout=timeout_s,
+                handler=zenoh.handlers.FifoChannel(4),
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
+        except zenoh.ZError:  # it was closed while the port was being read
+            return None
+        return next((reply.ok.payload.to_bytes() for reply in replies if reply.ok), None)
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._release()
+
+
+class CallEnd:
+    """The end of a service connector that is called: answers one call after the other.
+
+    It does so on a thread of its own, which may be inside a provider that never comes back:
+    nothing waits for it.
+    """
+
+    def __init__(self, key: str, reply_to: Callable[[bytes], bytes]) -> None:
+        self._key = key
+        self._reply_to = reply_to
+        self._queue: queue.SimpleQueue[zenoh.Query | None] = queue.SimpleQueue()
+        self._declared: zenoh.Queryable[None] | None = None
+
+    def declare(self, session: zenoh.Session) -> None:
+        """Take calls from now on."""
+        handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
+        threading.Thread(target=self._run, name=f"serve {self._key}", daemon=True).start()
+        self._declared = session.declare_queryable(self._key, handler)
+
+    def close(self) -> None:
+        """Take no more calls."""
+        if self._declared is not None:
+            with contextlib.suppress(zenoh.ZError):
+                self._declared.undeclare()  # type: ignore[no-untyped-call]
+        self._queue.put(None)
+
+    def _run(self) -> None:
+        while (query := self._queue.get()) is not None:
+            with query, contextlib.suppress(zenoh.ZError):  # who asked may be gone
+                request = query.payload.to_bytes() if query.payload is not None else b""
+                query.reply(self._key, self._reply_to(request))
+            del query  # one that is kept lets its caller wait
+
+
+class Caller:
+    """The end of a service connector that calls."""
+
+    def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
+        self._session = session
+        self._key = key
+        self._release = release
+
+    def call(self, request: bytes, timeout_s: float) -> bytes:
+        """Return the reply to a request.
+
+        Raises:
+            Unreachable: There was none in time, or nobody is there any more.
+        """
+        try:
+            replies = self._session.get(
+                self._key,
+                payload=request,
+                timeout=timeout_s,
+                handler=zenoh.handlers.FifoChannel(4),
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
+        except zenoh.ZError as error:  # closed meanwhile
+            raise Unreachable("the connection is closed") from error
+        for reply in replies:
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+            raise Unreachable(f"no answer within {timeout_s:g} s")
+        raise Unreachable("the provider is gone")
+
+    def close(self) -> None:
+        """Call no more."""
+        self._release()
