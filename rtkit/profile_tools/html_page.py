@@ -15,7 +15,7 @@ h1{margin-bottom:.2rem}h2{margin-top:2rem;border-bottom:1px solid #cbd5e0}
 .lead{font-size:1.1rem;color:#4a5568;margin-top:0}
 table{border-collapse:collapse;margin:.8rem 0}
 th,td{border:1px solid #cbd5e0;padding:.25rem .6rem;text-align:left;vertical-align:top}
-td{overflow-wrap:anywhere}
+.wide{overflow-x:auto}
 thead th{background:#e8eef6}.facts th{background:#f7fafc;font-weight:600}
 figure{margin:1.5rem 0;overflow-x:auto}figure svg{max-width:100%;height:auto}
 @media print{body{margin:0;max-width:none}}
@@ -71,7 +71,7 @@ def _section(each: Section, level: int) -> Iterator[str]:
 
 
 def _table(table: Table) -> Iterator[str]:
-    yield "<table>"
+    yield '<div class="wide"><table>'
     if any(table.heads):
         cells = "".join(f"<th>{escaped(head)}</th>" for head in table.heads)
         yield f"<thead><tr>{cells}</tr></thead>"
@@ -79,7 +79,7 @@ def _table(table: Table) -> Iterator[str]:
     for row in table.rows:
         yield "<tr>" + "".join(f"<td>{_broken(cell)}</td>" for cell in row) + "</tr>"
     yield "</tbody>"
-    yield "</table>"
+    yield "</table></div>"
 
 
 def paragraphs(text: str) -> list[str]:

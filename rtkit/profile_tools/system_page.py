@@ -12,7 +12,7 @@ from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.component_summary import dates, hertz, one_line
 from rtkit.profile_tools.page import Page, Section, Table, present, section
 from rtkit.profile_tools.system_scene import system_scene
-from rtkit.profile_tools.system_summary import connected, short_type, target_name, waited_for
+from rtkit.profile_tools.system_summary import end_name, short_type, target_name, waited_for
 
 
 def system_page(profile: RtsProfile) -> Page:
@@ -80,7 +80,8 @@ def _settings(component: Component) -> Iterator[tuple[str, ...]]:
 def _connectors(profile: RtsProfile) -> Section | None:
     rows = [
         (
-            connected(each.source, each.target),
+            end_name(each.source),
+            end_name(each.target),
             short_type(normal_data_type(each.data_type)),
             " ".join(filter(None, (each.dataflow_type, each.subscription_type))).lower(),
             each.interface_type.lower(),
@@ -88,10 +89,11 @@ def _connectors(profile: RtsProfile) -> Section | None:
         for each in profile.data_port_connectors
     ]
     rows += [
-        (connected(each.source, each.target, "--"), "service", "", each.trans_method or "")
+        (end_name(each.source), end_name(each.target), "service", "", each.trans_method or "")
         for each in profile.service_port_connectors
     ]
-    return section("Connectors", table=Table(("Connector", "Type", "Flow", "By"), tuple(rows)))
+    heads = ("From", "To", "Type", "Flow", "By")
+    return section("Connectors", table=Table(heads, tuple(rows)))
 
 
 def _orders(profile: RtsProfile) -> Section | None:

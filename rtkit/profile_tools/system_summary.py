@@ -125,10 +125,11 @@ def _service_connector(connector: ServicePortConnector) -> Outline:
 
 def connected(source: TargetPort, target: TargetPort, arrow: str = "->") -> str:
     """Return both ends of a connector."""
-    return f"{_end(source)} {arrow} {_end(target)}"
+    return f"{end_name(source)} {arrow} {end_name(target)}"
 
 
-def _end(end: TargetPort) -> str:
+def end_name(end: TargetPort) -> str:
+    """Return an end of a connector, ``INSTANCE.PORT``."""
     return f"{end.instance_name}.{strip_instance(end.port_name, end.instance_name)}"
 
 
