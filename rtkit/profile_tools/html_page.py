@@ -10,7 +10,7 @@ from rtkit.profile_tools.page import Page, Section, Table, with_line_breaks
 
 _STYLE = """
 body{font-family:'Noto Sans','Noto Sans JP','DejaVu Sans','Helvetica Neue',Arial,sans-serif;
-color:#1a202c;background:#fff;max-width:62rem;margin:2rem auto;padding:0 1.5rem;line-height:1.5}
+color:#1a202c;background:#fff;max-width:70rem;margin:2rem auto;padding:0 1.5rem;line-height:1.5}
 h1{margin-bottom:.2rem}h2{margin-top:2rem;border-bottom:1px solid #cbd5e0}
 .lead{font-size:1.1rem;color:#4a5568;margin-top:0}
 table{border-collapse:collapse;margin:.8rem 0}
@@ -18,7 +18,7 @@ th,td{border:1px solid #cbd5e0;padding:.25rem .6rem;text-align:left;vertical-ali
 .wide{overflow-x:auto}
 thead th{background:#e8eef6}.facts th{background:#f7fafc;font-weight:600}
 figure{margin:1.5rem 0;overflow-x:auto}figure svg{max-width:100%;height:auto}
-@media print{body{margin:0;max-width:none}}
+@media print{body{margin:0;max-width:none}.wide{overflow:visible}td{overflow-wrap:anywhere}}
 """
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'"
 

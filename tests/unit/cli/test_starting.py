@@ -253,10 +253,10 @@ def test_a_preceding_condition_that_is_not_met_in_time(run: Run, file: Any, worl
 
 def test_a_time_out_bounds_the_whole(run: Run, file: Any, world: World) -> None:
     path = file(entry("B", 1, wait=600_000), entry("C", 2, after="B"))
-    status, _, err = run("rtstart", "--timeout", "0.02", path)
+    status, _, err = run("rtstart", "--timeout", "0.5", path)
     assert status == 1
     assert err.splitlines()[-1] == (
-        "rtstart: Error executing plan: not finished within 0.02 s;"
+        "rtstart: Error executing plan: not finished within 0.5 s;"
         " action {4} waits for: Sync to B.rtc (it is Inactive);"
         " not run: {3}, {4}; active now: A.rtc, D.rtc"
     )
