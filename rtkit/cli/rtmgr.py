@@ -82,13 +82,16 @@ def main(
     lenient: bool,
     **_values: object,
 ) -> int:
-    """Start, stop and command managers.
+    r"""Start, stop and command managers.
 
     start, stop, restart, status and run (in the foreground) take the name of a manager, by
     default "manager". start and run read its properties from FILE, else from the file that
     RTC_MANAGER_CONFIG names, ./rtc.conf, or one in /etc; what -o says counts more. Everything
     else is asked of the manager at a path, or at a direct address as corbaloc::localhost:2810,
     in the order of the command line and in one batch, and ends at the first failure.
+
+    A manager in the foreground ends in order at Ctrl-C, when its terminal is closed, and at
+    Ctrl-\ after telling where each thread is; a second Ctrl-C ends it at once.
 
     CREATE is TYPE?key=value&key=value, for instance ConsoleIn?instance_name=In0&manager_name=s1,
     where manager_name is the slave that is to hold the component and is started when needed; in

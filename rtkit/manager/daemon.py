@@ -30,6 +30,7 @@ from rtkit.manager.restarting import execute_again
 from rtkit.manager.settings import formats
 from rtkit.manager.settings.configuration import Wanted, door, read, wanted_from_text
 from rtkit.manager.settings.properties import Settings
+from rtkit.manager.signals import catch_signals
 from rtkit.resources import resource as shipped
 from rtkit.rtc.address import parse_address
 from rtkit.rtc.names import LOCAL
@@ -49,6 +50,8 @@ _KINDS = ("data", "beats", "stack", "zygote")
 _DESCRIPTORS = 65_536
 USUAL_NAME = "%n.mgr"
 """Template of the name that each manager has, so that all of a host are found in one place."""
+_HOLDER_S = 2.0
+"""Grace for components of the manager's own process at the end [s]."""
 
 
 def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
@@ -144,7 +147,11 @@ def _assemble(state: State, is_shown: bool, warn: Callable[[str], None], stack: 
         }
     )
     stack.callback(nursery.close)
-    return _open_doors(state, data, nursery, warn, stack)
+    loop = _open_doors(state, data, nursery, warn, stack)
+    signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
+    stack.callback(signal.set_wakeup_fd, -1)
+    catch_signals(loop.post, is_shown=is_shown)
+    return loop
 
 
 def _open_doors(
@@ -172,7 +179,7 @@ def _open_doors(
     stack.callback(loop.close)
     thread = threading.Thread(target=holder.run, name="holder", daemon=True)
     thread.start()
-    stack.callback(thread.join, 2.0)
+    stack.callback(lambda: thread.join(0.0 if state.is_in_haste else _HOLDER_S))
     stack.callback(holder.close)
 
     inner = unix_endpoint(places.manager_socket(name))
@@ -182,13 +189,6 @@ def _open_doors(
     stack.callback(link.close)
     link.serve(keys.service(host, name), loop.post)
     _open_front(state, session, inner, warn, stack)
-
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: loop.post(StopAsked()))
-    signal.signal(signal.SIGCHLD, lambda *_: None)
-    signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
-    stack.callback(signal.set_wakeup_fd, -1)
     return loop
 
 

@@ -110,6 +110,12 @@ class CoreMachine(RuleBasedStateMachine):
             self.shell.stop()
             assert all(asked.is_answered for asked in self.asked)
 
+    @precondition(lambda self: self.is_stopping)
+    @rule(really=st.integers(0, 4))
+    def hurry(self, really):
+        if not really:
+            self.shell.feed(ev.StopAsked(is_urgent=True))
+
     # time
 
     @rule(seconds=st.sampled_from([0.1, 0.1, 1.0, 3.0, 60.0]))

@@ -12,7 +12,7 @@ from functools import partial
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.batch import results_to_text
-from rtkit.errors import Malformed, Refused
+from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.manager.core import adoption, configuring, facts_in, operations
 from rtkit.manager.core.events import (
     AdoptSlave,
@@ -113,8 +113,10 @@ class Core:
                 self._stuck(key, instance, text)
             case ProcessInspected(key):
                 self._tasks.inspected(key)
-            case StopAsked():
+            case StopAsked(is_urgent):
                 self._stop()
+                if is_urgent:
+                    self._hurry()
             case Tick():
                 pass
         self._tasks.run(now)
@@ -302,6 +304,8 @@ class Core:
         if process is None or not process.is_ready:
             return
         process.state = "stopped" if is_halted else "up"
+        if is_halted and self._is_stopping:
+            self._tasks.give_up(Unreachable(process.unfit), key)
         for instance in self.state.held_by(key):
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
 
@@ -324,6 +328,15 @@ class Core:
             self._tasks.cancel(Refused(_STOPPING))
             self._watchers.dismiss(Reply(_STOPPING, Refused.kind))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
+
+    def _hurry(self) -> None:
+        """Kill all slaves, and wait for nobody else."""
+        self.state.is_in_haste = True
+        for process in self.state.processes.values():
+            if process.is_slave and process.is_alive:
+                process.is_wanted = False
+                self._out.append(SignalSlave(process.key, signal.SIGKILL))
+        self._tasks.give_up(Unreachable(_STOPPING))
 
     def _stopped(self, _result: Result) -> None:
         self._out.append(Finish())

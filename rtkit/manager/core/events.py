@@ -47,7 +47,9 @@ class OperationAsked:
 
 @dataclass(frozen=True, slots=True)
 class StopAsked:
-    """A client or a signal wants the manager to end."""
+    """A client or a signal wants the manager to end; if it is urgent, without any grace."""
+
+    is_urgent: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -112,6 +112,7 @@ class State:
         port: TCP port of the front door, 0 without one.
         masters: Managers that this one is registered with.
         slaves: Managers with processes of their own that are registered with this one.
+        is_in_haste: It is to end without any grace.
         loose: Connectors of which a slave that was found holds one end, and the other end is
             not known yet; with the key of that slave.
     """
@@ -138,6 +139,7 @@ class State:
     port: int = 0
     masters: list[str] = field(default_factory=list)
     slaves: list[str] = field(default_factory=list)
+    is_in_haste: bool = False
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""

@@ -77,7 +77,7 @@ def stop_everything(state: State) -> Procedure:
         process = state.process_of(instance)
         now: float = yield Clock()
         left_s = began + FINALISE_S - now
-        if left_s <= 0:
+        if left_s <= 0 or state.is_in_haste:
             break
         if process is None or not process.is_alive or process.key in silent:
             continue

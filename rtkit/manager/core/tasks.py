@@ -170,6 +170,12 @@ class Tasks:
             if task.done is not None:
                 self._go_on(number, None, error)
 
+    def give_up(self, error: RtkitError, key: int | None = None) -> None:
+        """Raise an error in every procedure that waits for an answer, of one process or of any."""
+        for number, task in list(self._waiting.items()):
+            if isinstance(task.wait, Ask) and key in (None, task.key):
+                self._go_on(number, None, error)
+
     def _waiting_for(self, key: int) -> list[tuple[int, _Task]]:
         return [(number, task) for number, task in self._waiting.items() if task.key == key]
 

@@ -238,6 +238,49 @@ def test_a_stopped_slave_is_not_asked_but_woken_to_end(shell):
     assert shell.signals == [(a, signal.SIGTERM), (a, signal.SIGCONT)]
 
 
+def test_a_slave_that_is_stopped_while_it_is_asked_to_end_takes_no_grace(shell):
+    a = shell.make("A", "a")
+    shell.make("B")
+    shell.stop()
+    assert shell.next("delete").message["instance"] == "B"
+    shell.wait(0.1)
+    shell.feed(ev.SlaveHalted(a, True))
+    assert not shell.signals
+    shell.wait(FINALISE_S)
+    assert shell.signals[:2] == [(a, signal.SIGTERM), (a, signal.SIGCONT)]
+
+
+def test_a_slave_that_is_stopped_while_it_ends_a_component_takes_no_grace(shell):
+    a = shell.make("A", "a")
+    shell.stop()
+    shell.next("delete")
+    shell.feed(ev.SlaveHalted(a, True))
+    assert shell.signals == [(a, signal.SIGTERM), (a, signal.SIGCONT)]
+
+
+def test_in_haste_slaves_are_killed_and_nobody_is_waited_for(shell):
+    a = shell.make("A", "a")
+    shell.make("B")
+    shell.make("C")
+    shell.stop()
+    assert not shell.is_finished
+    shell.feed(ev.StopAsked(is_urgent=True))
+    assert shell.signals == [(a, signal.SIGKILL)]
+    shell.end(a)
+    assert shell.is_finished
+
+
+def test_haste_also_spares_the_grace_of_those_that_were_told_to_end(shell):
+    a = shell.make("A", "a")
+    shell.stop()
+    shell.reply(shell.next("delete"))
+    assert shell.signals == [(a, signal.SIGTERM)]
+    shell.feed(ev.StopAsked(is_urgent=True))
+    assert shell.killed() == [a]
+    shell.end(a)
+    assert shell.is_finished
+
+
 def test_stopping_answers_what_is_under_way_and_refuses_what_comes(shell):
     shell.make("A")
     working = shell.ask(activate("A"), Create("Thing?instance_name=B"))

@@ -1,0 +1,36 @@
+"""What signals mean to a manager: an end in order, an end at once, a word on its threads."""
+
+from __future__ import annotations
+
+import faulthandler
+import signal
+from collections.abc import Callable
+
+from rtkit.manager.core.events import StopAsked
+
+_STDERR = 2
+
+
+def catch_signals(post: Callable[[StopAsked], object], *, is_shown: bool) -> None:
+    """End in order at TERM, INT and QUIT, in the foreground also when the terminal is closed (HUP).
+
+    QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. A second INT
+    or QUIT ends at once. What a shell or ``nohup`` had ignored stays so.
+    """
+    caught: list[int] = []
+
+    def stop(number: int, _frame: object) -> None:
+        is_urgent = bool(caught) and number in (signal.SIGINT, signal.SIGQUIT)
+        caught.append(number)
+        post(StopAsked(is_urgent))
+
+    signal.signal(signal.SIGTERM, stop)
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, stop)
+    if not is_shown:
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    if signal.getsignal(signal.SIGQUIT) is stop:
+        faulthandler.register(signal.SIGQUIT, _STDERR, all_threads=True, chain=True)
+    faulthandler.register(signal.SIGUSR1, _STDERR, all_threads=True)
+    signal.signal(signal.SIGCHLD, lambda *_: None)
