@@ -10,6 +10,7 @@ import json
 import socket
 import threading
 import time
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import zenoh
@@ -32,8 +33,8 @@ class Identity(NamedTuple):
     id: str
 
 
-def introduce(session: zenoh.Session, identity: Identity) -> object:
-    """Have a manager's session say who it is, as long as what is returned is kept."""
+def introduce(session: zenoh.Session, identity: Identity) -> Callable[[], object]:
+    """Have a manager's session say who it is; return what takes that back before it closes."""
     key, text = keys.introduction(), json.dumps(identity)
 
     def asked(query: zenoh.Query) -> None:
@@ -41,7 +42,7 @@ def introduce(session: zenoh.Session, identity: Identity) -> object:
         query.drop()  # type: ignore[no-untyped-call]
 
     handler = zenoh.handlers.Callback(asked, indirect=False)
-    return session.declare_queryable(key, handler)
+    return session.declare_queryable(key, handler).undeclare
 
 
 def open_door(port: int, inner_endpoint: str, secret_file: str) -> zenoh.Session:

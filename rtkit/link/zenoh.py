@@ -147,7 +147,17 @@ class ZenohLink:
 
     def close(self) -> None:
         """See `Link.close`."""
+        self.withdraw()
         self._session.close()  # type: ignore[no-untyped-call]
+
+    def withdraw(self) -> None:
+        """Serve nothing any more.
+
+        Closing a session with what it declared, while one that is connected to it closes too, is a
+        race inside zenoh, which ended in a panic of a thread of it in 24 of 200 cases.
+        """
+        while self._declared:
+            self._declared.pop().undeclare()  # type: ignore[no-untyped-call]
 
 
 def _first(replies: Iterable[zenoh.Reply], timeout_s: float) -> Reply:

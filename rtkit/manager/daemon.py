@@ -189,6 +189,7 @@ def _open_doors(
     stack.callback(link.close)
     link.serve(keys.service(host, name), loop.post)
     _open_front(state, session, inner, warn, stack)
+    stack.callback(link.withdraw)  # last of all opened here, so first at the end
     return loop
 
 
@@ -223,11 +224,14 @@ def _open_front(
     from rtkit.manager.frontdoor import open_front
 
     identity = Identity(state.host, state.name, state.settings.text("manager.name"))
-    stack.callback(lambda kept: None, introduce(session, identity))
-    front = open_front(door(state.settings), inner, warn)
-    if front is not None:
-        stack.callback(front[0].close)
-        state.port = front[1]
+    withdraw = introduce(session, identity)
+    try:
+        front = open_front(door(state.settings), inner, warn)
+        if front is not None:
+            stack.callback(front[0].close)
+            state.port = front[1]
+    finally:
+        stack.callback(withdraw)
     state.properties["rtkit.address"] = f"{LOCAL}:{state.port}" if state.port else ""
 
 

@@ -14,13 +14,14 @@ _STDERR = 2
 def catch_signals(post: Callable[[StopAsked], object], *, is_shown: bool) -> None:
     """End in order at TERM, INT and QUIT, in the foreground also when the terminal is closed (HUP).
 
-    QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. A second INT
-    or QUIT ends at once. What a shell or ``nohup`` had ignored stays so.
+    QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. In the
+    foreground a second INT or QUIT ends at once. What a shell or ``nohup`` had ignored stays so.
     """
     caught: list[int] = []
 
     def stop(number: int, _frame: object) -> None:
-        is_urgent = bool(caught) and number in (signal.SIGINT, signal.SIGQUIT)
+        is_key = number in (signal.SIGINT, signal.SIGQUIT)
+        is_urgent = is_shown and is_key and bool(caught)
         caught.append(number)
         post(StopAsked(is_urgent))
 
