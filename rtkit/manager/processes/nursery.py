@@ -176,6 +176,7 @@ class Nursery:
         self._channel.close()
         self.fosters.close()
         end_children()
+        self._remove_files(self._zygote)  # it may have been at its rehearsal
 
     def _event(self, message: Mapping[str, Any]) -> ev.Event | None:
         if "forked" in message:
