@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from rtkit.component.callbacks import describe_failure
+from rtkit.component.crossing import Crossings, Run
 from rtkit.component.interface import Interface, Method
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable, from_kind
 
@@ -68,11 +69,30 @@ class Served(NamedTuple):
             self.called()
 
 
-class Direct:
-    """A provider in this process: its implementation runs on the caller's thread."""
+class Passage(NamedTuple):
+    """Between which components of a process calls pass, and how one is bounded that might hang.
 
-    def __init__(self, served: Served) -> None:
+    Attributes:
+        label: ``Consumer0.port: Provider0.port``, for messages.
+    """
+
+    caller: str
+    provider: str
+    label: str
+    crossings: Crossings
+    run: Run
+
+
+class Direct:
+    """A provider in this process: its implementation runs on the caller's thread.
+
+    But for a call that closes a circle, which may be a deadlock: that runs on a thread of its own,
+    and its caller waits no longer than for a provider in another process.
+    """
+
+    def __init__(self, served: Served, passage: Passage | None = None) -> None:
         self._served = served
+        self._passage = passage
 
     def call(
         self,
@@ -81,11 +101,27 @@ class Direct:
         named: Mapping[str, Any],
         timeout_s: float,
     ) -> Any:
-        """See `Target.call`; the time-out bounds only calls to other processes."""
+        """See `Target.call`; the time-out bounds only calls that close a circle."""
         own = self._served.interface.by_signature.get(method.signature)
         if own is None:
             raise _differs(self._served, method.signature)
-        return self._served.invoke(own, method.bind(arguments, named))
+        bound = method.bind(arguments, named)
+        passage = self._passage
+        if passage is None:
+            return self._served.invoke(own, bound)
+        call, circle = passage.crossings.enter(passage.caller, passage.provider)
+        try:
+            if not circle:
+                return self._served.invoke(own, bound)
+            return passage.run(lambda: self._served.invoke(own, bound), timeout_s)
+        except TimeoutError as error:
+            late = str(error) or f"no answer within {timeout_s:g} s"
+            raise Unreachable(
+                f"{passage.label}: {method.label}: {late};"
+                f" they call each other: {' → '.join(circle)}"
+            ) from None
+        finally:
+            passage.crossings.leave(call)
 
 
 class Remote:

@@ -21,6 +21,9 @@ A provider in the same process is called directly, on the caller's thread, with 
 themselves. One in another process is called on a thread of the connector there; arguments and
 result travel as CDR, and the caller waits at most for the time-out. Several callers may be inside
 a provider at once.
+
+Components of one process that call each other could wait for each other for ever: the call that
+closes such a circle runs on a thread of its own and is bounded by the time-out, too.
 """
 
 from __future__ import annotations

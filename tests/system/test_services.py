@@ -6,6 +6,7 @@ import json
 import os
 import select
 import signal
+import time
 from typing import Any
 
 import pytest
@@ -215,3 +216,175 @@ def test_calls_go_on_while_the_manager_is_away_and_the_next_one_knows_of_them(
         later.perform(act.ChangeState("A", "0", Transition.DEACTIVATE))
         with pytest.raises(Refused, match="no provider of Work is connected"):
             activate(later, "A")
+
+
+# components that call each other
+
+MUTUAL = """
+import threading
+import time
+from typing import Protocol
+from rtkit.component import Component, ServicePort
+
+
+class Work(Protocol):
+    def work(self) -> str: ...
+
+
+class Mutual(Component):
+    \"\"\"Calls the other with its own lock held, which it also needs to be called.\"\"\"
+
+    rate = 50.0
+    offered = ServicePort.provided(Work)
+    needed = ServicePort.required(Work, timeout_s=0.4)
+
+    def on_initialize(self):
+        self.lock = threading.Lock()
+
+    def on_execute(self, context):
+        with self.lock:
+            time.sleep(0.1)  # until the other holds its own too
+            self.needed.client.work()
+
+    def work(self):
+        with self.lock:
+            return "done by " + self.instance
+
+
+class Nested(Component):
+    \"\"\"Is called back by whom it calls, with its lock held.\"\"\"
+
+    rate = 50.0
+    offered = ServicePort.provided(Work)
+    needed = ServicePort.required(Work, timeout_s=0.4)
+
+    def on_initialize(self):
+        self.lock = threading.Lock()
+
+    def on_activated(self, context):
+        if self.options.get("locks"):
+            with self.lock:
+                self.logger.info("answered: %s", self.needed.client.work())
+        else:
+            self.logger.info("answered: %s", self.needed.client.work())
+
+    def work(self):
+        if self.options.get("calls"):
+            return self.needed.client.work()
+        with self.lock:
+            return "done by " + self.instance
+
+
+def MutualInit(manager):
+    manager.register_factory(Mutual)
+    manager.register_factory(Nested)
+"""
+
+
+@pytest.fixture
+def mutual(tree: Tree, manager: Any) -> Tree:
+    (manager.modules / "Mutual.py").write_text(MUTUAL)
+    tree.perform(act.Load("Mutual.py"))
+    return tree
+
+
+def pair(tree: Tree, kind: str, places: tuple[str, str], *options: str) -> None:
+    for instance, place, more in zip("AB", places, options or ("", ""), strict=True):
+        where = f"&manager_name={place}" if place else ""
+        tree.perform(act.Create(f"{kind}?instance_name={instance}{where}{more}"))
+    wire(tree, "A", "B")
+    wire(tree, "B", "A")
+
+
+PLACES = [("near", "near"), ("near", "far"), ("", "")]
+
+
+@pytest.mark.parametrize("places", PLACES)
+def test_two_that_wait_for_each_other_are_parted_by_the_time_out_and_both_named(
+    mutual: Tree, places: tuple[str, str]
+) -> None:
+    pair(mutual, "Mutual", places)
+    mutual.apply(
+        [act.ChangeState(each, "0", Transition.ACTIVATE) for each in "AB"], is_ordered=False
+    )
+
+    def causes() -> dict[str, str]:
+        return {row.instance: row.cause for row in mutual.listing().rows if row.cause}
+
+    deadline = time.monotonic() + 30.0
+    while not (told := causes()):
+        assert time.monotonic() < deadline, mutual.listing()
+    ((instance, cause), *_) = told.items()
+    other = "B" if instance == "A" else "A"
+    why = f"Unreachable: {instance}.needed: {other}.offered: Work.work: no answer within 0.4 s"
+    assert cause.startswith(why), cause
+    if places[0] == places[1]:
+        assert f"they call each other: {instance} → {other} → {instance}" in cause
+
+
+@pytest.mark.parametrize("places", PLACES)
+def test_one_that_is_called_back_while_it_holds_its_lock(
+    mutual: Tree, places: tuple[str, str]
+) -> None:
+    pair(mutual, "Nested", places, "&locks=1", "&calls=1")
+    with pytest.raises(Refused, match=r"A\.needed: B\.offered|B\.needed: A\.offered") as failure:
+        activate(mutual, "A")
+    if places[0] == places[1]:
+        assert "they call each other: B → A → B" in str(failure.value)
+
+
+@pytest.mark.parametrize("places", PLACES)
+def test_one_that_is_called_back_without_a_lock_is_answered(
+    mutual: Tree, places: tuple[str, str]
+) -> None:
+    pair(mutual, "Nested", places, "", "&calls=1")
+    activate(mutual, "A")
+
+
+def test_calls_that_do_not_come_back_are_bounded_in_number(mutual: Tree, manager: Any) -> None:
+    (manager.modules / "Storm.py").write_text(STORM)
+    mutual.perform(act.Load("Storm.py"))
+    pair(mutual, "Storm", ("near", "near"), "&waits=1", "")
+    (pid,) = [process.pid for process in mutual.snapshot().processes if process.name == "near"]
+    told = r"B.needed: A.offered: Work.work: 16 earlier calls have not come back; they call"
+    with pytest.raises(Refused, match=told):
+        activate(mutual, "A")
+    assert len(os.listdir(f"/proc/{pid}/task")) < 40
+    mutual.perform(act.Delete("A"))
+    mutual.perform(act.Delete("B"))
+
+
+STORM = """
+import threading
+from typing import Protocol
+from rtkit.component import Component, ServicePort
+from rtkit.errors import Unreachable
+
+
+class Work(Protocol):
+    def work(self) -> str: ...
+
+
+class Storm(Component):
+    \"\"\"A calls B, which calls A back for ever; A does not answer.\"\"\"
+
+    offered = ServicePort.provided(Work)
+    needed = ServicePort.required(Work, timeout_s=0.02)
+
+    def on_activated(self, context):
+        self.needed.client.work()
+
+    def work(self):
+        if self.options.get("waits"):
+            threading.Event().wait()
+        while True:
+            try:
+                self.needed.client.work()
+            except Unreachable as error:
+                if "no answer" not in str(error):
+                    raise
+
+
+def StormInit(manager):
+    manager.register_factory(Storm)
+"""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import logging
+import queue
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
-from rtkit.component.invocation import Direct, Remote, Served, Target, answer
+from rtkit.component.crossing import Crossings
+from rtkit.component.invocation import Direct, Passage, Remote, Served, Target, answer
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Caller
@@ -19,6 +22,10 @@ from rtkit.rtc.plain import decode
 from rtkit.rtc.profiles import ConnectorProfile
 
 _log = logging.getLogger(__name__)
+MOST_ASIDE = 16
+"""How many calls between components of one process run on threads of their own at a time."""
+
+_aside = threading.BoundedSemaphore(MOST_ASIDE)
 
 
 class Services:
@@ -27,6 +34,7 @@ class Services:
     def __init__(self, host: Host, wires: Wires) -> None:
         self._host = host
         self._wires = wires
+        self._crossings = Crossings()
         self._open: dict[str, tuple[ConnectorProfile, list[ServicePort]]] = {}
         self.operations: Operations = {
             "offer": self._offer,
@@ -43,8 +51,14 @@ class Services:
         """Connect two service ports of this process: each calls what the other provides."""
         one, other = (self._port(wire, end) for end in (0, 1))
         try:
-            for port, peer in ((one, other), (other, one)):
-                self._attach(wire, port, {s.interface.name: Direct(s) for s in peer.served})
+            for end, port, peer in ((0, one, other), (1, other, one)):
+                caller, provider = wire.ports[end], wire.ports[1 - end]
+                label = f"{caller}: {provider}"
+                passage = Passage(
+                    caller.instance, provider.instance, label, self._crossings, run_aside
+                )
+                targets = {s.interface.name: Direct(s, passage) for s in peer.served}
+                self._attach(wire, port, targets)
         except RtkitError:
             self.cut(wire.connector_id)
             raise
@@ -125,6 +139,34 @@ class Services:
         if not isinstance(port, ServicePort):
             raise Refused("Wrong port type.")
         return port
+
+
+def run_aside(work: Callable[[], Any], timeout_s: float) -> Any:
+    """Do something on a thread of its own; return its result or raise its error.
+
+    Raises:
+        TimeoutError: It has not come back within `timeout_s` [s], or too many others have not.
+    """
+    outcome: queue.SimpleQueue[tuple[Any, BaseException | None]] = queue.SimpleQueue()
+
+    def run() -> None:
+        try:
+            outcome.put((work(), None))
+        except BaseException as error:
+            outcome.put((None, error))
+        finally:
+            _aside.release()
+
+    if not _aside.acquire(timeout=timeout_s):
+        raise TimeoutError(f"{MOST_ASIDE} earlier calls have not come back")
+    threading.Thread(target=run, name="call aside", daemon=True).start()
+    try:
+        value, error = outcome.get(timeout=timeout_s)
+    except queue.Empty:
+        raise TimeoutError from None
+    if error is not None:
+        raise error
+    return value
 
 
 def _reply(request: bytes, served: Sequence[Served]) -> bytes:
