@@ -197,14 +197,36 @@ def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: Asked
     if asked.verb not in ("list", "get", "set") or asked.set_id:
         raise Refused(f"a manager has properties, but no configuration sets: {path.typed}")
     if asked.verb == "get":
-        _get(asked.arguments[0], properties, asked)
+        name = asked.arguments[0]
+        _get(name, properties if name in properties else {name: _asked_for(app, name)}, asked)
     elif asked.verb == "set":
         for key, value in _values(asked.arguments).items():
             app.tree.set(key, value)
+            tell_vain(app, key, value)
     elif asked.is_json:
         print_json(dict(properties))
     else:
         _out.write(_out.pairs(sorted(properties.items()), ""))
+
+
+def _asked_for(app: App, name: str) -> str:
+    """Return what a manager tells besides its properties, as ``get_slave_managers``.
+
+    Raises:
+        NotFound: It has nothing of that name.
+    """
+    try:
+        return app.tree.get(name)
+    except NotFound as error:
+        raise NotFound(f"No such configuration parameter: {name}") from error
+
+
+def tell_vain(app: App, key: str, value: str) -> None:
+    """Say so if a property of a manager was set that has no effect."""
+    from rtkit.manager.settings.properties import vain
+
+    if why := vain(key, value):
+        app.fail(f"note: {why}")
 
 
 def print_json(*records: Mapping[str, object], indent: int | None = None) -> None:

@@ -110,7 +110,8 @@ def _asked(
             contexts = [context.id for context in facts.contexts]
         chosen = contexts if index is None else contexts[index : index + 1] if index >= 0 else []
         if not chosen:
-            raise Malformed(f"Bad execution context index: {0 if index is None else index}")
+            has = f"{path.typed} has {len(contexts)}"
+            raise Malformed(f"Bad execution context index: {index or 0} ({has})")
         asked += [(path, ChangeState(instance, id, transition, wait)) for id in chosen]
     return asked
 

@@ -8,6 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out
+from rtkit.cli._sets import tell_vain
 from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
 from rtkit.errors import RtkitError, UsageProblem, from_kind
 from rtkit.rtc.create import parse_create
@@ -120,8 +121,10 @@ class Runner:
 
     def _perform(self, steps: Sequence[Step]) -> None:
         results = self._app.tree.apply([self._placed(step.action) for step in steps if step.action])
-        for result in filter(lambda each: each.note, results):
-            self._app.fail(f"note: {result.note}")
+        for step, result in zip(steps, results, strict=False):
+            self._app.tell(f"{step.kind} {step.typed}: {result.value if result.ok else 'failed'}")
+            if result.note:
+                self._app.fail(f"note: {result.note}")
         made = [
             result.value
             for step, result in zip(steps, results, strict=False)
@@ -173,10 +176,7 @@ class Runner:
         except RtkitError as error:
             raise step.failure(error.kind, str(error)) from error
         if step.kind == "configure":
-            from rtkit.manager.settings.properties import vain
-
-            if why := vain(key, value):
-                self._app.fail(f"note: {why}")
+            tell_vain(self._app, key, value)
         if step.kind == "fork" and self._is_printing:
             _out.write([_out.printable(f"{self._node.path}/{done}{MANAGER_SUFFIX}")])
 

@@ -66,7 +66,13 @@ _STEP_NAMES = tuple(each.name for each in _STEPS)
 @click.option(
     "-o", "--option", "given", multiple=True, metavar="KEY:VALUE", help="start: a property."
 )
-@click.option("-p", "--port", type=click.IntRange(0, 65535), help="start: TCP port; 0 for any.")
+@click.option(
+    "-p",
+    "--port",
+    type=click.IntRange(0, 65535),
+    metavar="PORT",
+    help="start: TCP port (default 2810); 0 for any.",
+)
 @click.option("-a", "--no-door", is_flag=True, help="start: no TCP port at all.")
 @click.option("-i", "--lenient", is_flag=True, help="start: the file may be missing.")
 @click.argument("words", nargs=-1, metavar="MANAGER | start|stop|restart|status|run [NAME]")

@@ -85,7 +85,9 @@ def checks(
             component = system.component(end.instance)
             facts = live.at(end.instance)
             failure = ""
-            if end.instance not in pending and (facts is None or facts.port(end.port) is None):
+            # Of a component that is missing, or another one, that is told and nothing of its ports.
+            is_there = end.instance not in pending and not absence(component, live)
+            if is_there and facts is not None and facts.port(end.port) is None:
                 failure = f"Required port not found: {end.port} (on {component.path})"
             text = f'Check for required port "{end.port}" on component at path {component.path}'
             yield Check(text, failure)

@@ -50,12 +50,21 @@ class Runner:
         """Refuse to begin when something that must hold does not.
 
         Raises:
-            Refused: The first required check that fails.
+            Refused: Required checks failed; those before the last one were reported.
         """
+        failures = []
         for check in checks:
             if check.failure and check.is_required:
-                raise Refused(f"Required action failed: {check.failure}")
-            self._tell(check.failure)
+                failures.append(check.failure)
+            else:
+                self._tell(check.failure)
+        self._refuse(failures)
+
+    def _refuse(self, failures: Sequence[str]) -> None:
+        for why in failures[:-1]:
+            self._report(f"Required action failed: {why}")
+        if failures:
+            raise Refused(f"Required action failed: {failures[-1]}")
 
     def run(self, plan: Plan) -> None:
         """Carry out a plan whose checks hold.
@@ -87,11 +96,7 @@ class Runner:
                 failures.append(together[0].told(result.why))
             else:
                 self._failed(together, together[0].told(result.why))
-        if failures:
-            *others, last = failures
-            for why in others:
-                self._report(f"Required action failed: {why}")
-            raise Refused(f"Required action failed: {last}")
+        self._refuse(failures)
 
     def _run_in_order(self, layer: Layer) -> None:
         for step in layer.steps:

@@ -127,6 +127,10 @@ def _assignments(body: list[ast.stmt]) -> Iterator[tuple[str, ast.expr]]:
             continue
         if isinstance(target, ast.Name):
             yield target.id, value
+        elif isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+            for name, each_value in zip(target.elts, value.elts, strict=False):
+                if isinstance(name, ast.Name):
+                    yield name.id, each_value
 
 
 def _constants(body: list[ast.stmt], names: Mapping[str, object]) -> dict[str, object]:

@@ -70,8 +70,9 @@ def test_all_contexts_are_addressed_by_all(world: World, run: Run) -> None:
 
 def test_a_component_without_context_has_none_to_activate(world: World, run: Run) -> None:
     world.update("Std0", contexts=())
-    assert run(f"rtact {STD}").err == "rtact: Bad execution context index: 0\n"
-    assert run(f"rtact -e all {STD}").err == "rtact: Bad execution context index: 0\n"
+    told = f"rtact: Bad execution context index: 0 ({STD} has 0)\n"
+    assert run(f"rtact {STD}").err == told
+    assert run(f"rtact -e all {STD}").err == told
 
 
 @pytest.mark.parametrize(

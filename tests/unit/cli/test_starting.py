@@ -298,9 +298,8 @@ def test_contexts_need_not_be_called_0(run: Run, file: Any, world: World) -> Non
     assert run("rtresurrect", "--stand-in", path) == (0, "", "")
     assert run("rtact", "/localhost/A.rtc") == (0, "", "")
     assert run("rtact", "-e", "0", "/localhost/B.rtc") == (0, "", "")
-    assert (
-        run("rtact", "-e", "1", "/localhost/B.rtc")[2] == "rtact: Bad execution context index: 1\n"
-    )
+    told = "rtact: Bad execution context index: 1 (B.rtc has 1)\n"
+    assert run("rtact", "-e", "1", "/localhost/B.rtc")[2] == told
     assert [world.state_of(n) for n in "ABCD"] == ["Active", "Active", "Inactive", "Inactive"]
     status, _, err = run("rtstart", path)
     assert (status, err.splitlines()[0]) == (

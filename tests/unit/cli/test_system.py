@@ -206,9 +206,13 @@ def test_dry_run_of_start_and_stop(run, file):
 
 
 def test_components_must_be_there_without_creation(run, file, world):
-    missing = f"Required action failed: Required component missing: {SOURCE}"
-    assert run("rtresurrect", "--no-create", file()) == (1, "", f"rtresurrect: {missing}\n")
-    assert run("rtstart", file()) == (1, "", f"rtstart: {missing}\n")
+    for arguments in (["rtresurrect", "--no-create"], ["rtstart"]):
+        status, out, err = run(*arguments, file())
+        assert (status, out) == (1, "")
+        assert err.splitlines() == [
+            f"{arguments[0]}: Required action failed: Required component missing: {path}"
+            for path in (SOURCE, SINK)
+        ]
     assert run("rtresurrect", "--no-create", "--stand-in", file())[0] == 2
     assert not world.performed
 
@@ -216,10 +220,11 @@ def test_components_must_be_there_without_creation(run, file, world):
 def test_without_a_hint_of_how_to_make_it(run, file, monkeypatch):
     status, out, err = run("rtresurrect", file(create=False))
     assert (status, out) == (1, "")
-    assert err == (
-        f"rtresurrect: Required action failed: Required component missing: {SOURCE}"
-        " (nothing tells how to make it; --stand-in generates it)\n"
-    )
+    assert err.splitlines() == [
+        f"rtresurrect: Required action failed: Required component missing: {path}"
+        " (nothing tells how to make it; --stand-in generates it)"
+        for path in (SOURCE, SINK)
+    ]
 
 
 def test_loaded_modules_tell_how_to_make_a_component(run, file, world):

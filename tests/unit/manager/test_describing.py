@@ -145,3 +145,18 @@ def test_the_lines_of_a_scan(tmp_path):
     assert "written by everybody" in lines[1]
     assert "leaves the load path" in lines[2]
     assert "SyntaxError" in lines[3]
+
+
+def test_several_names_in_one_assignment() -> None:
+    source = b"""
+class Arm(Component):
+    vendor, category, version = "acme", "test", "1.0"
+    a = b, c = "x", "y"
+
+
+def ArmInit(manager):
+    manager.register_factory(Arm)
+"""
+    offers = describe(source, "Arm.py")
+    assert offers is not None
+    assert offers[0].type.full_id == "RTC:acme:test:Arm:Python:1.0"

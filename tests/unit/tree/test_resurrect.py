@@ -128,7 +128,7 @@ def test_optional_components_may_fail(world, bring_up):
 
 
 def test_without_creation(world, bring_up):
-    with pytest.raises(Refused, match=r"Required component missing: /localhost/Source0\.rtc"):
+    with pytest.raises(Refused, match=r"Required component missing: /localhost/Sink0\.rtc"):
         bring_up(system(), may_create=False)
     for kind in ("Source", "Sink"):
         world.perform(act.Create(f"{kind}?instance_name={kind}0"))
