@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 P = TypeVar("P")
+_LONGEST = 1000
+"""Longer texts of notes are clipped: what a document holds must not flood who reads about it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +66,18 @@ class Note:
     rule: str = field(default="", compare=False)
     found: str | None = field(default=None, compare=False)
     allowed: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        for name in ("text", "path", "found", "allowed"):
+            told = getattr(self, name)
+            if told is not None and len(told) > _LONGEST:
+                object.__setattr__(self, name, clipped(told))
+
+
+def clipped(text: str) -> str:
+    """Return the beginning and the end of a text that is too long to be told."""
+    half = _LONGEST // 2
+    return f"{text[:half]} … {text[-half:]}"
 
 
 @dataclass(frozen=True, slots=True)

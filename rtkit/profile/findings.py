@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
@@ -14,6 +15,7 @@ FAR_LINE = 65535
 
 _SHOWN = 50
 _TOO_MANY = 1000
+_MOST_REPAIRS = 50_000
 
 
 class InvalidProfile(InvalidDocument):
@@ -38,6 +40,7 @@ class Findings:
     Attributes:
         scope: The prefixes, where the whole document has the same ones.
         is_vague: Whether lines from `FAR_LINE` on are not known.
+        is_fragment: Whether a component profile has no ``BasicInfo``; None until it was looked for.
         good_types: Values of ``xsi:type`` seen to be right in this scope, with their tables.
     """
 
@@ -50,6 +53,7 @@ class Findings:
     ) -> None:
         self.source = source
         self.is_vague = is_vague
+        self.is_fragment: bool | None = None
         self.scope = scope
         self.good_types: set[tuple[str, Any]] = set()
         self.repairs: list[Note] = []
@@ -58,14 +62,21 @@ class Findings:
         self._said: set[str] = set()
         self._places = Places()
         self._far: dict[Any, int] = {}
+        self._has_more = False
+        self._numbers: dict[Any, int] = {}
 
     def repaired(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record a deviation that was put right; call it before anything is moved."""
-        self.repairs.append(self._note(element, rule, text, **details))
+        if len(self.repairs) < _MOST_REPAIRS:
+            self.repairs.append(self._note(element, rule, text, **details))
+        elif not self._has_more:
+            self._has_more = True
+            more = f"and more repairs, after {_MOST_REPAIRS} that were told"
+            self.repairs.append(self._note(element, rule, more))
 
     def remark(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record, once, something that is allowed but worth knowing."""
-        if text not in self._said:
+        if text not in self._said and len(self._said) < _MOST_REPAIRS:
             self._said.add(text)
             self.remarks.append(self._note(element, rule, text, **details))
 
@@ -119,6 +130,15 @@ class Findings:
     def line(self, element: Any) -> int:
         """Return the line of the document that `element` begins on; 0 if nobody knows."""
         return self._far.get(element) or element.sourceline or 0
+
+    def number(self, element: Any) -> int:
+        """Return how many elements of the same name stood before this one, when first asked."""
+        if element not in self._numbers:
+            counts: Counter[str] = Counter()
+            for item in element.getparent():
+                self._numbers[item] = counts[item.tag]
+                counts[item.tag] += 1
+        return self._numbers[element]
 
     def set_line(self, element: Any, line: int) -> None:
         """Have an element that was not parsed stand on a line."""

@@ -9,13 +9,13 @@ import re
 from typing import Any
 
 from rtkit.profile.findings import Findings
+from rtkit.profile.parse import MAX_ATTRIBUTES
 from rtkit.profile.spec import DATE, DATE_FORM, FLAG, WHOLE, WORD, Attr, Child, Spec
 from rtkit.profile.xmlnames import NAMESPACES, XML, XSI, XSI_TYPE, clark, short, split
 
 MAX_DEPTH = 64
 """Elements nested deeper than this are refused; real profiles need about ten."""
 
-_MAX_ATTRIBUTES = 200
 
 _LANGUAGE = re.compile(r"[a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*")
 _OUR_NAMESPACES = frozenset(NAMESPACES.values()) | {""}
@@ -51,9 +51,9 @@ def _attributes(element: Any, spec: Spec, found: Findings) -> None:
         if check and not check(value) and not _respell(element, spec.known[name], value, found):
             continue
         required += is_required
-    if len(odd) > _MAX_ATTRIBUTES:
+    if len(odd) > MAX_ATTRIBUTES:
         text = f"{len(odd)} unknown attributes on {short(element.tag)}"
-        found.wrong(element, "too-many-attributes", text, allowed=f"at most {_MAX_ATTRIBUTES}")
+        found.wrong(element, "too-many-attributes", text, allowed=f"at most {MAX_ATTRIBUTES}")
         return
     for name, value in odd:
         required += _odd_attribute(element, spec, name, value, found)
@@ -149,7 +149,7 @@ def _supply(element: Any, spec: Spec, found: Findings) -> None:
             said = f"{short(element.tag)} has no {short(attribute.name)}"
             found.wrong(element, "missing-attribute", said, allowed=attribute.allowed)
             continue
-        value = supply if isinstance(supply, str) else supply(element)
+        value = supply if isinstance(supply, str) else supply(element, found)
         element.set(attribute.name, value)
         said = f"{short(attribute.name)} is absent: taken as {value!r}"
         found.repaired(element, "absent-attribute", said, allowed=attribute.allowed)
@@ -288,9 +288,9 @@ def _clean_foreign(item: Any, found: Findings, depth: int) -> None:
     if depth > MAX_DEPTH:
         found.wrong(item, "too-deep", f"elements are nested deeper than {MAX_DEPTH}")
         return
-    if len(item.attrib) > _MAX_ATTRIBUTES:
+    if len(item.attrib) > MAX_ATTRIBUTES:
         text = f"{len(item.attrib)} attributes on {short(item.tag)}"
-        found.wrong(item, "too-many-attributes", text, allowed=f"at most {_MAX_ATTRIBUTES}")
+        found.wrong(item, "too-many-attributes", text, allowed=f"at most {MAX_ATTRIBUTES}")
         return
     for name, value in item.items():
         namespace, local = split(name)

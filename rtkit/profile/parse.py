@@ -11,8 +11,13 @@ from typing import Any
 
 from rtkit.profile.common import Note
 from rtkit.profile.findings import InvalidProfile
+from rtkit.profile.xmlnames import short
 
 MAX_BYTES = 12 * 2**20
+MAX_ATTRIBUTES = 200
+_LONG_TAG = 5 * MAX_ATTRIBUTES
+"""A tag that has more attributes is longer, in bytes."""
+
 _MAX_TAGS = 150_000
 _MAX_EQUALS = 300_000
 _MAX_NAMESPACES = 1_000
@@ -59,10 +64,31 @@ def parse(data: bytes, source: str, *, drops_blanks: bool = False) -> Any:
         why = _PLACE.sub("", str(error.msg).removesuffix(f" (<string>, line {error.lineno})"))
         text = f"not well-formed: {_one_line(why)}"
         raise InvalidProfile(source, [Note(line, text, rule="not-well-formed")]) from error
+    _refuse_long_tags(root, data, source)
     doctype = root.getroottree().docinfo
     if doctype.internalDTD is not None:
         raise _doctype_problem(source, 1, doctype.root_name)
     return root
+
+
+def _refuse_long_tags(root: Any, data: bytes, source: str) -> None:
+    """Refuse elements of many attributes: lxml needs their number squared to list them."""
+    at = data.find(b"<")
+    while at + _LONG_TAG < len(data):
+        at = data.rfind(b"<", at + 1, at + _LONG_TAG)
+        if at < 0:
+            break
+    else:
+        return
+    for element in root.xpath(f"(//*[@*[{MAX_ATTRIBUTES + 1}]])[1]"):
+        text = f"more than {MAX_ATTRIBUTES} attributes on {short(element.tag)}"
+        note = Note(
+            element.sourceline or 1,
+            text,
+            rule="too-many-attributes",
+            allowed=f"at most {MAX_ATTRIBUTES}",
+        )
+        raise InvalidProfile(source, [note])
 
 
 def _one_line(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import Any
 
 from rtkit.profile.findings import Findings
@@ -17,6 +18,9 @@ _KINDS = {
     clark("rts:DataPortConnectors"): (clark("rts:DataPorts"), "Data"),
     clark("rts:ServicePortConnectors"): (clark("rts:ServicePorts"), "Service"),
 }
+_TOLD = 50
+"""So many components are told as those that might have been meant."""
+
 _NAMING = tuple(
     clark(f"rts:{tag}")
     for tag in ("Participant", "Members", "TargetComponent", "PrecedingComponents")
@@ -57,14 +61,15 @@ def _components(root: Any, found: Findings) -> dict[tuple[str, str], Any]:
 
 
 def _connectors(root: Any, components: dict[tuple[str, str], Any], found: Findings) -> None:
-    ports: dict[tuple[str, str], set[str]] = {}
+    ports = _Ports()
     connectors = [item for item in root.iterchildren() if item.tag in _KINDS]
     taken = {item.get(_CONNECTOR_ID) for item in connectors}
     seen: set[str] = set()
+    numbers: dict[str, int] = {}
     for connector in connectors:
         connector_id = connector.get(_CONNECTOR_ID)
         if connector_id in seen:
-            connector_id = _other_id(connector, taken, found)
+            connector_id = _other_id(connector, taken, numbers, found)
         seen.add(connector_id)
         for end in connector.iterchildren():
             local = split(end.tag)[1]
@@ -72,11 +77,36 @@ def _connectors(root: Any, components: dict[tuple[str, str], Any], found: Findin
                 _end(end, connector, components, ports, found)
 
 
-def _other_id(connector: Any, taken: set[str], found: Findings) -> str:
+class _Ports:
+    """The ports that components list, and where more of them go.
+
+    Attributes:
+        names: What each component lists, with the kind of port.
+    """
+
+    def __init__(self) -> None:
+        self.names: dict[tuple[str, str], set[str]] = {}
+        self._last: dict[tuple[Any, str], Any] = {}
+
+    def place(self, component: Any, made: Any) -> None:
+        """Move an appended port behind its like, or to where its like would begin."""
+        last = self._last.get((component, made.tag))
+        if last is not None:
+            last.addnext(made)
+        else:
+            before = (clark("rts:DataPorts"), made.tag)
+            places = [n for n, item in enumerate(component, 1) if item.tag in before]
+            places.remove(len(component))
+            component.insert(max(places, default=0), made)
+        self._last[component, made.tag] = made
+
+
+def _other_id(connector: Any, taken: set[str], numbers: dict[str, int], found: Findings) -> str:
     was = connector.get(_CONNECTOR_ID)
-    number = 2
+    number = numbers.get(was, 2)
     while f"{was}_{number}" in taken:
         number += 1
+    numbers[was] = number + 1
     new = f"{was}_{number}"
     taken.add(new)
     connector.set(_CONNECTOR_ID, new)
@@ -96,7 +126,7 @@ def _end(
     end: Any,
     connector: Any,
     components: dict[tuple[str, str], Any],
-    ports: dict[tuple[str, str], set[str]],
+    ports: _Ports,
     found: Findings,
 ) -> None:
     key = (end.get(_COMPONENT_ID), end.get(_INSTANCE))
@@ -108,20 +138,20 @@ def _end(
         said = f"{short(end.tag)} names component {key[1]} ({key[0]}), which is not listed"
         found.wrong(end, "unknown-component", said, seen=key[1], allowed=_names(components))
         return
-    if key not in ports:
-        ports[key] = {
+    if key not in ports.names:
+        ports.names[key] = {
             f"{split(item.tag)[1]} {strip_instance(item.get(_NAME) or '', key[1])}"
             for item in component.iterchildren(*(tag for tag, _ in _KINDS.values()))
         }
     tag, kind = _KINDS[connector.tag]
     wanted = f"{kind}Ports {strip_instance(port, key[1])}"
-    if wanted in ports[key]:
+    if wanted in ports.names[key]:
         return
-    ports[key].add(wanted)
-    _add_port(component, tag, end, connector, found)
+    ports.names[key].add(wanted)
+    ports.place(component, _add_port(component, tag, end, connector, found))
 
 
-def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Findings) -> None:
+def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Findings) -> Any:
     """List a port that only a connector names; its direction is the connector's."""
     name = end.get(_PORT_NAME)
     is_source = split(end.tag)[1].startswith("source")
@@ -136,19 +166,9 @@ def _add_port(component: Any, tag: str, end: Any, connector: Any, found: Finding
     for key, value in properties.items():
         if value:
             add(found, made, "rtsExt:Properties", {"rtsExt:name": key, "rtsExt:value": value})
-    _place(component, made)
     said = f"port {name} of {end.get(_INSTANCE)} is named by a connector only: added"
     found.repaired(end, "unlisted-port", said, at=_PORT_NAME, seen=name)
-
-
-def _place(component: Any, made: Any) -> None:
-    """Move an appended port behind its like, or to where its like would begin."""
-    before = (clark("rts:DataPorts"), made.tag)
-    place = 0
-    for position, item in enumerate(component):
-        if item is not made and item.tag in before:
-            place = position + 1
-    component.insert(place, made)
+    return made
 
 
 def _others(root: Any, components: dict[tuple[str, str], Any], found: Findings) -> None:
@@ -172,4 +192,6 @@ def _others(root: Any, components: dict[tuple[str, str], Any], found: Findings) 
 
 
 def _names(components: dict[tuple[str, str], Any]) -> str:
-    return ", ".join(f"{instance} ({id})" for id, instance in components)
+    told = [f"{instance} ({id})" for id, instance in islice(components, _TOLD)]
+    more = len(components) - len(told)
+    return ", ".join(told) + (f" and {more} more" if more else "")

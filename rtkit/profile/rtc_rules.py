@@ -27,7 +27,7 @@ def _loose(element: Any, local: str) -> str | None:
     return None
 
 
-def composed_id(root: Any) -> str:
+def composed_id(root: Any, _: Findings) -> str:
     """Compose an absent id from BasicInfo; a fragment has none."""
     info = next((item for item in root if split(item.tag)[1] == "BasicInfo"), None)
     if info is None:
@@ -36,7 +36,7 @@ def composed_id(root: Any) -> str:
     return ":".join(["RTC", *parts])
 
 
-def usual_position(port: Any) -> str:
+def usual_position(port: Any, _: Findings) -> str:
     """Place a data port where its direction puts it: in ports left, out ports right."""
     return "RIGHT" if (_loose(port, "portType") or "").upper() in _OUT else "LEFT"
 
@@ -62,14 +62,20 @@ def basic_info(info: Any, found: Findings) -> None:
 
 def fragment_configuration(configuration: Any, found: Findings) -> None:
     """Let a parameter be nameless in a fragment, which only shows a constraint."""
-    root = configuration.getroottree().getroot()
-    if any(split(item.tag)[1] == "BasicInfo" for item in root):
+    if not _is_fragment(configuration, found):
         return
     for local in ("name", "type"):
         if _loose(configuration, local) is None:
             configuration.set(clark(f"rtc:{local}"), "")
             said = f"rtc:{local} is absent: taken as ''"
             found.repaired(configuration, "absent-attribute", said, allowed="any text")
+
+
+def _is_fragment(configuration: Any, found: Findings) -> bool:
+    if found.is_fragment is None:
+        root = configuration.getroottree().getroot()
+        found.is_fragment = all(split(item.tag)[1] != "BasicInfo" for item in root)
+    return found.is_fragment
 
 
 def only_one(negation: Any, found: Findings) -> None:

@@ -29,12 +29,12 @@ _OWN = ("", NAMESPACES["rts"], NAMESPACES["rtc"])
 _REF = ("rts:componentId", "rts:instanceName")
 
 
-def position_among_siblings(element: Any) -> str:
+def position_among_siblings(element: Any, found: Findings) -> str:
     """Number an element that has no id of its own: 0 for the first of its kind."""
-    return str(sum(1 for _ in element.itersiblings(element.tag, preceding=True)))
+    return str(found.number(element))
 
 
-def other_date(element: Any) -> str:
+def other_date(element: Any, _: Findings) -> str:
     """Take the other of the two dates, or `NO_DATE`."""
     for name, value in element.items():
         if split(name)[1] in ("creationDate", "updateDate") and value.strip():
@@ -42,10 +42,10 @@ def other_date(element: Any) -> str:
     return NO_DATE
 
 
-def property_or_empty(option: str) -> Callable[[Any], str]:
+def property_or_empty(option: str) -> Callable[[Any, Findings], str]:
     """Look for an absent connector attribute among the options in its properties."""
 
-    def find(connector: Any) -> str:
+    def find(connector: Any, _: Findings) -> str:
         for item in connector.iterchildren(clark("rtsExt:Properties")):
             if item.get(clark("rtsExt:name")) == f"dataport.{option}":
                 return item.get(clark("rtsExt:value")) or ""

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 from rtkit.profile.common import NO_FOREIGN
 from rtkit.profile.xmlnames import clark, split
 
-Supply = str | Callable[[Any], str]
-"""A value for an absent attribute, or how to find one from its element."""
+Supply = str | Callable[[Any, Any], str]
+"""A value for an absent attribute, or how to find one from its element and the findings."""
 
 TEXT, FLAG, WHOLE, REAL, DATE, WORD = "text", "flag", "whole", "real", "date", "word"
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from rtkit.profile.findings import Findings
 from rtkit.profile.nodes import Items, Node, Table, Text, refused
+from rtkit.profile.parse import MAX_ATTRIBUTES
 from rtkit.profile.rts_model import Condition
 from rtkit.profile.spec import DATE, FLAG, Attr, Child, Spec
 from rtkit.profile.tree_form import (
@@ -68,6 +69,8 @@ class _Filler:
             return
         if not isinstance(body, Table):
             self._wrong(body, f"{short(element.tag)} is a table of its parts")
+            return
+        if self._has_too_many(body):
             return
         parts: list[tuple[int, Child, Node]] = []
         others: list[tuple[Text, Node]] = []
@@ -140,11 +143,11 @@ class _Filler:
                 made = self._made(element, name, item)
                 if made is None:
                     continue
-                if isinstance(item, Table):
+                if not isinstance(item, Table):
+                    self._text(made, item)
+                elif not self._has_too_many(item):
                     for inner, below in item.items:
                         self._keep(made, inner, below)
-                else:
-                    self._text(made, item)
 
     def _foreign(self, element: Any, key: Text, value: Node) -> None:
         if key.text == FOREIGN_ATTRIBUTES:
@@ -156,6 +159,8 @@ class _Filler:
     def _foreign_attributes(self, element: Any, value: Node) -> None:
         if not isinstance(value, Table):
             self._wrong(value, "foreign attributes are a table of name and text")
+            return
+        if self._has_too_many(value):
             return
         for name, text in value.items:
             if isinstance(text, Text):
@@ -215,6 +220,14 @@ class _Filler:
             told = short(name)[:80]
             why = f"{told} has a name or a character that no profile can hold"
             self._wrong(node, why, _CHARACTER)
+
+    def _has_too_many(self, table: Table) -> bool:
+        """Whether a table has more keys than an element may have attributes."""
+        if len(table.items) <= MAX_ATTRIBUTES:
+            return False
+        why = f"more than {MAX_ATTRIBUTES} keys in one table"
+        self._wrong(table, why, "too-many-attributes")
+        return True
 
     def _wrong(self, node: Node, why: str, rule: str = "tree-shape") -> None:
         self._found.wrong_at(node.line, rule, why)
