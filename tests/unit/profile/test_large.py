@@ -44,7 +44,7 @@ def test_lines_of_xml(lines: int) -> None:
     (note,) = (note for note in read_rts(text).notes if "rts:What" in note.text)
     # Far down libxml2 knows the line of the text that follows, which may be the next one.
     assert note.line in (2 + lines, 2 + lines + (note.line > FAR_LINE))
-    assert note in examine(text).repairs
+    assert (2 + lines, note.text) in {(each.line, each.text) for each in examine(text).repairs}
     with pytest.raises(InvalidProfile, match=f":{note.line}: unknown element rts:What"):
         read_rts(text, strict=True)
 
