@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli import _out
 from rtkit.cli._app import App
+from rtkit.cli.profile._talk import finding_style
 from rtkit.errors import InvalidDocument, NotFound, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -19,14 +19,6 @@ if TYPE_CHECKING:
 
 TEXT = "text"
 _FORMS = (TEXT, "json", "sarif", "junit", "github")
-_STYLES: dict[str, dict[str, object]] = {
-    "error": {"fg": "red", "bold": True},
-    "warning": {"fg": "yellow", "bold": True},
-    "note": {"fg": "cyan"},
-    "valid": {"fg": "green", "bold": True},
-    "name": {"bold": True},
-    "path": {"dim": True},
-}
 
 
 def static_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -85,7 +77,9 @@ def check(
     checked = list(_checked(app, systems, components, options))
     rules = {**RULES_OF_PROFILES, **RULES, "unreadable": "A file or folder cannot be read"}
     now = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime())
-    for line in report_lines(report, checked, rules, tool, now, style=_styled, is_quiet=is_quiet):
+    for line in report_lines(
+        report, checked, rules, tool, now, style=finding_style, is_quiet=is_quiet
+    ):
         click.echo(line)
     if report == TEXT and not components and not is_quiet and _lacks_profiles(checked):
         app.say("hint: --components FOLDER tells where RTC profiles are")
@@ -133,7 +127,3 @@ def _status(app: App, checked: Sequence[Checked]) -> int:
     if all(not each.is_read for each in bad):
         return app.status(NotFound())
     return app.status(Refused() if any(each.what for each in bad) else InvalidDocument())
-
-
-def _styled(text: str, role: str) -> str:
-    return _out.styled(text, _STYLES.get(role))

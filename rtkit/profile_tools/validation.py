@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 from rtkit.profile.common import Note
 from rtkit.profile.examine import examine, objections
@@ -18,6 +18,7 @@ def validated(
     *,
     form: str | None = None,
     strict: bool = False,
+    ignored: Container[str] = (),
     is_explaining: bool = False,
 ) -> Checked:
     """Return the verdict on a profile of either kind; `file` names it.
@@ -27,14 +28,17 @@ def validated(
         file: As the user typed it.
         form: ``xml``, ``yaml`` or ``json``; None finds out.
         strict: Take every repair for an error.
+        ignored: Rules of which only is told what nothing forgives.
         is_explaining: Have the schema tell what it has against the document as it stands; slow.
     """
     found = examine(data, file, form=form)
     of_schema = objections(data, file, form=form) if is_explaining else ()
+    repairs = [note for note in found.repairs if note.rule not in ignored]
+    notes = [note for note in (*found.remarks, *of_schema) if note.rule not in ignored]
     findings = [
         *findings_of(ERROR, found.errors, file),
-        *findings_of(ERROR if strict else NOTE, found.repairs, file),
-        *findings_of(NOTE, (*found.remarks, *of_schema), file),
+        *findings_of(ERROR if strict else NOTE, repairs, file),
+        *findings_of(NOTE, notes, file),
     ]
     findings.sort(key=lambda finding: finding.line)
     return Checked(file, _NAMES[found.kind], tuple(findings))

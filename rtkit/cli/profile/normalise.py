@@ -46,7 +46,7 @@ def main(
     from rtkit.report.finding import NOTE
 
     _check(files, in_place=in_place, output=output, check=check)
-    done = _rewritten(files or ("-",))
+    done = _rewritten(files or (None,))
     for each in done:
         findings = each.rewriting.findings
         say_findings(app, [f for f in findings if not (quiet and f.severity == NOTE)])
@@ -73,7 +73,7 @@ def _check(files: Sequence[str], *, in_place: bool, output: str | None, check: b
         raise WrongArguments(f"several files need --in-place or --check: {files[1]}")
 
 
-def _rewritten(files: Sequence[str]) -> list[_Done]:
+def _rewritten(files: Sequence[str | None]) -> list[_Done]:
     from rtkit.cli.profile._document import read_bytes_of
     from rtkit.profile_tools.rewriting import rewritten
 

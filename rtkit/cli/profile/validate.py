@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import click
 
+from rtkit.cli import _out
 from rtkit.cli._app import App, command
+from rtkit.cli.profile._files import Source, sources
 from rtkit.cli.profile._talk import finding_style
-from rtkit.errors import InvalidDocument, NotFound
+from rtkit.errors import InvalidDocument, NotFound, UsageProblem
 from rtkit.report.finding import Checked
 from rtkit.report.forms import FORMS, JSON, TEXT, report_lines
 
@@ -22,6 +25,14 @@ TOOL = "rtprofile validate"
     "--format", "form", type=click.Choice(FORMS), default=TEXT, help="How to tell (default text)."
 )
 @click.option("--json", "is_json", is_flag=True, help="The same as --format json.")
+@click.option(
+    "--ignore",
+    "ignored",
+    multiple=True,
+    metavar="RULE",
+    help="Say nothing that is about this rule, but what nothing forgives; repeatable.",
+)
+@click.option("--rules", "lists_rules", is_flag=True, help="List the rules.")
 @click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
 @click.argument("paths", nargs=-1, metavar="[FILE|FOLDER|-]...")
 def main(
@@ -31,6 +42,8 @@ def main(
     explain: bool,
     form: str,
     is_json: bool,
+    ignored: tuple[str, ...],
+    lists_rules: bool,
     quiet: bool,
 ) -> int:
     """Check profiles against the schemas, and against what no schema can tell.
@@ -39,38 +52,46 @@ def main(
     put right and noted, with its line and XPath, what stands there and what may; the exit status
     is 0. What could not makes it 1. With --strict nothing is put right.
     """
+    rules = _rules()
+    if lists_rules:
+        _out.write(_out.pairs(sorted(rules.items()), ""))
+        return 0
+    for rule in ignored:
+        if rule not in rules:
+            raise UsageProblem(f"no such rule: {rule}; --rules lists them")
     seen: list[Checked] = []
-    checked = _checked(app, paths, strict=strict, is_explaining=explain, seen=seen)
+    judge = partial(_judge, strict=strict, ignored=ignored, is_explaining=explain)
+    checked = _checked(app, paths, judge, seen)
     for line in report_lines(
-        JSON if is_json else form,
-        checked,
-        _rules(),
-        TOOL,
-        _now(),
-        style=finding_style,
-        is_quiet=quiet,
+        JSON if is_json else form, checked, rules, TOOL, _now(), style=finding_style, is_quiet=quiet
     ):
         click.echo(line)
     return _status(app, seen)
 
 
+def _judge(
+    source: Source, *, strict: bool, ignored: tuple[str, ...], is_explaining: bool
+) -> Checked:
+    from rtkit.profile_tools.validation import unreadable, validated
+
+    if source.data is None:
+        return unreadable(source.name, source.problem)
+    return validated(
+        source.data, source.name, strict=strict, ignored=ignored, is_explaining=is_explaining
+    )
+
+
 def _checked(
-    app: App, paths: tuple[str, ...], *, strict: bool, is_explaining: bool, seen: list[Checked]
+    app: App, paths: tuple[str, ...], judge: Callable[[Source], Checked], seen: list[Checked]
 ) -> Iterator[Checked]:
     """Yield the verdicts, and keep them in `seen`."""
-    from rtkit.cli.profile._files import sources
-    from rtkit.profile_tools.validation import may_be_profile, unreadable, validated
+    from rtkit.profile_tools.validation import may_be_profile
 
     for source in sources(paths):
-        if source.data is None:
-            seen.append(unreadable(source.name, source.problem))
-        elif not source.is_named and not may_be_profile(source.data):
+        if source.data is not None and not source.is_named and not may_be_profile(source.data):
             app.tell(f"{source.name}: no profile, skipped")
             continue
-        else:
-            seen.append(
-                validated(source.data, source.name, strict=strict, is_explaining=is_explaining)
-            )
+        seen.append(judge(source))
         yield seen[-1]
     if not seen:
         app.say(f"no profile below {', '.join(paths)}")
