@@ -87,30 +87,35 @@ def _take_component(state: State, process: Process, facts: ComponentFacts) -> bo
     )
     state.components[facts.instance] = kept
     state.holders[facts.instance] = process.key
-    for wire, key in list(state.loose.values()):
-        _take_end(state, state.processes[key], wire)
     return True
 
 
 def _take_end(state: State, process: Process, wire: ConnectorProfile) -> None:
+    """Note that a process holds an end of a connector, which is whole once all say so."""
+    connector_id = wire.connector_id
+    known = state.connectors.get(connector_id)
+    if known is not None and set(known.ports) == set(wire.ports):
+        return
+    state.loose[connector_id, process.key] = wire
     ends = [state.components.get(end.instance) for end in wire.ports]
-    is_whole = all(
+    is_alive = all(
         facts is not None and not facts.zombie and facts.port(end.port) is not None
         for facts, end in zip(ends, wire.ports, strict=True)
     )
-    if is_whole:
-        state.connectors.setdefault(wire.connector_id, wire)
-        state.loose.pop(wire.connector_id, None)
-    elif wire.connector_id not in state.connectors:
-        state.loose[wire.connector_id] = (wire, process.key)
+    holders = {state.holders.get(end.instance) for end in wire.ports}
+    said = {key for (id, key), other in state.loose.items() if (id, other) == (connector_id, wire)}
+    if known is None and is_alive and holders <= said:
+        state.connectors[connector_id] = wire
+        for key in said & holders:
+            del state.loose[connector_id, key]
 
 
 def cut_loose(state: State, process: Process) -> Procedure:
     """Take connectors off a found slave whose other ends did not come back."""
     yield Pause(SETTLE_S)
-    for connector_id, (_, key) in list(state.loose.items()):
+    for connector_id, key in list(state.loose):
         if key == process.key:
-            del state.loose[connector_id]
+            del state.loose[connector_id, key]
             if process.is_ready:
                 yield Tell(process, {"op": "unlink", "connector_id": connector_id})
     return Result()

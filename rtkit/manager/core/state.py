@@ -113,8 +113,8 @@ class State:
         masters: Managers that this one is registered with.
         slaves: Managers with processes of their own that are registered with this one.
         is_in_haste: It is to end without any grace.
-        loose: Connectors of which a slave that was found holds one end, and the other end is
-            not known yet; with the key of that slave.
+        loose: Ends of connectors that slaves hold which were found, by connector and slave, until
+            the other end is known too.
     """
 
     host: str
@@ -132,7 +132,7 @@ class State:
     openings: dict[str, Opening] = field(default_factory=dict)
     tried: dict[str, int] = field(default_factory=dict)
     names: tuple[str, ...] = ()
-    loose: dict[str, tuple[ConnectorProfile, int]] = field(default_factory=dict)
+    loose: dict[tuple[str, int], ConnectorProfile] = field(default_factory=dict)
     settings: Settings = field(default_factory=Settings)
     folder: str = "/"
     base_paths: tuple[str, ...] = ()
@@ -209,7 +209,7 @@ class State:
 
     def drop_loose(self, key: int) -> None:
         """Drop the connector ends of a found slave whose other ends are not known."""
-        self.loose = {id: end for id, end in self.loose.items() if end[1] != key}
+        self.loose = {end: wire for end, wire in self.loose.items() if end[1] != key}
 
     def drop_if_empty(self, key: int) -> None:
         """Drop a lost process of which no component is shown any more."""
@@ -264,7 +264,7 @@ class State:
             assert facts.instance == instance, facts
             assert holder is not None, f"no process holds {instance}"
             assert bool(facts.zombie) is not holder.is_alive, f"{instance} in {holder}"
-        for _, key in self.loose.values():
+        for _, key in self.loose:
             assert self.processes[key].is_alive, "a lost process holds an end"
         names = [name for facts in self.components.values() for name in facts.names]
         names += self.names

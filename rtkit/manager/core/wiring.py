@@ -49,6 +49,7 @@ def connect(state: State, wire: ConnectorProfile) -> Procedure:
     ends = [living(state, end.instance) for end in wire.ports]
     opening = state.openings[connector_id] = Opening(wire)
     try:
+        yield from _cut_loose(state, connector_id)
         if ports[0].port_type is PortType.SERVICE:
             yield from _open_services(ends, ports, wire)
         else:
@@ -130,6 +131,15 @@ def _provides(one: PortProfile, other: PortProfile) -> bool:
     return any(
         i.polarity is Polarity.REQUIRED and i.type_name in provided for i in other.interfaces
     )
+
+
+def _cut_loose(state: State, connector_id: str) -> Procedure:
+    """Take what is left of a connector of that name off the slaves that outlived their manager."""
+    for id, key in list(state.loose):
+        if id == connector_id:
+            del state.loose[id, key]
+            yield Tell(state.processes[key], {"op": "unlink", "connector_id": id})
+    return Result()
 
 
 def _abandon(ends: list[Process], connector_id: str) -> Procedure:

@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from rtkit.deployment.actions import Create, Delete, Disconnect
+from rtkit.deployment.actions import Connect, Create, Delete, Disconnect
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
@@ -44,6 +44,35 @@ def test_a_connector_whose_other_end_stays_away_is_cut() -> None:
     shell.wait(2 * SETTLE_S)
     assert (key, {"op": "unlink", "connector_id": "w"}) in shell.told
     assert shell.state.loose == {}
+
+
+def test_an_end_is_no_connector_though_the_other_component_lives() -> None:
+    shell = FakeShell()
+    shell.make("B", "b")
+    shell.find(300, "a", ["A"], [wire("w")])
+    assert shell.state.connectors == {}
+    shell.wait(2 * SETTLE_S)
+    assert shell.state.connectors == {}
+
+
+def test_a_connector_inside_one_slave_is_known_at_once() -> None:
+    shell = FakeShell()
+    shell.find(300, "a", ["A", "B"], [wire("w")])
+    assert set(shell.state.connectors) == {"w"}
+
+
+def test_a_connector_can_be_made_again_while_an_end_of_it_is_left() -> None:
+    shell = FakeShell()
+    key = shell.find(300, "a", ["A"], [wire("w")])
+    shell.make("B", "b")
+    asked = shell.ask(Connect(wire("w")))
+    assert (key, {"op": "unlink", "connector_id": "w"}) in shell.told
+    shell.serve()
+    assert asked.result.ok
+    shell.told.clear()
+    shell.wait(2 * SETTLE_S)
+    assert set(shell.state.connectors) == {"w"}
+    assert shell.told == []
 
 
 def test_an_instance_that_lives_elsewhere_by_now_is_dropped_by_the_slave() -> None:
