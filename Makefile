@@ -4,11 +4,12 @@ PYTEST_ARGS ?=
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test lint bench man clean
+.PHONY: help venv demo test campaign lint bench man clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
 	@echo "make test    linters, types, layers and all tests"
+	@echo "make campaign what make test tries of faults, everywhere and for long (hours)"
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
 	@echo "make man     write the manual pages anew from the commands"
 	@echo "make lint    what make test checks before the tests"
@@ -28,6 +29,9 @@ demo: $(READY)
 
 test: lint
 	$(BIN)/python -m pytest --doctest-modules rtkit tests $(PYTEST_ARGS)
+
+campaign: $(READY)
+	$(BIN)/python -m pytest -m campaign tests $(PYTEST_ARGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -11,7 +11,8 @@ import sys
 import tempfile
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -115,9 +116,9 @@ class Shell:
         return "".join(f"\n{file.name}:\n{file.read_text()}" for file in files)
 
 
-@pytest.fixture
-def shell() -> Iterator[Shell]:
-    """A shell without a manager; whatever it starts must be gone at the end."""
+@contextmanager
+def opened_shell() -> Iterator[Shell]:
+    """Open a shell without a manager; whatever it starts must be gone at the end."""
     run_id = uuid.uuid4().hex
     before = set(SHARED_MEMORY.iterdir())
     # A socket's path may have 107 bytes: the folders that pytest makes are too long.
@@ -138,6 +139,19 @@ def shell() -> Iterator[Shell]:
         for pid in _processes(run_id):
             os.kill(pid, 9)
         shutil.rmtree(folder)
+
+
+@pytest.fixture
+def shell() -> Iterator[Shell]:
+    """A shell without a manager; whatever it starts must be gone at the end."""
+    with opened_shell() as shell:
+        yield shell
+
+
+@pytest.fixture
+def shells() -> Callable[[], AbstractContextManager[Shell]]:
+    """What opens one shell after the other, for tests that try many things."""
+    return opened_shell
 
 
 @pytest.fixture

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
+from contextlib import suppress
+from threading import get_native_id
+from typing import BinaryIO
 
+from rtkit import fault
 from rtkit.errors import NotFound, Refused
 
 STDOUT = "-"
+_DRAFT = ".draft"
+_LONGEST = 180
+"""How much of a name its draft bears [bytes]: a name may have 255."""
 
 
 def write_output(data: bytes, output: str, *, is_new: bool = False) -> None:
@@ -39,34 +47,88 @@ def write_output(data: bytes, output: str, *, is_new: bool = False) -> None:
 
 
 def _replace(data: bytes, place: str, *, is_new: bool) -> None:
-    import tempfile
+    """Lay a draft down beside the place, and put it there.
 
+    The draft has no name for as long as that goes, so that a kill leaves nothing of it behind.
+    """
     if is_new and os.path.lexists(place):
         raise FileExistsError
-    descriptor, temporary = tempfile.mkstemp(prefix=".rtkit-", dir=os.path.dirname(place))
+    folder, name = os.path.split(place)
+    stem = os.fsdecode(os.fsencode(name)[:_LONGEST])
+    _remove_drafts(folder, stem)
+    draft = os.path.join(folder, f".{stem}.{os.getpid()}.{get_native_id()}{_DRAFT}")
     try:
-        with open(descriptor, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(temporary, _mode(place))
-        if not is_new or not _link(temporary, place):
-            os.replace(temporary, place)
-            temporary = ""
+        target = place if is_new else draft
+        if not _write_nameless(folder, data, _mode(place), target):
+            _write_named(data, _mode(place), draft)
+            target = draft
+        fault.point("file.named")
+        if target == draft and not (is_new and _link(draft, place)):
+            os.replace(draft, place)
+            fault.point("file.replaced")
     finally:
-        if temporary:
-            os.unlink(temporary)
+        with suppress(FileNotFoundError):
+            os.unlink(draft)
+    _sync(folder)
 
 
-def _link(temporary: str, place: str) -> bool:
-    """Give a file a second name, if nothing has that yet; return whether links can be made."""
+def _write_nameless(folder: str, data: bytes, mode: int, target: str) -> bool:
+    """Write a file, then have it appear at `target`; False where the file system cannot."""
     try:
-        os.link(temporary, place)
+        descriptor = os.open(folder, os.O_TMPFILE | os.O_WRONLY | os.O_CLOEXEC, 0o600)
+    except OSError as error:
+        if error.errno in (errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL):
+            return False
+        raise
+    with open(descriptor, "wb") as stream:
+        _write(stream, data, mode)
+        # With a folder named, though the path is absolute, the link of /proc is followed.
+        return _link(f"/proc/self/fd/{descriptor}", target, folder=descriptor)
+
+
+def _write_named(data: bytes, mode: int, draft: str) -> None:
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC
+    with open(os.open(draft, flags, 0o600), "wb") as stream:
+        _write(stream, data, mode)
+
+
+def _write(stream: BinaryIO, data: bytes, mode: int) -> None:
+    stream.write(data)
+    stream.flush()
+    os.fchmod(stream.fileno(), mode)
+    os.fsync(stream.fileno())
+    fault.point("file.written")
+
+
+def _link(old: str, new: str, folder: int | None = None) -> bool:
+    """Give a file a name, if nothing has that yet; return whether links can be made."""
+    try:
+        os.link(old, new, src_dir_fd=folder)
     except FileExistsError:
         raise
     except OSError:
         return False
     return True
+
+
+def _remove_drafts(folder: str, stem: str) -> None:
+    """Remove what was left by who was killed between two steps."""
+    for entry in os.listdir(folder):
+        if entry.startswith(f".{stem}.") and entry.endswith(_DRAFT):
+            pid = entry.removeprefix(f".{stem}.").partition(".")[0]
+            if pid.isdigit() and not os.path.exists(f"/proc/{pid}"):
+                with suppress(FileNotFoundError):
+                    os.unlink(os.path.join(folder, entry))
+
+
+def _sync(folder: str) -> None:
+    """Have the name outlive a power cut, where the file system can do that."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        with suppress(OSError):
+            os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def _mode(place: str) -> int:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import _out
 from rtkit.cli._app import App
-from rtkit.errors import Partial, Refused
+from rtkit.errors import Partial, Refused, Unreachable
+from rtkit.link import places
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name
 
 if TYPE_CHECKING:
@@ -32,8 +33,7 @@ def run_word(
     if word == "restart":
         _restart(app, chosen)
     elif word == "stop":
-        managers.stop(chosen, app.timeout_s)
-        app.tell(f"manager {chosen} ended")
+        _stop(app, chosen)
     else:
         _tell_status(chosen, managers.status(chosen, app.timeout_s), is_json)
     return 0
@@ -52,6 +52,37 @@ def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...]
     return 0
 
 
+def _stop(app: App, name: str) -> None:
+    """Stop a manager, or end what one left that was killed, perhaps just now."""
+    from rtkit.tree import managers
+
+    absent = None
+    try:
+        managers.stop(name, app.timeout_s)
+    except Unreachable as error:
+        if places.owner(name) is not None:
+            raise
+        absent = error
+    left = _end_remains(name)
+    if absent is not None and not left:
+        raise absent
+    if left:
+        app.fail(f"manager {name!r} had been killed; what it left was ended ({left} slaves)")
+    else:
+        app.tell(f"manager {name} ended")
+
+
+def _end_remains(name: str) -> int:
+    from rtkit.link.running import traces
+
+    own = (places.manager_socket(name), places.control_socket(name), places.manager_lock(name))
+    if not traces(name) and not any(map(os.path.lexists, own)):
+        return 0
+    from rtkit.manager.remains import end_remains
+
+    return end_remains(name)
+
+
 def _restart(app: App, name: str) -> None:
     from rtkit.manager.launch import hear, read_report
     from rtkit.tree import managers
@@ -61,14 +92,12 @@ def _restart(app: App, name: str) -> None:
 
 
 def _tell_start(app: App, name: str, started: Started) -> None:
-    from rtkit.link.places import manager_socket
-
     for text in started.warnings:
         app.fail(f"warning: {text}")
     if started.failures:
         why = f"manager {name} runs (pid {started.pid}), but not all of its start was done"
         raise Partial(why, [(text, Refused(text)) for text in started.failures])
-    app.tell(f"manager {name} runs: pid {started.pid}, socket {manager_socket(name)}")
+    app.tell(f"manager {name} runs: pid {started.pid}, socket {places.manager_socket(name)}")
 
 
 def _tell_status(name: str, status: Status, is_json: bool) -> None:

@@ -112,11 +112,9 @@ def _export(facts: ComponentFacts, chosen: Sets, target: str) -> None:
     if target == STDIN:
         print_json(record, indent=2)
         return
-    try:
-        with open(target, "w", encoding="utf-8") as file:
-            file.writelines(f"{line}\n" for line in to_json([record], 2))
-    except OSError as error:
-        raise NotFound(f"cannot write {target}: {error.strerror}") from error
+    from rtkit.cli._atomic import write_output
+
+    write_output("".join(f"{line}\n" for line in to_json([record], 2)).encode(), target)
 
 
 def _import(app: App, facts: ComponentFacts, sets: Sets, asked: Asked, source: str) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rtkit import fault
 from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 WORDS = ("start", "stop", "restart", "status", "run")
 _ORDER = "rtkit.order"
+_FOR_START = "-f, -o, -p, -a, -i and --allow-faults"
 
 
 class _InOrder(click.Command):
@@ -75,6 +77,7 @@ _STEP_NAMES = tuple(each.name for each in _STEPS)
 )
 @click.option("-a", "--no-door", is_flag=True, help="start: no TCP port at all.")
 @click.option("-i", "--lenient", is_flag=True, help="start: the file may be missing.")
+@click.option("--allow-faults", is_flag=True, help="start: root's manager heeds RTKIT_FAULT.")
 @click.argument("words", nargs=-1, metavar="MANAGER | start|stop|restart|status|run [NAME]")
 def main(
     app: App,
@@ -86,6 +89,7 @@ def main(
     port: int | None,
     no_door: bool,
     lenient: bool,
+    allow_faults: bool,
     **_values: object,
 ) -> int:
     r"""Start, stop and command managers.
@@ -107,12 +111,12 @@ def main(
     from rtkit.cli._steps import read_step
 
     asked = click.get_current_context().meta[_ORDER]
-    overrides = (*given, *_door(port, no_door))
+    overrides = (*given, *_door(port, no_door), *_faults(allow_faults))
     if words and words[0] in WORDS:
         _check_word(words, bool(asked), bool(file or overrides or lenient))
         return _word(app, words, is_json, (file, overrides, lenient))
     if file or overrides or lenient:
-        raise UsageProblem("-f, -o, -p, -a and -i are for rtmgr start and rtmgr run")
+        raise UsageProblem(f"{_FOR_START} are for rtmgr start and rtmgr run")
     check_at_most_one(words, "manager")
     steps = [read_step(name, str(value)) for name, value in asked]
     if not words:
@@ -176,11 +180,15 @@ def _door(port: int | None, no_door: bool) -> list[str]:
     return [] if port is None else [f"net.endpoints:localhost:{port}"]
 
 
+def _faults(is_allowed: bool) -> list[str]:
+    return [f"{fault.ALLOW_KEY}:YES"] if is_allowed else []
+
+
 def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> None:
     if has_steps:
         raise UsageProblem(f"{words[0]} takes no options that command a manager")
     if is_configured and words[0] not in ("start", "run"):
-        raise UsageProblem(f"-f, -o, -p, -a and -i are not for {words[0]}")
+        raise UsageProblem(f"{_FOR_START} are not for {words[0]}")
     check_at_most_one(words[1:], "name")
 
 

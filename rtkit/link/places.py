@@ -13,6 +13,9 @@ DEFAULT_MANAGER = "manager"
 _MAX_SOCKET_PATH = 107
 _MAX_FILE_NAME = 240
 _NOT_IN_ENDPOINTS = '#?"\\'
+_claimed: set[str] = set()
+"""Managers whose lock this process has: the lock would go with any descriptor that is closed."""
+
 _LOCK = "hhqqi"
 """``struct flock`` of Linux on 64 bits: type, whence, start, length, pid."""
 
@@ -147,6 +150,8 @@ def owner(manager: str) -> int | None:
     import fcntl
     import struct
 
+    if is_claimed(manager):
+        return os.getpid()
     try:
         descriptor = os.open(manager_lock(manager), os.O_RDWR | os.O_NOFOLLOW)
     except OSError:
@@ -157,6 +162,16 @@ def owner(manager: str) -> int | None:
     finally:
         os.close(descriptor)
     return None if kind == fcntl.F_UNLCK else int(pid)
+
+
+def is_claimed(manager: str) -> bool:
+    """Whether this process itself is the manager of that name."""
+    return manager in _claimed
+
+
+def claim(manager: str, *, is_held: bool) -> None:
+    """Note that this process has the lock of a manager of that name, or has it no longer."""
+    (_claimed.add if is_held else _claimed.discard)(manager)
 
 
 def check_socket_length(path: str) -> str:

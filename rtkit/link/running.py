@@ -27,6 +27,20 @@ def managers() -> list[str]:
     )
 
 
+def traces(name: str) -> list[str]:
+    """Return the files ``NAME.PID.KIND`` that processes of a manager of that name have, or had."""
+    try:
+        entries = os.listdir(places.runtime_dir())
+    except OSError:
+        return []
+    found = []
+    for entry in entries:
+        pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
+        if entry == f"{name}.{pid}.{kind}" and pid.isdigit():
+            found.append(entry)
+    return found
+
+
 def why_absent(name: str) -> str:
     """Return what to tell of a manager that does not run, and what would help."""
     folder = places.runtime_dir()

@@ -9,6 +9,7 @@ import os
 import stat
 from typing import NamedTuple
 
+from rtkit import fault
 from rtkit.errors import Refused, Unreachable
 from rtkit.link import places
 
@@ -69,8 +70,10 @@ def _write(path: str, text: str) -> None:
             stream.write(text)
             stream.flush()
             os.fsync(descriptor)
+        fault.point("secret.drafted")
         try:
             os.link(draft, path)
+            fault.point("secret.linked")
         except FileExistsError:
             return
     except OSError as error:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import resource
 import signal
 import socket
-import stat
 import sys
 import threading
 import time
@@ -16,8 +14,10 @@ from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rtkit.errors import Refused, RtkitError
+from rtkit import fault
+from rtkit.errors import RtkitError
 from rtkit.link import keys, places
+from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import configuring
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.events import OWN_PROCESS, HolderSaid, Message, OperationAsked, StopAsked
@@ -44,9 +44,6 @@ if TYPE_CHECKING:
 
 _DATA_SUFFIX = ".data"
 _ZYGOTE_SUFFIX = ".zygote"
-_KINDS = ("data", "beats", "stack", "zygote")
-"""What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
-
 _DESCRIPTORS = 65_536
 USUAL_NAME = "%n.mgr"
 """Template of the name that each manager has, so that all of a host are found in one place."""
@@ -68,6 +65,7 @@ def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
     _forget_folder(folder)
     try:
         configuration = read(wanted)
+        fault.check(configuration.settings.flag(fault.ALLOW_KEY))
         with ExitStack() as stack:
             _claim(name, is_shown, stack)
             for text in configuration.warnings:
@@ -78,6 +76,7 @@ def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
             _register(loop, state, stack)
             loop.settle(start_up.begin)
             loop.run()
+            fault.point("manager.finished")
     except RtkitError as error:
         if not report.is_heard:
             raise
@@ -98,7 +97,9 @@ def _started(
         loop.has_failed = True
         loop.post(StopAsked())
     else:
+        fault.point("manager.settled")
         report.ready()
+        fault.point("manager.ready")
 
 
 def _forget_folder(folder: str) -> None:
@@ -125,9 +126,13 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> None:
     for path in (places.manager_socket(name), places.control_socket(name)):
         places.check_socket_length(path)
     take_lock(name, stack)
+    fault.point("manager.locked")
+    check_silence(name)
     remove_stale(name)
     stack.callback(remove_stale, name)  # of an earlier manager that was just dying at the start
+    stack.callback(fault.point, "manager.unlocking")
     stack.enter_context(open_log(name, is_shown=is_shown))
+    fault.point("manager.logging")
 
 
 def _assemble(state: State, is_shown: bool, warn: Callable[[str], None], stack: ExitStack) -> Loop:
@@ -147,6 +152,7 @@ def _assemble(state: State, is_shown: bool, warn: Callable[[str], None], stack: 
         }
     )
     stack.callback(nursery.close)
+    fault.point("manager.zygote_started")
     loop = _open_doors(state, data, nursery, warn, stack)
     signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
     stack.callback(signal.set_wakeup_fd, -1)
@@ -168,6 +174,8 @@ def _open_doors(
     listener.setblocking(False)
     stack.callback(remove_socket, places.control_socket(name))
     stack.callback(listener.close)
+    stack.callback(fault.point, "manager.holder_ended")
+    fault.point("manager.control_open")
 
     loop: Loop
 
@@ -187,9 +195,12 @@ def _open_doors(
     link = ZenohLink(session)
     stack.callback(remove_socket, places.manager_socket(name))
     stack.callback(link.close)
+    fault.point("manager.inner_open")
     link.serve(keys.service(host, name), loop.post)
+    fault.point("manager.serving")
     _open_front(state, session, inner, warn, stack)
     stack.callback(link.withdraw)  # last of all opened here, so first at the end
+    fault.point("manager.doors_open")
     return loop
 
 
@@ -298,78 +309,6 @@ def base_paths() -> tuple[str, ...]:
     chosen = os.environ.get("RTKIT_MODULE_PATH", "")
     named = [os.path.abspath(path) for path in chosen.split(os.pathsep) if path]
     return (*named, shipped("examples", "basic"))
-
-
-def take_lock(name: str, stack: ExitStack) -> None:
-    """Become the only manager of that name, until the stack unwinds.
-
-    Raises:
-        Refused: Another one runs; names its process.
-    """
-    path = places.manager_lock(name)
-    while True:
-        try:
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
-        except OSError as error:
-            raise Refused(f"cannot open lock file {path}: {error.strerror}") from error
-        try:
-            fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(descriptor)
-            owner = places.owner(name)
-            if owner is None:
-                continue  # it has ended meanwhile
-            raise Refused(f"manager {name!r} is running already (pid {owner})") from None
-        if _is_same_file(descriptor, path):
-            break
-        os.close(descriptor)  # its owner removed it while we waited: another one lies there now
-    stack.callback(os.close, descriptor)
-    stack.callback(os.unlink, path)
-
-
-def _is_same_file(descriptor: int, path: str) -> bool:
-    try:
-        return os.path.samestat(os.fstat(descriptor), os.stat(path, follow_symlinks=False))
-    except FileNotFoundError:
-        return False
-
-
-def remove_stale(name: str) -> None:
-    """Remove sockets that a killed manager of that name and its dead slaves left.
-
-    Raises:
-        Refused: Something else than a socket lies there.
-    """
-    folder = places.runtime_dir()
-    own = (places.manager_socket(name), places.control_socket(name))
-    left = [os.path.join(folder, entry) for entry in os.listdir(folder)]
-    for path in left:
-        beside = path.removesuffix(".lock")
-        is_own = beside in own
-        if not is_own and not _is_of_the_dead(os.path.basename(beside), name):
-            continue
-        if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
-            raise Refused(f"not a socket, remove it yourself: {path}")
-        os.unlink(path)
-
-
-def _is_of_the_dead(entry: str, name: str) -> bool:
-    """Whether a process of that manager, and of no other whose name is longer, left it behind.
-
-    Slaves outlive their manager: what belongs to one that lives is let be.
-    """
-    pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
-    is_one = entry == f"{name}.{pid}.{kind}" and pid.isdigit() and kind in _KINDS
-    return is_one and _has_ended(int(pid))
-
-
-def _has_ended(pid: int) -> bool:
-    """Whether no process has that pid, or only one that waits to be reaped."""
-    try:
-        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
-            return file.read().rpartition(") ")[2][:1] in "ZX"
-    except (FileNotFoundError, ProcessLookupError):
-        return True
 
 
 def main() -> int:

@@ -9,6 +9,7 @@ import sys
 import time
 from typing import NamedTuple
 
+from rtkit import fault
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
 from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
@@ -42,6 +43,7 @@ def start(name: str, wanted: Wanted, timeout_s: float) -> Started:
     environment = {**os.environ, READY_VARIABLE: str(ready_write)}
     pid = _spawn(arguments, environment, places.output_file(name))
     os.close(ready_write)
+    fault.point("start.spawned")
     try:
         told = hear(ready_read, timeout_s)
     finally:
@@ -52,6 +54,7 @@ def start(name: str, wanted: Wanted, timeout_s: float) -> Started:
         raise Unreachable(f"manager {name!r} was not ready within {timeout_s:g} s and was ended")
     if told[-1:] != [READY]:
         os.waitpid(pid, 0)
+    fault.point("start.told")
     return read_report(name, pid, told)
 
 

@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
+from rtkit import fault
 from rtkit.errors import RtkitError
 from rtkit.link import places
 from rtkit.manager.core import events as ev
@@ -225,20 +226,26 @@ class Loop:
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:
             case ev.SendToHolder(key, message):
+                fault.point("manager.sending")
                 if key == ev.OWN_PROCESS:
                     self._holder.put(message)
                 else:
                     self._lines.send(key, message)
             case ev.AnswerClient(answer, reply):
+                fault.point("manager.answering")
                 answer(reply)
+                fault.point("manager.answered")
             case ev.SpawnSlave(key, name):
                 self._nursery.fork(key, name)
+                fault.point("manager.asked_for_slave")
             case ev.AdoptSlave(key, pid, is_guest):
                 self._lines.adopt(key, pid, is_guest=is_guest)
+                fault.point("manager.adopted")
                 if not is_guest:
                     self._watchman.watch(key, pid)
             case ev.SignalSlave(key, number):
                 self._nursery.signal(key, signal.Signals(number))
+                fault.point("manager.signalled")
             case ev.Inspect(key, age_s):
                 self._inspect(key, age_s)
             case ev.WakeAt(moment):

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
+from rtkit import fault
 from rtkit.deployment.listing import Listing, listing_from_text
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
@@ -36,6 +37,7 @@ class Tree(ByPath):
         host: Host name of the manager.
         manager: Its name.
         timeout_s: Bound on every call [s].
+        has_ended: Whether the manager's process is known to have ended.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class Tree(ByPath):
         self.host = host
         self.manager = manager
         self.timeout_s = timeout_s
+        self.has_ended: Callable[[], bool] = lambda: False
         self._service = keys.service(host, manager)
 
     def __repr__(self) -> str:
@@ -190,24 +193,31 @@ class Tree(ByPath):
     def _send(
         self, key: str, payload: str | None, timeout_s: float | None = None
     ) -> Callable[[], str]:
-        bound = (self.timeout_s if timeout_s is None else timeout_s) + _GRACE_S * (
-            payload is not None
-        )
+        is_change = payload is not None
+        bound = (self.timeout_s if timeout_s is None else timeout_s) + _GRACE_S * is_change
 
         def answer() -> str:
-            with self._told():
-                return reply().value()
+            with self._told(is_change):
+                value = reply().value()
+            fault.point("command.answered")
+            return value
 
-        with self._told():
+        fault.point("command.asking")
+        with self._told(is_change):
             reply = self._link.send(key, payload, bounded(bound))
+        fault.point("command.asked")
         return answer
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _told(self, is_change: bool) -> Iterator[None]:
         """Say which manager it was that could not be reached."""
         try:
             yield
         except Unreachable as error:
+            if self.has_ended():
+                told = f"manager {self.manager!r} ended before it answered"
+                unsure = "; whether it did what was asked shows when it is started again"
+                raise Unreachable(told + unsure * is_change) from error
             raise Unreachable(f"{self.manager} on {self.host}: {error}") from error
 
 

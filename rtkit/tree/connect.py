@@ -43,7 +43,9 @@ def connect(manager: str = "", timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
         if owner(name) is None:
             raise Unreachable(why_absent(name)) from error
         raise Unreachable(f"manager {name!r} does not answer within {timeout_s:g} s") from error
-    return Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
+    tree = Tree(ZenohLink(session), os.uname().nodename, name, timeout_s)
+    tree.has_ended = lambda: owner(name) is None
+    return tree
 
 
 def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
+from rtkit import fault
 from rtkit.errors import Unreachable
 from rtkit.link import places
 from rtkit.tree.client import bounded
@@ -38,6 +39,7 @@ def stop(name: str, timeout_s: float) -> None:
             return  # somebody else has stopped it meanwhile
         try:
             tree.set("stop", "")
+            fault.point("stop.asked")
             if not select.select([pidfd], [], [], bounded(timeout_s))[0]:
                 raise Unreachable(f"manager {name!r} did not end within {timeout_s:g} s")
         finally:

@@ -58,6 +58,21 @@ def CheckerInit(manager):
     manager.register_factory(Checker)
 '''
 
+DAEMON = """
+import subprocess
+from rtkit.component import Component
+
+
+class Daemon(Component):
+    def on_activated(self, context):
+        subprocess.Popen(["sleep", "1000"], start_new_session=True)
+        subprocess.Popen(["sh", "-c", "setsid sleep 1000 & exit"]).wait()
+
+
+def DaemonInit(manager):
+    manager.register_factory(Daemon)
+"""
+
 
 def until(is_so: Callable[[], bool], what: str, bound_s: float = 10.0) -> None:
     deadline = time.monotonic() + bound_s
@@ -180,3 +195,26 @@ def test_what_was_left_is_ended_by_a_stop_at_once(pair: Any) -> None:
     pair.ok("rtmgr start")
     pair.ok("rtmgr stop")
     assert list((pair.folder / "run").iterdir()) == []
+
+
+def test_a_stop_ends_what_a_killed_manager_left(pair: Any) -> None:
+    """Also what the components had started, in sessions of their own."""
+    (pair.modules / "Daemon.py").write_text(DAEMON)
+    pair.ok(f"rtmgr {MANAGER} -c 'Daemon?instance_name=D&manager_name=d'")
+    pair.ok("rtact /localhost/D.rtc")
+    kill_manager(pair)
+    status, out, err = pair.run("rtmgr stop")
+    what = "manager 'manager' had been killed; what it left was ended (3 slaves)"
+    assert (status, out, err) == (0, "", f"rtmgr: {what}\n")
+    assert list((pair.folder / "run").iterdir()) == []
+    assert pair.run("rtmgr stop").status == 1
+
+
+def test_a_slave_that_waits_for_a_manager_ends_with_all_that_it_started(pair: Any) -> None:
+    (pair.modules / "Daemon.py").write_text(DAEMON)
+    pair.ok(f"rtmgr {MANAGER} -c 'Daemon?instance_name=D&manager_name=d'")
+    pair.ok("rtact /localhost/D.rtc")
+    slaves = [pid_of(pair, f"{MANAGER}/{name}.mgr") for name in "abd"]
+    kill_manager(pair)
+    for pid in slaves:
+        os.kill(pid, signal.SIGTERM)

@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
+from rtkit import fault
 from rtkit.component.base import Component
 from rtkit.component.composite import Composite
 from rtkit.component.context import ExecutionContext
@@ -142,8 +143,10 @@ class Holder:
         if operation is None:
             self.refuse(message, Malformed(f"unknown operation: {message.get('op')!r}"))
             return
+        fault.point("holder.asked")
         try:
             value = operation(message)
+            fault.point("holder.did")
         except RtkitError as error:
             if message["op"] in ("load", "create") and error.__cause__ is not None:
                 _log.error("%s failed: %s", message["op"], error, exc_info=error.__cause__)
@@ -159,6 +162,7 @@ class Holder:
         """Answer a message."""
         if "call" in message:
             self._send({"reply": message["call"], "value": "" if value is None else value})
+            fault.point("holder.answered")
 
     def refuse(self, message: Message, error: RtkitError, code: ReturnCode | None = None) -> None:
         """Answer a message with an error."""
@@ -320,6 +324,7 @@ class Holder:
         try:
             self._end(instance)
         finally:
+            fault.point("holder.finalised")
             self._send({"gone": instance})
             for message in self._deletions.pop(instance):
                 self.answer(message, "")

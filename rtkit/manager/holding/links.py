@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple, TypeVar
 
+from rtkit import fault
 from rtkit.component.base import Component
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
@@ -152,7 +153,9 @@ class Links:
         try:
             if self._held.get(id) is not held:
                 raise Refused(f"connection {id} was removed while it was made")
+            fault.point("holder.found_end")
             use(end)
+            fault.point("holder.joined")
         except RtkitError as error:
             end.close()
             self._forget(held)

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol
 
+from rtkit import fault
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Message
 from rtkit.manager.processes.wire import Channel
@@ -133,9 +134,11 @@ class Contact:
     def _seek(self, holder: Hearer) -> Channel | None:
         """Wait for the next manager and tell it everything; None when the end came instead."""
         _log.warning("the manager is gone; waiting for the next one")
+        fault.point("slave.alone")
         while True:
             with contextlib.suppress(OSError):
                 channel = _connect(self._path)
+                fault.point("slave.connected")
                 holder.tell_all(partial(self._introduce, channel))
                 return channel
             if select.select([self._ending], [], [], _SEEK_S)[0] and self._shall_end():
@@ -146,6 +149,7 @@ class Contact:
             who = {"found": self._name, "guest": self._is_guest}
             channel.send({**who, **self._identity(), **held})
             self._channel = channel
+            fault.point("slave.introduced")
 
     def _identity(self) -> dict[str, Any]:
         return {"pid": os.getpid(), "protocol": PROTOCOL}

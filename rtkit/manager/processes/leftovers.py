@@ -23,24 +23,34 @@ class _Process(NamedTuple):
         return self.state in "ZX"
 
 
-def end_sessions(leaders: Collection[int]) -> None:
+def end_sessions(leaders: Collection[int], *, is_heir: bool = True) -> None:
     """Kill what is left of slaves: their sessions, and orphans that bear their marks.
 
     One look through all processes serves any number of slaves. A slave may call it for itself,
     last of all.
+
+    Args:
+        leaders: The slaves, which have ended.
+        is_heir: Their orphans have become children of this process; else they may be anywhere.
     """
     own = os.getpid()
-    marks = {f"{MARK}={leader}".encode() for leader in leaders}
     killed = {own}
     while True:
+        present = [process for process in _processes() if not process.is_over]
+        # Who lives under the pid of one that has ended is a stranger, with a session of its own.
+        strangers = {process.pid for process in present} - {own}
+        ended = set(leaders) - strangers
+        marks = {f"{MARK}={leader}".encode() for leader in ended}
         left = [
             process.pid
-            for process in _processes()
+            for process in present
             if process.pid not in killed
-            and not process.is_over
             and (
-                process.session in leaders
-                or (process.parent == own and not marks.isdisjoint(_environment(process.pid)))
+                process.session in ended
+                or (
+                    (process.parent == own or not is_heir)
+                    and not marks.isdisjoint(_environment(process.pid))
+                )
             )
         ]
         if not left:

@@ -10,7 +10,6 @@ import logging
 import os
 import selectors
 import socket
-import struct
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -21,11 +20,10 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
 from rtkit.manager.processes.contact import PROTOCOL
 from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.wire import Channel
+from rtkit.manager.processes.wire import Channel, peer_of
 
 _log = logging.getLogger(__name__)
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
-_PEER = struct.Struct("3i")
 
 
 class Lines:
@@ -152,6 +150,9 @@ class Lines:
 
     def _vanished(self, key: int, pidfd: int) -> None:
         self._selector.unregister(pidfd)
+        self._lost(key)
+
+    def _lost(self, key: int) -> None:
         event = self._nursery.lost(key)
         if event is not None:
             self._handle(event)
@@ -209,6 +210,8 @@ class Lines:
         messages = self._received(channel)
         if messages is None:
             self.drop(key)
+            if self._nursery.is_untold(key):
+                self._lost(key)
             return
         for message in messages:
             self._handle(ev.HolderSaid(key, message))
@@ -247,10 +250,3 @@ class Lines:
             self._register(self._nursery, lambda _mask: self._heard_nursery())
         for event in events:
             self._handle(event)
-
-
-def peer_of(connection: socket.socket) -> int:
-    """Return the pid of the process at the other end of a unix socket."""
-    credentials = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size)
-    pid: int = _PEER.unpack(credentials)[0]
-    return pid

@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
+from rtkit import fault
 from rtkit.link.streams import remove_socket
 from rtkit.manager.core import events as ev
 from rtkit.manager.processes.fosters import Fosters
@@ -26,6 +27,7 @@ from rtkit.manager.processes.watchman import beats_path, stack_path
 from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import ENDS, STOPS, reason
 
+_UNKNOWN = "exit status unknown"
 _SWEEP_S = 0.1
 """How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
 
@@ -58,6 +60,8 @@ class Nursery:
         self._adopted: set[int] = set()
         self._guests: set[int] = set()
         self._over: set[int] = set()
+        self._zygotes: set[int] = set()
+        self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
         self.fosters = Fosters(self._settings["zygote"])
         self._channel, self._zygote = self._start()
@@ -105,15 +109,19 @@ class Nursery:
     def lost(self, key: int) -> ev.Event | None:
         """Return the end of an adopted slave of which only its pidfd told."""
         pid = self._pids.get(key)
-        return None if pid is None else self._ended(pid, "exit status unknown")
+        return None if pid is None else self._ended(pid, _UNKNOWN)
+
+    def is_untold(self, key: int) -> bool:
+        """Whether a slave was taken in so late that neither zygote nor pidfd tells its end."""
+        is_seen = key in self._pidfds or self.fosters.has(self._pids.get(key, 0))
+        return key in self._adopted and not is_seen
 
     def heard(self, foster: Channel) -> list[ev.Event] | None:
         """Return what an earlier manager's zygote reports; None when it ended."""
         messages = self.fosters.receive(foster)
         if messages is None:
             return None
-        events = (self._event(message) for message in messages)
-        return [event for event in events if event is not None]
+        return [event for message in messages for event in _some(self._event(message))]
 
     def orphans(self) -> list[tuple[int, int]]:
         """Return key and pidfd of the slaves whose end neither zygote nor kernel will tell us."""
@@ -153,16 +161,32 @@ class Nursery:
 
     def reap(self) -> Iterator[ev.Event]:
         """Yield what happened to slaves that have become children of the manager itself."""
-        for pid in (self._zygote, *self._keys):
+        for pid in (*self._zygotes, *self._keys):
             try:
                 report = os.waitid(os.P_PID, pid, _OPTIONS)
             except ChildProcessError:
-                continue  # it is still the zygote's
-            event = self._event_of(report) if report is not None else None
-            if event is not None:
-                yield event
-        for pid in reap_orphans({self._zygote, *self._keys}):
+                if self._is_abandoned(pid):
+                    yield from _some(self._ended(pid, _UNKNOWN))
+                continue
+            if report is not None and pid in self._zygotes:
+                yield from self._zygote_report(report)
+            elif report is not None:
+                yield from _some(self._event_of(report))
+        for pid in reap_orphans({*self._zygotes, *self._keys}):
             self._remove_files(pid)
+
+    def _is_abandoned(self, pid: int) -> bool:
+        """Whether a slave that is not our child is nobody's: its zygote took its status along."""
+        zygote = self._parents.get(pid)
+        return zygote is not None and zygote not in self._zygotes
+
+    def _zygote_report(self, report: os.waitid_result) -> Iterator[ev.Event]:
+        """Note that a zygote has ended; yield what it had still told."""
+        if report.si_code not in ENDS:
+            return
+        self._zygotes.discard(report.si_pid)
+        while report.si_pid == self._zygote and (events := self.receive()):
+            yield from events
 
     def sweep(self) -> None:
         """End what the slaves that ended lately have left behind."""
@@ -198,6 +222,7 @@ class Nursery:
 
     def _born(self, key: int, pid: int) -> None:
         if self._asked.pop(key, None) is not None:
+            self._parents[pid] = self._zygote
             self._enter(key, pid)
 
     def _enter(self, key: int, pid: int) -> None:
@@ -214,7 +239,9 @@ class Nursery:
         self._remove_files(pid)
         if key is None:
             return None
+        fault.point("manager.heard_of_end")
         self._adopted.discard(key)
+        self._parents.pop(pid, None)
         del self._pids[key]
         pidfd = self._pidfds.pop(key, None)
         if pidfd is not None:
@@ -243,4 +270,9 @@ class Nursery:
         pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
         theirs.close()
         ours.setblocking(False)
+        self._zygotes.add(pid)
         return Channel(ours), pid
+
+
+def _some(event: ev.Event | None) -> list[ev.Event]:
+    return [] if event is None else [event]

@@ -11,6 +11,7 @@ import signal
 import threading
 from typing import Any
 
+from rtkit import fault
 from rtkit.link.streams import Streams
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.beats import Beats
@@ -57,16 +58,20 @@ class Slave:
     def _hold(self, key: int, name: str) -> None:
         pid, data = os.getpid(), self._settings["data"]
         os.environ[MARK] = str(pid)
+        fault.point("slave.begun")
         _name_process(f"rtkit {name}")
         self._contact = contact = Contact(self._settings["control"], name, Term())
         self._holder.show_beats(Beats(beats_path(data, pid)))
         stack = os.open(stack_path(data, pid), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
         faulthandler.register(STACK_SIGNAL, stack, all_threads=True)
+        fault.point("slave.greeting")
         contact.greet(key)
+        fault.point("slave.greeted")
         threading.Thread(target=self._listen, name="control", daemon=True).start()
         self._holder.run()
+        fault.point("slave.holds_nothing")
         if contact.is_alone:
-            end_sessions({pid})  # a manager would do it
+            end_sessions({pid}, is_heir=False)  # a manager would do it
 
     def _send(self, message: Message) -> None:
         self._contact.send(message)
@@ -75,6 +80,7 @@ class Slave:
         try:
             self._contact.listen(self._holder)
         finally:
+            fault.point("slave.told_to_end")
             self._holder.close()
             signal.alarm(LAST_S)  # ends the process, also one in which a component hangs
 

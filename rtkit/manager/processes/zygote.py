@@ -21,6 +21,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, NoReturn
 
+from rtkit import fault
 from rtkit.manager.core.events import Message
 from rtkit.manager.logs.logs import Log, share_log
 from rtkit.manager.processes.rehearsal import rehearse
@@ -85,7 +86,8 @@ class Zygote:
 
     def _rehearse(self) -> None:
         try:
-            rehearse(self._log, self._settings)
+            with fault.unheeded():
+                rehearse(self._log, self._settings)
         except Exception:  # slaves are born all the same
             _log.exception("cannot rehearse")
         gc.collect()
@@ -103,9 +105,11 @@ class Zygote:
             self._fork(message)
 
     def _listen(self) -> None:
+        fault.point("zygote.alone")
         self._listener = listener = socket.socket(socket.AF_UNIX)
         listener.bind(self._path)
         listener.listen(1)
+        fault.point("zygote.listening")
         self._selector.register(listener, selectors.EVENT_READ, self._accept)
 
     def _accept(self) -> None:
@@ -116,6 +120,7 @@ class Zygote:
         self._channel = Channel(connection)
         self._selector.register(self._channel, selectors.EVENT_READ, self._hear)
         self._tell({"children": sorted(self._children), "zygote": os.getpid()})
+        fault.point("zygote.accepted")
         kept, self._reports = self._reports, []
         for report in kept:
             self._tell(report)
@@ -137,6 +142,7 @@ class Zygote:
 
     def _fork(self, message: Message) -> None:
         key = message["key"]
+        fault.point("zygote.asked")
         try:
             pid = os.fork()
         except OSError as error:
@@ -144,7 +150,9 @@ class Zygote:
             return
         if pid:
             self._children.add(pid)
+            fault.point("zygote.forked")
             self._tell({"forked": key, "pid": pid})
+            fault.point("zygote.told")
         else:
             self._become_slave(key, message)
 
@@ -172,6 +180,7 @@ class Zygote:
                 return
             if report is None:
                 return
+            fault.point("zygote.reaped")
             if report.si_code in ENDS:
                 self._children.discard(report.si_pid)
                 self._tell({"ended": report.si_pid, "reason": reason(report)})

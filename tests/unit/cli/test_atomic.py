@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import threading
@@ -87,7 +88,7 @@ def test_a_failure_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.Mon
 def test_where_no_links_can_be_made_it_is_written_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def unable(_old: str, _new: str) -> None:
+    def unable(_old: str, _new: str, **_how: int) -> None:
         raise PermissionError(1, "Operation not permitted")
 
     monkeypatch.setattr(os, "link", unable)
@@ -107,3 +108,45 @@ def test_places_that_cannot_be_written(tmp_path: Path, name: str, why: str) -> N
 def test_a_device_is_written_to(tmp_path: Path) -> None:
     write_output(b"new", os.devnull)
     assert not Path(os.devnull).is_file()
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_without_files_that_have_no_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_new: bool
+) -> None:
+    opened = os.open
+
+    def refuse(path: str, flags: int, *more: int) -> int:
+        if flags & os.O_TMPFILE == os.O_TMPFILE:
+            raise OSError(errno.EOPNOTSUPP, os.strerror(errno.EOPNOTSUPP))
+        return opened(path, flags, *more)
+
+    monkeypatch.setattr(os, "open", refuse)
+    write_output(b"text", str(tmp_path / "a"), is_new=is_new)
+    assert (tmp_path / "a").read_bytes() == b"text"
+    assert left_over(tmp_path) == []
+
+
+def test_who_reads_meanwhile_reads_the_whole(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"a" * 100_000)
+    with (tmp_path / "a").open("rb") as reader:
+        write_output(b"b", str(tmp_path / "a"))
+        assert reader.read() == b"a" * 100_000
+
+
+def test_drafts_of_the_dead_are_removed_and_those_of_the_living_are_not(tmp_path: Path) -> None:
+    child = os.fork()
+    if not child:
+        os._exit(0)
+    os.waitpid(child, 0)
+    others = [f".a.{os.getppid()}.1.draft", ".a.of mine.draft", f".b.{child}.1.draft"]
+    for name in (*others, f".a.{child}.1.draft"):
+        (tmp_path / name).touch()
+    write_output(b"text", str(tmp_path / "a"))
+    assert left_over(tmp_path) == sorted(others)
+
+
+def test_the_longest_name(tmp_path: Path) -> None:
+    write_output(b"text", str(tmp_path / ("ä" * 127)))
+    write_output(b"more", str(tmp_path / ("ä" * 127)))
+    assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"more"]

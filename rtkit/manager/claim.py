@@ -1,0 +1,131 @@
+"""Who is the manager of a name: the one that has its lock, and clears away what others left."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import select
+import socket
+import stat
+from contextlib import ExitStack
+
+from rtkit.errors import Refused
+from rtkit.link import places
+from rtkit.manager.processes.wire import peer_of
+
+_DYING_MS = 1000
+"""How long a manager that was killed may still be heard after its lock is free."""
+
+_KINDS = ("data", "beats", "stack", "zygote")
+"""What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
+
+
+def take_lock(name: str, stack: ExitStack) -> None:
+    """Become the only manager of that name, until the stack unwinds.
+
+    Raises:
+        Refused: Another one runs; names its process.
+    """
+    path = places.manager_lock(name)
+    if places.is_claimed(name):
+        raise Refused(f"manager {name!r} is running already (pid {os.getpid()})")
+    while True:
+        try:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600)
+        except OSError as error:
+            raise Refused(f"cannot open lock file {path}: {error.strerror}") from error
+        try:
+            fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            os.close(descriptor)
+            if error.errno not in (errno.EACCES, errno.EAGAIN):
+                raise Refused(f"cannot lock {path}: {error.strerror}") from error
+            owner = places.owner(name)
+            if owner is None:
+                continue  # it has ended meanwhile
+            raise Refused(f"manager {name!r} is running already (pid {owner})") from None
+        if _is_same_file(descriptor, path):
+            break
+        os.close(descriptor)  # its owner removed it while we waited: another one lies there now
+    places.claim(name, is_held=True)
+    stack.callback(places.claim, name, is_held=False)
+    stack.callback(os.close, descriptor)
+    stack.callback(_remove, descriptor, path)
+
+
+def _is_same_file(descriptor: int, path: str) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), os.stat(path, follow_symlinks=False))
+    except FileNotFoundError:
+        return False
+
+
+def _remove(descriptor: int, path: str) -> None:
+    if _is_same_file(descriptor, path):
+        os.unlink(path)
+
+
+def check_silence(name: str) -> None:
+    """Check that no manager of that name listens, one whose lock file somebody removed.
+
+    Raises:
+        Refused: One does; names its process.
+    """
+    with socket.socket(socket.AF_UNIX) as probe:
+        try:
+            probe.connect(places.control_socket(name))
+            pid = peer_of(probe)
+            pidfd = os.pidfd_open(pid)
+        except OSError:
+            return
+    try:
+        poll = select.poll()
+        poll.register(pidfd, select.POLLIN)
+        if not poll.poll(_DYING_MS):
+            raise Refused(f"manager {name!r} is running already (pid {pid}), its lock was removed")
+    finally:
+        os.close(pidfd)
+
+
+def remove_stale(name: str) -> None:
+    """Remove sockets that a killed manager of that name and its dead slaves left.
+
+    Raises:
+        Refused: Something else than a socket lies there, or it cannot be removed.
+    """
+    folder = places.runtime_dir()
+    own = (places.manager_socket(name), places.control_socket(name))
+    left = [os.path.join(folder, entry) for entry in os.listdir(folder)]
+    for path in left:
+        beside = path.removesuffix(".lock")
+        is_own = beside in own
+        if not is_own and not _is_of_the_dead(os.path.basename(beside), name):
+            continue
+        try:
+            if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
+                raise Refused(f"not a socket, remove it yourself: {path}")
+            os.unlink(path)
+        except FileNotFoundError:
+            continue  # who owned it has removed it meanwhile
+        except OSError as error:
+            raise Refused(f"cannot remove {path}: {error.strerror}") from error
+
+
+def _is_of_the_dead(entry: str, name: str) -> bool:
+    """Whether a process of that manager, and of no other whose name is longer, left it behind.
+
+    Slaves outlive their manager: what belongs to one that lives is let be.
+    """
+    pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
+    is_one = entry == f"{name}.{pid}.{kind}" and pid.isdigit() and kind in _KINDS
+    return is_one and _has_ended(int(pid))
+
+
+def _has_ended(pid: int) -> bool:
+    """Whether no process has that pid, or only one that waits to be reaped."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
+            return file.read().rpartition(") ")[2][:1] in "ZX"
+    except (FileNotFoundError, ProcessLookupError):
+        return True
