@@ -67,17 +67,8 @@ def new_system(
         NotFound: A connection names what is not there.
         Refused: Two ports cannot be connected.
     """
-    if not name.strip() or "/" in name:
-        raise Malformed(f"{name!r} cannot be the name of a system")
-    for what, text in (("name", name), ("vendor", vendor), ("version", version)):
-        if ":" in text:
-            raise Malformed(f"a {what} with a colon would break the id: {text}")
+    _check_names(name, vendor, version, members)
     by_name = {member.instance: member for member in members}
-    if len(by_name) < len(members):
-        twice = next(
-            m.instance for m in members if [n.instance for n in members].count(m.instance) > 1
-        )
-        raise Malformed(f"component {twice} is named twice")
     data: list[DataPortConnector] = []
     services: list[ServicePortConnector] = []
     for number, text in enumerate(connections, 1):
@@ -97,6 +88,18 @@ def new_system(
         service_port_connectors=tuple(services),
     )
     return _located(profile)
+
+
+def _check_names(name: str, vendor: str, version: str, members: Sequence[Member]) -> None:
+    if not name.strip() or "/" in name:
+        raise Malformed(f"{name!r} cannot be the name of a system")
+    for what, text in (("name", name), ("vendor", vendor), ("version", version)):
+        if ":" in text:
+            raise Malformed(f"a {what} with a colon would break the id: {text}")
+    listed = [member.instance for member in members]
+    for instance in listed:
+        if listed.count(instance) > 1:
+            raise Malformed(f"component {instance} is named twice")
 
 
 def default_instance(type_name: str, taken: Iterable[str]) -> str:
