@@ -71,8 +71,9 @@ def _states(events: Iterable[rtc_model.Event], note: _Note) -> dict[str, dict[st
 
 
 def _state(name: str) -> str:
-    """Return the name of a state; a dot would put it inside another one."""
-    return one_line(name).replace(".", "_")
+    """Return the name of a state; a dot puts it inside the one that stands before the dot."""
+    plain = one_line(name)
+    return plain if all(part.strip() for part in plain.split(".")) else plain.replace(".", "_")
 
 
 def _event(name: str) -> str:

@@ -71,6 +71,7 @@ class _Preparation:
     sources: Sources
     notes: list[str] = field(default_factory=list)
     classes: set[str] = field(default_factory=set)
+    event_port: DataPort | None = None
 
     def run(self) -> tuple[Subject, TypesCode]:
         profile = self.profile
@@ -83,7 +84,7 @@ class _Preparation:
         machine = self._machine(types)
         taken = Taken([*_attributes(machine is not None), *_IN_CLASS, class_name(own)])
         names: set[str] = {machine.port} if machine else set()
-        ports = tuple(self._ports(types, machine, taken, names))
+        ports = tuple(self._ports(types, taken, names))
         services = tuple(self._services(types, taken, names))
         subject = Subject(
             profile=profile,
@@ -152,27 +153,28 @@ class _Preparation:
         return max(rate, 0.0)
 
     def _machine(self, types: TypesCode) -> Machine | None:
-        for port in self.profile.data_ports:
-            if port.port_type == EVENT_PORT:
-                return machine_of(
-                    port,
-                    self.sources.drawn,
-                    lambda text: self._type(text, "an event", types)[0],
-                    self.notes.append,
-                )
+        """Return the machine of the first event port that tells one."""
+        for port in self._event_ports():
+            found = machine_of(
+                port,
+                self.sources.drawn,
+                lambda text: self._type(text, "an event", types)[0],
+                self.notes.append,
+            )
+            if found is not None:
+                self.event_port = port
+                return found
         return None
 
-    def _ports(
-        self, types: TypesCode, machine: Machine | None, taken: Taken, names: set[str]
-    ) -> Iterator[Port]:
-        is_machine_done = machine is None
+    def _event_ports(self) -> list[DataPort]:
+        return [each for each in self.profile.data_ports if each.port_type == EVENT_PORT]
+
+    def _ports(self, types: TypesCode, taken: Taken, names: set[str]) -> Iterator[Port]:
         for each in self.profile.data_ports:
-            if each.port_type == EVENT_PORT and not is_machine_done:
-                is_machine_done = True
+            if each is self.event_port:
                 continue
             name = self._port_name(each, names)
-            is_event_port = each.port_type == EVENT_PORT
-            text = "" if is_event_port else each.type
+            text = "" if each.port_type == EVENT_PORT else each.type
             type, type_name = self._type(text, f"port {name}", types)
             attribute = taken.add(snake_case(name, "port"))
             yield Port(attribute, name, _KINDS[each.port_type], type, type_name, each)
@@ -220,7 +222,7 @@ class _Preparation:
         done: set[str],
     ) -> Offer:
         is_provided = each.direction == "Provided"
-        name, type_name = one_line(each.name), "::".join(standard_types.path_of(each.type))
+        name, type_name = each.name, "::".join(standard_types.path_of(each.type))
         found = self._interface(each)
         file = (each.idl_file or "").replace("\\", "/").rpartition("/")[2]
         why = f"{file} was not found" if file else "no IDL file is named"

@@ -136,6 +136,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprint -t 5 --json A0.rtc:out B0.rtc:out", "All values of 5 s as JSON lines."),
     ),
     "rtprofile": (
+        ("rtprofile from Robot.py -o RTC.xml", "The profile of a component, from its code."),
         ("rtprofile validate robot.xml", "Is it valid, and what had to be put right?"),
         ("rtprofile validate --strict profiles systems", "Whole folders, without forgiveness."),
         ("rtprofile validate --format sarif . > found.sarif", "For a code host or an editor."),

@@ -15,12 +15,16 @@ WORDS = {
     "convert": Word("rtkit.cli.profile.convert", "Write a profile as XML, YAML or JSON."),
     "normalise": Word("rtkit.cli.profile.normalise", "Bring profiles to the strict form."),
     "new": Word("rtkit.cli.profile.new", "Begin the profile of a component or of a system."),
+    "from": Word(
+        "rtkit.cli.profile.from_component",
+        "Write the RTC profile of a component, from its code.",
+    ),
     "doc": Word("rtkit.cli.profile.doc", "Write a page about a component, or a system."),
     "graph": Word("rtkit.cli.profile.graph", "Draw a system without running it."),
 }
 _HELP = """Check, show, compare and convert profiles of components and systems.
 
-Nothing that runs is asked or changed: rtprofile looks at files.
+Nothing that runs is asked or changed: rtprofile looks at files. Only `from` runs code.
 """
 
 main = group("rtprofile", WORDS, _HELP)

@@ -10,7 +10,7 @@ from rtkit.component.config import DEFAULT, Configuration
 from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import PERIODIC, wanted_contexts
 from rtkit.component.kinds import kind_of
-from rtkit.component.parameter import Parameter
+from rtkit.component.parameter import Parameter, declared_parameters
 from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort
 from rtkit.errors import Malformed, NotFound, Refused
@@ -80,7 +80,7 @@ class Component(Callbacks):
             for name, value in vars(ancestor).items()
         }
         cls._declared = {n: v for n, v in found.items() if isinstance(v, Port)}
-        cls._parameters = {n: v for n, v in found.items() if isinstance(v, Parameter)}
+        cls._parameters = declared_parameters(cls)
 
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
         self.instance = check_instance_name(instance)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, cast, overload
 
 from rtkit.component.kinds import Value, kind_of
 
@@ -73,3 +73,9 @@ class Parameter(Generic[T]):
         raise AttributeError(
             f"{self.name} is a configuration parameter: change it in a configuration set"
         )
+
+
+def declared_parameters(cls: type) -> dict[str, Parameter[Any]]:
+    """Return the parameters that a component class and its bases declare, by attribute."""
+    found = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
+    return {name: value for name, value in found.items() if isinstance(value, Parameter)}

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from rtkit.builder.build import Built, build
 from rtkit.builder.merge import Fate, merge
 from rtkit.builder.prepare import Sources
+from rtkit.builder.profile_of import profile_of
 from rtkit.builder.regions import split, stamped
 from rtkit.builder.standard_types import KNOWN
 from rtkit.idl.read import read_idl
@@ -44,6 +45,7 @@ from rtkit.profile.rtc_model import (
     ServiceInterface,
     ServicePort,
 )
+from rtkit.profile.write import write_rtc
 from rtkit.testing import Trial
 
 IDL = Path(__file__).parents[1] / "idl"
@@ -286,6 +288,22 @@ def test_what_is_generated_compiles_and_passes_its_own_test(profile: RtcProfile)
 
 
 @settings(max_examples=60, deadline=None)
+@examples
+@given(PROFILES)
+def test_the_profile_of_what_is_generated_stays_the_same(profile: RtcProfile) -> None:
+    """Code to profile to code to profile: what the first profile says, the second says."""
+    once = described(profile)
+    twice = described(once)
+    assert twice == once
+    assert read_rtc(write_rtc(once), strict=True).profile == once
+
+
+def described(profile: RtcProfile) -> RtcProfile:
+    with loaded(built(profile)) as test, Trial(test.Subject) as trial:
+        return profile_of(trial.component, "2020-01-01T00:00:00", {})
+
+
+@settings(max_examples=60, deadline=None)
 @given(PROFILES)
 def test_the_profiles_beside_it_can_be_read(profile: RtcProfile) -> None:
     files = texts(built(profile))
@@ -295,8 +313,6 @@ def test_the_profiles_beside_it_can_be_read(profile: RtcProfile) -> None:
 
 
 def read_again(profile: RtcProfile) -> RtcProfile:
-    from rtkit.profile.write import write_rtc
-
     return read_rtc(write_rtc(profile)).profile
 
 

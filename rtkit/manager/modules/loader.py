@@ -100,8 +100,8 @@ class Loader:
         if not self._imports_untried and self.tried.get(path) != fingerprint:
             raise UntriedModule(path, init)
         name = init or told or f"{os.path.basename(file).partition('.')[0]}Init"
-        _offer_neighbours(file)
-        module = _import(file, source)
+        offer_neighbours(file)
+        module = import_file(file, source)
         types = self.factories.register_all(_initialise(module, name, path))
         profile = self._modules[path] = ModuleProfile(path, name, types)
         self._fingerprints[path] = fingerprint
@@ -165,14 +165,19 @@ class Loader:
         return any(profile.type_name == type_name for profile in self.factories.types)
 
 
-def _offer_neighbours(file: str) -> None:
+def offer_neighbours(file: str) -> None:
     """Let a module import what lies beside it, behind everything that has its name already."""
     folder = os.path.dirname(os.path.realpath(file))
     if folder not in sys.path:
         sys.path.append(folder)
 
 
-def _import(file: str, source: bytes) -> ModuleType:
+def import_file(file: str, source: bytes) -> ModuleType:
+    """Import a module from what was read.
+
+    Raises:
+        Refused: It does not import; says where.
+    """
     name = "rtkit_module_" + "".join(c if c.isalnum() else "_" for c in file)
     module = ModuleType(name)
     module.__file__ = file

@@ -216,8 +216,8 @@ def test_a_state_machine(builder):
 
             event_port = "events"
             states: ClassVar = {
-                "Idle": {"go": "Busy_Deep"},
-                "Busy_Deep": {"halt": "Idle"},
+                "Idle": {"go": "Busy.Deep"},
+                "Busy.Deep": {"halt": "Idle"},
             }
             events: ClassVar = {
                 "go": rt.TimedLong,

@@ -1,0 +1,218 @@
+"""The way back: the RTC profile of a component that exists.
+
+What code says is taken from it: identity, ports, parameters, callbacks, states, and documentation
+where it stands as `rtkit.builder.component_code` puts it. What no code says (component and
+activity type, number of instances, positions of an editor) has the usual values.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rtkit.builder.component_code import (
+    LABELS,
+    POSTCONDITION,
+    PRECONDITION,
+    SUMMARIES,
+    neutral,
+)
+from rtkit.builder.machine import INITIAL
+from rtkit.builder.settings import WIDGET
+from rtkit.builder.text import sentence
+from rtkit.component.base import Component
+from rtkit.component.contexts import kind_named
+from rtkit.component.describe import describe
+from rtkit.component.fsm import EventPort, FsmComponent
+from rtkit.component.kinds import kind_of
+from rtkit.component.parameter import Parameter, declared_parameters
+from rtkit.component.typenames import scoped_name
+from rtkit.errors import Malformed
+from rtkit.profile import rtc_doc_model as docs
+from rtkit.profile import rtc_model as rtc
+from rtkit.profile.common import Property
+from rtkit.profile.constraint_model import Constraint
+from rtkit.profile.constraint_text import parse_constraint
+from rtkit.rtc.enums import ExecutionKind, PortType
+from rtkit.rtc.profiles import PortProfile
+
+_ACTIVITIES = {
+    ExecutionKind.PERIODIC: "PERIODIC",
+    ExecutionKind.EVENT_DRIVEN: "EVENTDRIVEN",
+    ExecutionKind.OTHER: "SPORADIC",
+}
+_UNIT = re.compile(r"(.*?) ?\[([^\[\]]+)\]", re.DOTALL)
+_FSM_ONLY = "on_action"
+
+
+def profile_of(component: Component, date: str, properties: Mapping[str, str]) -> rtc.RtcProfile:
+    """Return the RTC profile of a component.
+
+    Args:
+        component: An instance of it. Ports that it makes only when it is initialised are told
+            only of one that is.
+        date: When the profile is made, ``xs:dateTime``.
+        properties: Extension properties of the profile.
+    """
+    ports = describe(component).ports
+    settings = tuple(map(_configuration, declared_parameters(type(component)).values()))
+    return rtc.RtcProfile(
+        id=component.type.id,
+        version=rtc.RTC_VERSION,
+        basic_info=_basic_info(component, date, properties),
+        actions=_actions(type(component)),
+        configuration_set=rtc.ConfigurationSet(settings) if settings else None,
+        data_ports=tuple(
+            _data_port(component, port) for port in ports if port.port_type is not PortType.SERVICE
+        ),
+        service_ports=tuple(
+            _service_port(port) for port in ports if port.port_type is PortType.SERVICE
+        ),
+        language=rtc.Language("Python"),
+    )
+
+
+def _basic_info(component: Component, date: str, properties: Mapping[str, str]) -> rtc.BasicInfo:
+    type, kind = component.type, kind_named(component.execution_type)
+    description, doc = _documentation(component)
+    return rtc.BasicInfo(
+        name=type.type_name,
+        component_type="STATIC",
+        activity_type=_ACTIVITIES[kind],
+        component_kind="DataFlowComponent",
+        category=type.category,
+        vendor=type.vendor,
+        version=type.version,
+        execution_type=component.execution_type,
+        execution_rate=component.rate if kind is ExecutionKind.PERIODIC else None,
+        max_instances=0,
+        creation_date=date,
+        update_date=date,
+        description=description,
+        doc=doc,
+        properties=tuple(Property(name, value) for name, value in properties.items()),
+    )
+
+
+def _paragraphs(text: str | None) -> list[str]:
+    return [part for part in re.split(r"\n\s*\n", inspect.cleandoc(text or "").strip()) if part]
+
+
+def _documentation(component: Component) -> tuple[str, docs.BasicDoc | None]:
+    """Return what the docstring of the class says: the description, and what has a place."""
+    plain: list[str] = []
+    told: dict[str, Any] = {}
+    for part in _paragraphs(vars(type(component)).get("__doc__")):
+        field = next((each for each, label in LABELS.items() if part.startswith(label)), "")
+        if field:
+            told[field] = part.removeprefix(LABELS[field])
+        else:
+            plain.append(part)
+    if plain[:1] == [neutral(component.type.type_name)]:
+        del plain[0]
+    description = sentence(" ".join(plain[0].split())) if plain else ""
+    if plain[1:]:
+        told["description"] = "\n\n".join(plain[1:])
+    return description, docs.BasicDoc(**told) if told else None
+
+
+def _actions(cls: type[Component]) -> rtc.Actions:
+    base = FsmComponent if issubclass(cls, FsmComponent) else Component
+    told: dict[str, Any] = {}
+    for name in SUMMARIES:
+        if name != _FSM_ONLY or base is FsmComponent:
+            own = getattr(cls, name)
+            is_own = own is not getattr(base, name)
+            doc = _action_doc(name, own.__doc__) if is_own else None
+            told[name] = rtc.ActionStatus(is_own, doc)
+    return rtc.Actions(**told)
+
+
+def _action_doc(name: str, text: str | None) -> docs.ActionDoc | None:
+    plain: list[str] = []
+    told: dict[str, Any] = {}
+    for part in _paragraphs(text):
+        if part.startswith(PRECONDITION):
+            told["pre_condition"] = part.removeprefix(PRECONDITION)
+        elif part.startswith(POSTCONDITION):
+            told["post_condition"] = part.removeprefix(POSTCONDITION)
+        elif part != SUMMARIES[name]:
+            plain.append(part)
+    if plain:
+        text = "\n\n".join(plain)
+        told["description"] = text if "\n" in text else sentence(text)
+    return docs.ActionDoc(**told) if told else None
+
+
+def _configuration(parameter: Parameter[object]) -> rtc.Configuration:
+    kind = kind_of(parameter.default)  # type: ignore[arg-type]
+    constraint, words = _constraint(parameter.constraint)
+    doc = docs.ConfigurationDoc(description=parameter.doc or None, constraint=words or None)
+    return rtc.Configuration(
+        name=parameter.name,
+        type=kind.name,
+        default_value=kind.write(parameter.default),
+        unit=parameter.unit or None,
+        constraint=constraint,
+        doc=doc if parameter.doc or words else None,
+        properties=(Property(WIDGET, parameter.widget),) if parameter.widget else (),
+    )
+
+
+def _constraint(text: str) -> tuple[Constraint | None, str]:
+    """Return a constraint as far as it can be read, and the words of one that cannot."""
+    try:
+        return parse_constraint(text), ""
+    except Malformed:
+        return None, text
+
+
+def _data_port(component: Component, port: PortProfile) -> rtc.DataPort:
+    is_event_port = isinstance(component.ports.get(port.name), EventPort)
+    kind = "EventPort" if is_event_port else port.port_type.value
+    text = port.properties.get("description", "")
+    found = _UNIT.fullmatch(text)
+    text, unit = (found[1], found[2]) if found else (text, "")
+    events = tuple(_events(component, port.name)) if is_event_port else ()
+    return rtc.DataPort(
+        port_type=kind,
+        name=port.name,
+        type=scoped_name(port.data_type) or "Any",
+        position="RIGHT" if port.port_type is PortType.OUT else "LEFT",
+        unit=unit or None,
+        events=events,
+        doc=docs.DataPortDoc(description=text) if text else None,
+    )
+
+
+def _events(component: Component, port: str) -> Iterator[rtc.Event]:
+    if not isinstance(component, FsmComponent) or component.event_port != port:
+        return
+    described = describe(component)
+    states = component.states
+    first = next(iter(states))
+    yield rtc.Event("", INITIAL, first)
+    for state, moves in states.items():
+        for event, target in moves.items():
+            kind = described.fsm_events.get(event, "Any")
+            yield rtc.Event(event, state, target, type=kind)
+
+
+def _service_port(port: PortProfile) -> rtc.ServicePort:
+    text = port.properties.get("description", "")
+    return rtc.ServicePort(
+        name=port.name,
+        position="RIGHT",
+        service_interfaces=tuple(
+            rtc.ServiceInterface(
+                name=each.instance_name,
+                direction=each.polarity.value,
+                type=each.type_name,
+                instance_name=each.instance_name,
+            )
+            for each in port.interfaces
+        ),
+        doc=docs.ServicePortDoc(description=text) if text else None,
+    )

@@ -1,0 +1,107 @@
+"""``MODULE:FACTORY`` as typed: the component that it stands for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from rtkit.component.base import Component
+from rtkit.component.callbacks import describe_failure
+from rtkit.component.factory import Factories
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.manager.modules.loader import import_file, offer_neighbours
+from rtkit.manager.modules.search import SUFFIX, Search
+from rtkit.resources import resource
+
+
+class Offer(NamedTuple):
+    """A component class, and the init function of its module that offers it, if it is known."""
+
+    cls: type[Component]
+    file: str
+    init: str
+
+
+def component_class(typed: str, wanted: str) -> Offer:
+    """Return the class that ``MODULE:FACTORY`` stands for.
+
+    A factory is an init function, or a component class. Without one, the init function of the
+    module is meant.
+
+    Args:
+        typed: As the user typed it.
+        wanted: Name of the type, where a module offers several; else empty.
+
+    Raises:
+        NotFound: There is no such module, or no such name in it.
+        Refused: The module cannot be used; says why and where.
+        Malformed: It offers several types, or what is named is none.
+    """
+    path, _, name = typed.rpartition(":") if ":" in typed else (typed, "", "")
+    folders = [".", *os.environ.get("RTKIT_MODULE_PATH", "").split(os.pathsep)]
+    place = os.path.abspath(path) if "/" in path or os.path.isfile(path) else path
+    search = Search([each for each in folders if each] + [resource("examples", "basic")])
+    file, source, told = search.read(place)
+    offer_neighbours(file)
+    module = import_file(file, source)
+    init = name or told or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
+    found = getattr(module, init, None)
+    if found is None:
+        raise NotFound(f"no {init} in module {path} ({file})")
+    if isinstance(found, type) and issubclass(found, Component):
+        return Offer(found, file, "")
+    return Offer(_registered(found, typed, wanted), file, init)
+
+
+def _registered(init: Any, typed: str, wanted: str) -> type[Component]:
+    if not callable(init):
+        raise Malformed(f"{typed} is neither an init function nor a component class")
+    heard = _Heard()
+    try:
+        init(heard)
+    except BaseException as error:
+        raise Refused(f"{typed} failed: {describe_failure(error, init)}") from error
+    fitting = [each for each in heard.classes if wanted in ("", each.type_profile().type_name)]
+    if len(fitting) == 1:
+        return fitting[0]
+    names = _listed([each.type_profile().type_name for each in heard.classes])
+    if not fitting:
+        what = f"no type {wanted}; there are: {names}" if wanted else "no component type"
+        raise NotFound(f"{typed} offers {what}")
+    raise Malformed(f"{typed} offers several types; say --type: {names}")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) or "none"
+
+
+class _Heard:
+    """What an init function is handed."""
+
+    def __init__(self) -> None:
+        self.classes: list[type[Component]] = []
+
+    def register_factory(self, component: type[Component]) -> None:
+        """Note a component class."""
+        Factories().register(component)
+        self.classes.append(component)
+
+
+def instance_of(cls: type[Component], typed: str, *, is_initialised: bool) -> Component:
+    """Return an instance, on which nothing but on_initialize is called, if that is asked for.
+
+    Raises:
+        Refused: Its constructor or on_initialize failed; says why and where.
+    """
+    try:
+        made = cls(f"{cls.type_profile().type_name}0")
+        code = made.on_initialize() if is_initialised else None
+    except RtkitError:
+        raise
+    except BaseException as error:
+        what = getattr(cls, "on_initialize" if is_initialised else "__init__")
+        raise Refused(f"{typed}: {describe_failure(error, what)}") from error
+    if code not in (None, "RTC_OK"):
+        raise Refused(f"{typed}: on_initialize returned {code}")
+    return made
