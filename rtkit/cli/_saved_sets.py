@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out
 from rtkit.cli._app import App
-from rtkit.cli._sets import Asked, Sets, change, print_json, to_json, visible
+from rtkit.cli._sets import Asked, Sets, change, print_json, seen, to_json, visible
 from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts
 
 STDIN = "-"
+VERBS = ("diff", "export", "import")
 
 
 class Difference(NamedTuple):
@@ -34,21 +35,15 @@ class Saved(NamedTuple):
     sets: Sets
 
 
-def do(app: App, facts: ComponentFacts, sets: Sets, chosen: Sets, asked: Asked) -> int:
-    """Compare, write or take over sets; return the exit status.
-
-    Args:
-        app: The run.
-        facts: The component.
-        sets: Those of its sets that are to be seen.
-        chosen: Those of them that were asked for.
-        asked: What to do.
+def do(app: App, facts: ComponentFacts, asked: Asked) -> int:
+    """Compare, write or take over sets of a component; return the exit status.
 
     Raises:
         NotFound: No such set, parameter or file.
         InvalidDocument: The file holds no configuration sets.
         RtkitError: The component refused.
     """
+    sets, chosen = seen(facts, asked)
     argument = asked.arguments[0] if asked.arguments else STDIN
     if asked.verb == "export":
         _export(facts, chosen, argument)

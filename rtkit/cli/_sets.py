@@ -31,31 +31,36 @@ class Asked(NamedTuple):
     is_json: bool
 
 
-def of_component(app: App, facts: ComponentFacts, asked: Asked) -> int:
-    """Do what was asked with a component; return the exit status.
+def of_component(app: App, facts: ComponentFacts, asked: Asked) -> None:
+    """List, get, set or activate what was asked of a component.
 
     Raises:
         NotFound: No such set or parameter.
         RtkitError: It refused.
     """
-    sets = visible(facts.sets, asked)
+    sets, chosen = seen(facts, asked)
     set_id = asked.set_id or facts.active_set
-    if (asked.verb in ("get", "set", "act") or asked.set_id) and set_id not in sets:
-        raise NotFound(f"No such configuration set: {set_id}")
-    chosen = {asked.set_id: sets[asked.set_id]} if asked.set_id else sets
     if asked.verb == "list":
         _list(facts, chosen, asked)
     elif asked.verb == "get":
         _get(asked.arguments[0], sets[set_id], asked)
     elif asked.verb == "act":
         _activate(app, facts.instance, set_id)
-    elif asked.verb == "set":
-        change(app, facts, {set_id: _values(asked.arguments)})
     else:
-        from rtkit.cli import _saved_sets
+        change(app, facts, {set_id: _values(asked.arguments)})
 
-        return _saved_sets.do(app, facts, sets, chosen, asked)
-    return 0
+
+def seen(facts: ComponentFacts, asked: Asked) -> tuple[Sets, Sets]:
+    """Return the sets that are to be seen, and those of them that were asked for.
+
+    Raises:
+        NotFound: There is no set of the name that was given, or is needed.
+    """
+    sets = visible(facts.sets, asked)
+    set_id = asked.set_id or facts.active_set
+    if (asked.verb in ("get", "set", "act") or asked.set_id) and set_id not in sets:
+        raise NotFound(f"No such configuration set: {set_id}")
+    return sets, {asked.set_id: sets[asked.set_id]} if asked.set_id else sets
 
 
 def visible(sets: Sets, asked: Asked) -> Sets:

@@ -74,7 +74,7 @@ def main(
     type or constraint is refused. Of a manager, list, get and set mean its properties. A value
     that begins with a minus and is no number needs -- before the path.
     """
-    from rtkit.cli import _sets
+    from rtkit.cli import _saved_sets, _sets
     from rtkit.tree.view import Kind
 
     typed, asked = _asked(words, has_hidden, is_long, set_id, is_json)
@@ -87,7 +87,10 @@ def main(
     facts = snapshot.component(node.instance)
     if facts is None:
         raise NotFound(f"No such object: {path.typed}")
-    return _sets.of_component(app, facts, asked)
+    if asked.verb in _saved_sets.VERBS:
+        return _saved_sets.do(app, facts, asked)
+    _sets.of_component(app, facts, asked)
+    return 0
 
 
 def _asked(

@@ -15,7 +15,7 @@ from rtkit.profile.tree_form import (
     date_table,
     key_of,
 )
-from rtkit.profile.write import check_text, checked_name, format_value, in_order
+from rtkit.profile.written import check_text, checked_name, format_value, in_order
 
 
 def plain(value: Any, spec: Spec, tag: str) -> dict[str, Any]:

@@ -1,38 +1,18 @@
-"""Write profiles, always the same bytes for the same model: the strict form of XML, YAML, JSON."""
+"""Write profiles in any form: the strict one of XML, YAML or JSON."""
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
-from rtkit.errors import Malformed
-from rtkit.profile.common import Foreign, ForeignElement
 from rtkit.profile.forms import XML as XML_FORM
 from rtkit.profile.forms import YAML as YAML_FORM
 from rtkit.profile.forms import check_form
-from rtkit.profile.spec import FLAG, REAL, WHOLE, WHOLE_FORM, Attr, Child, Spec, is_real
-from rtkit.profile.xmlnames import NAMESPACES, XML, clark, short, split
+from rtkit.profile.xml_write import XmlWriter
+from rtkit.profile.xmlnames import clark
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
     from rtkit.profile.rts_model import RtsProfile
-
-_DECLARATION = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
-_INDENT = "    "
-_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_LOCAL_NAME = re.compile(r"[^\W\d][\w.-]*")
-_TEXT_ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
-_VALUE_ESCAPES = str.maketrans(
-    {
-        "&": "&amp;",
-        "<": "&lt;",
-        ">": "&gt;",
-        '"': "&quot;",
-        "\r": "&#13;",
-        "\n": "&#10;",
-        "\t": "&#9;",
-    }
-)
 
 
 def write_rts(profile: RtsProfile) -> bytes:
@@ -43,7 +23,7 @@ def write_rts(profile: RtsProfile) -> bytes:
     """
     from rtkit.profile.rts_spec import RTS_PROFILE
 
-    return _Writer(("rts", "rtsExt", "xsi")).document(profile, RTS_PROFILE, "rts:RtsProfile")
+    return XmlWriter(("rts", "rtsExt", "xsi")).document(profile, RTS_PROFILE, "rts:RtsProfile")
 
 
 def write_rtc(profile: RtcProfile) -> bytes:
@@ -55,7 +35,7 @@ def write_rtc(profile: RtcProfile) -> bytes:
     from rtkit.profile.rtc_spec import RTC_PROFILE
 
     prefixes = ("rtc", "rtcDoc", "rtcExt", "xsi")
-    return _Writer(prefixes).document(profile, RTC_PROFILE, "rtc:RtcProfile")
+    return XmlWriter(prefixes).document(profile, RTC_PROFILE, "rtc:RtcProfile")
 
 
 def write_profile(profile: RtcProfile | RtsProfile, form: str = XML_FORM) -> bytes:
@@ -95,143 +75,3 @@ def plain_profile(profile: RtcProfile | RtsProfile) -> dict[str, Any]:
     from rtkit.profile.rtc_spec import RTC_PROFILE
 
     return {ROOTS["rtc"]: plain(profile, RTC_PROFILE, clark("rtc:RtcProfile"))}
-
-
-def check_text(text: str) -> str:
-    """Return `text` if XML can carry it.
-
-    Raises:
-        Malformed: It has a character that XML cannot carry.
-    """
-    bad = _ILLEGAL.search(text)
-    if bad:
-        around = text[max(0, bad.start() - 20) : bad.start()]
-        raise Malformed(f"character {bad[0]!r} after {around!r} cannot be written to XML")
-    return text
-
-
-def checked_name(name: str) -> str:
-    """Return ``{namespace}local`` if XML can have such a name.
-
-    Raises:
-        Malformed: It cannot.
-    """
-    local = split(name)[1]
-    if not _LOCAL_NAME.fullmatch(local):
-        raise Malformed(f"{local!r} is not an XML name")
-    return check_text(name)
-
-
-class _Writer:
-    """One document in the making; foreign namespaces get prefixes as they are met."""
-
-    def __init__(self, prefixes: tuple[str, ...]) -> None:
-        self._prefixes = {NAMESPACES[prefix]: prefix for prefix in prefixes}
-        self._out: list[str] = []
-
-    def document(self, profile: Any, spec: Spec, tag: str) -> bytes:
-        self._element(profile, spec, tag, "")
-        head = self._out[0].removeprefix(f"<{tag}")
-        declared = "".join(
-            f' xmlns:{prefix}="{uri.translate(_VALUE_ESCAPES)}"'
-            for uri, prefix in self._prefixes.items()
-        )
-        text = f"{_DECLARATION}<{tag}{declared}{head}{''.join(self._out[1:])}"
-        return check_text(text).encode("utf-8")
-
-    def _element(self, value: Any, spec: Spec, tag: str, indent: str) -> None:
-        foreign: Foreign = getattr(value, spec.foreign_field)
-        parts = [f"{indent}<{tag}"]
-        if spec.xsi_type_text is not None:
-            parts.append(f' xsi:type="{spec.xsi_type_text}"')
-        for item in spec.attributes:
-            field = getattr(value, item.field)
-            if field is not None:
-                text = format_value(item, field).translate(_VALUE_ESCAPES)
-                parts.append(f' {short(item.name)}="{text}"')
-        parts += [self._foreign_attribute(*pair) for pair in foreign.attributes]
-        start = len(self._out)
-        self._out.append("".join(parts))
-        inner = indent + _INDENT
-        for child in in_order(spec, value):
-            self._child(child, value if spec.wraps else getattr(value, child.field), inner)
-        for element in foreign.elements:
-            self._out.append(f"{inner}{self._foreign(element, inner)}\n")
-        if len(self._out) == start + 1:
-            self._out[start] += "/>\n"
-        else:
-            self._out[start] += ">\n"
-            self._out.append(f"{indent}</{tag}>\n")
-
-    def _child(self, child: Child, field: Any, indent: str) -> None:
-        if field is None:
-            return
-        for value in field if child.is_many else (field,):
-            if child.spec is None:
-                name = short(child.name)
-                text = value.translate(_TEXT_ESCAPES)
-                self._out.append(f"{indent}<{name}>{text}</{name}>\n")
-            else:
-                self._element(value, child.spec, short(child.name), indent)
-
-    def _foreign_attribute(self, name: str, value: str) -> str:
-        return f' {self._name(name)}="{value.translate(_VALUE_ESCAPES)}"'
-
-    def _foreign(self, element: ForeignElement, indent: str) -> str:
-        name = self._name(element.name)
-        head = name + "".join(self._foreign_attribute(*pair) for pair in element.attributes)
-        text = (element.text or "").translate(_TEXT_ESCAPES)
-        if not element.children:
-            return f"<{head}>{text}</{name}>" if text else f"<{head}/>"
-        inner = indent + _INDENT
-        is_mixed = bool(text) or any(below.tail for below in element.children)
-        below = [
-            self._foreign(item, inner) + (item.tail or "").translate(_TEXT_ESCAPES)
-            for item in element.children
-        ]
-        if is_mixed:
-            return f"<{head}>{text}{''.join(below)}</{name}>"
-        lines = "".join(f"\n{inner}{item}" for item in below)
-        return f"<{head}>{lines}\n{indent}</{name}>"
-
-    def _name(self, name: str) -> str:
-        namespace, local = split(checked_name(name))
-        if not namespace:
-            return local
-        if namespace == XML:
-            return f"xml:{local}"
-        prefix = self._prefixes.setdefault(namespace, f"ns{len(self._prefixes)}")
-        return f"{prefix}:{local}"
-
-
-def in_order(spec: Spec, value: Any) -> tuple[Child, ...]:
-    """Return the children to write; of the alternatives of one field, the one that fits."""
-    return tuple(child for child in spec.children if _fits(child, value))
-
-
-def _fits(child: Child, value: Any) -> bool:
-    tag_field = child.spec.tag_field if child.spec is not None else None
-    if tag_field is None:
-        return True
-    return bool(getattr(getattr(value, child.field), tag_field) == split(child.name)[1])
-
-
-def format_value(item: Attr, value: Any) -> str:
-    """Return the text of an attribute's value.
-
-    Raises:
-        Malformed: It is a number that no reader would take.
-    """
-    if item.kind == FLAG:
-        return "true" if value else "false"
-    if item.kind == REAL:
-        text = repr(float(value))
-        if not is_real(text):
-            raise Malformed(f"{short(item.name)} must be a finite number, not {text}")
-        return text
-    if item.kind == WHOLE:
-        text = str(int(value))
-        if not WHOLE_FORM.fullmatch(text):
-            raise Malformed(f"{short(item.name)} is beyond 18 digits: {text}")
-        return text
-    return str(value)
