@@ -9,7 +9,7 @@ from typing import Any
 from rtkit.deployment import actions as act
 from rtkit.errors import Refused, RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.registration import check_free, early_names
+from rtkit.manager.core.registration import check_free, early_names, is_own_place
 from rtkit.manager.core.state import Claim, State
 from rtkit.manager.core.wishes import Ask
 from rtkit.manager.settings.values import PROCESS_UNIQUE
@@ -48,7 +48,8 @@ def claim_name(
         raise Refused(f"{instance} is just being made")
     known = state.components.get(instance)
     asked = action.names or (known.names if known is not None else ())
-    names = tuple(dict.fromkeys(asked or early_names(state, create, instance)))
+    names = asked or early_names(state, create, instance)
+    names = tuple(n for n in dict.fromkeys(names) if not is_own_place(state, n, instance))
     check_free(state, names, instance)
     claim = state.claims[instance] = Claim(names, is_by_template=not asked)
     return instance, claim

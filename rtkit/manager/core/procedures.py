@@ -24,7 +24,7 @@ from rtkit.manager.core.registration import late_names
 from rtkit.manager.core.state import Claim, Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
 from rtkit.manager.core.transitions import change_state
-from rtkit.manager.core.trial import try_module
+from rtkit.manager.core.trial import share_trial, try_module
 from rtkit.manager.core.wiring import connect, cut, disconnect, living
 from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell, Wish
 from rtkit.manager.settings.values import DEFAULT_PORT
@@ -253,7 +253,7 @@ def _make_here(state: State, own: Process, message: Message) -> Generator[Wish, 
         told = yield Ask(own, {**message, "tried": dict(state.tried)})
         if not isinstance(told, dict):
             return
-        yield from try_module(state, str(told["untried"]), str(told["init"]))
+        yield from share_trial(state, str(told["untried"]), str(told["init"]))
 
 
 def _modules_for(state: State, create: CreateString) -> list[list[str]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from rtkit.errors import Refused
 from rtkit.manager.core.state import State
 from rtkit.manager.settings import formats
 from rtkit.rtc.create import CreateString
+from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
 
 
 def early_names(state: State, create: CreateString, instance: str) -> tuple[str, ...]:
@@ -57,7 +58,7 @@ def _expanded(state: State, templates: Iterable[str], instance: str) -> tuple[st
 
 
 def check_free(state: State, names: Iterable[str], instance: str) -> None:
-    """Refuse names that somebody else has.
+    """Refuse names that somebody else has, or that would be in the way of others.
 
     Raises:
         Refused: Names the first, and who has it.
@@ -66,6 +67,27 @@ def check_free(state: State, names: Iterable[str], instance: str) -> None:
         owner = state.name_owner(name)
         if owner and owner != instance:
             raise Refused(f"name /{name} is taken by {owner}")
+        for above in _above(name):
+            if state.name_owner(above):
+                raise Refused(f"name /{name} is below /{above}, which is no directory of names")
+        below = next((each for each in state.all_names() if each.startswith(f"{name}/")), "")
+        if below:
+            raise Refused(f"name /{name} is a directory: it has /{below}")
+
+
+def is_own_place(state: State, name: str, instance: str) -> bool:
+    """Whether a name is where a component is found anyway, below its manager or its slave."""
+    *folders, leaf = name.split("/")
+    while folders and "/".join(folders) not in state.names:
+        if not folders.pop().endswith(MANAGER_SUFFIX):
+            return False
+    return bool(folders) and leaf == f"{instance}{COMPONENT_SUFFIX}"
+
+
+def _above(name: str) -> Iterator[str]:
+    """Yield the directories in which a name is, but for the host."""
+    parts = name.split("/")
+    return ("/".join(parts[:length]) for length in range(2, len(parts)))
 
 
 def _templates(state: State, create: CreateString) -> tuple[str, ...]:

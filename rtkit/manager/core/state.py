@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.settings.properties import Settings
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
@@ -24,7 +26,8 @@ class Process:
         verdict: Why it is ended though what it holds is wanted; that counts more than how.
         is_wanted: False once it was told to end.
         is_guest: It came by itself with components of its own and ends by itself.
-        is_trial: It only tries whether a module can be imported, and is not shown.
+        trial_of: The module of which it only tries whether it can be imported; it is not shown.
+        failure: Why that module cannot be imported.
         stuck: What exceeds its deadline in it, with where it is: by component, also one that is
             being made, or by module.
     """
@@ -38,8 +41,14 @@ class Process:
     verdict: str = ""
     is_wanted: bool = True
     is_guest: bool = False
-    is_trial: bool = False
+    trial_of: str = ""
+    failure: RtkitError | None = None
     stuck: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def is_trial(self) -> bool:
+        """Whether it is there for nothing but to try a module."""
+        return bool(self.trial_of)
 
     @property
     def is_slave(self) -> bool:
@@ -191,6 +200,14 @@ class State:
         if name in self.names:
             return f"manager {self.name}"
         return next((i for i, claim in self.claims.items() if name in claim.names), "")
+
+    def all_names(self) -> Iterator[str]:
+        """Yield every full name that somebody is, or is to be, registered under."""
+        yield from self.names
+        for facts in self.components.values():
+            yield from facts.names
+        for claim in self.claims.values():
+            yield from claim.names
 
     def forget(self, instance: str) -> None:
         """Drop a component with its connectors; a lost process goes with its last one."""

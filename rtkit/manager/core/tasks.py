@@ -123,9 +123,9 @@ class Tasks:
         if self._deadlines:
             self._out.append(WakeAt(self._deadlines[0][0]))
 
-    def new_process(self, name: str, pid: int = 0, *, is_trial: bool = False) -> Process:
+    def new_process(self, name: str, pid: int = 0, *, trial_of: str = "") -> Process:
         """Enter another slave into the state, under a key that was never used."""
-        process = Process(next(self._keys), name, pid, is_trial=is_trial)
+        process = Process(next(self._keys), name, pid, trial_of=trial_of)
         self._state.processes[process.key] = process
         return process
 
@@ -235,10 +235,10 @@ class Tasks:
 
     def _needed(self, task: _Task, need: Need) -> Process | None:
         name = need.name
-        is_fresh = need.is_trial or name == FRESH_SLAVE
+        is_fresh = bool(need.trial_of) or name == FRESH_SLAVE
         process = None if is_fresh else self._state.living_process(name)
         if process is None:
-            process = self.new_process(name, is_trial=need.is_trial)
+            process = self.new_process(name, trial_of=need.trial_of)
             self._out.append(SpawnSlave(process.key, name))
         if process.state != "starting":
             return process

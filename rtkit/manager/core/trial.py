@@ -15,12 +15,15 @@ from rtkit.deployment.actions import Result
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import end_slaves
-from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Signal, Wish
+from rtkit.manager.core.wishes import AllEnded, Ask, Later, Need, Procedure, Signal, Wish
 from rtkit.rtc.plain import decode
 from rtkit.rtc.profiles import ModuleProfile
 
 TRIAL = "@modules"
 """Name of the process that imports; no slave can have it."""
+
+_PATIENCE_S = 10.0
+"""How long a trial that somebody else began is waited for [s]."""
 
 
 def try_module(state: State, path: str, init: str) -> Generator[Wish, Any, ModuleProfile]:
@@ -29,18 +32,34 @@ def try_module(state: State, path: str, init: str) -> Generator[Wish, Any, Modul
     Raises:
         RtkitError: It cannot be imported; tells why, and the line if there is one.
     """
-    process: Process = yield Need(TRIAL, is_trial=True)
+    process: Process = yield Need(TRIAL, trial_of=path)
     try:
         told = yield Ask(process, {"op": "load", "path": path, "init": init})
         profile, fingerprint = _read(told)
     except RtkitError as error:
         yield Later(_kill(process))
-        if isinstance(error, Unreachable):
-            raise _explained(path, process, error) from error
-        raise
+        failure = _explained(path, process, error) if isinstance(error, Unreachable) else error
+        process.failure = failure
+        raise failure from error
     yield Later(end_slaves([process]))
     state.tried[path] = fingerprint
     return profile
+
+
+def share_trial(state: State, path: str, init: str) -> Generator[Wish, Any, None]:
+    """Have a module tried once for all that want it at a time.
+
+    Raises:
+        RtkitError: It cannot be imported; tells why, and the line if there is one.
+    """
+    trials = (each for each in state.processes.values() if each.trial_of == path)
+    trial = next((each for each in trials if each.is_alive and each.is_wanted), None)
+    if trial is None:
+        yield from try_module(state, path, init)
+        return
+    yield AllEnded((trial,), _PATIENCE_S)
+    if trial.failure is not None:
+        raise trial.failure
 
 
 def _read(told: Any) -> tuple[ModuleProfile, int]:

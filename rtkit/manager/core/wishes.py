@@ -19,11 +19,11 @@ from rtkit.manager.core.state import Process
 class Need:
     """Wait for the slave of that name, started if it does not live; receives a `Process`.
 
-    One for a trial is always started, and has no name that anybody could ask for.
+    One for the trial of a module is always started, and has no name that anybody could ask for.
     """
 
     name: str
-    is_trial: bool = False
+    trial_of: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,6 +34,8 @@ def check(text: str) -> tuple[str, ...]:
             raise Malformed(f"unknown %{bad[0]} in name template {template} (known: {known})")
         if any(part in ("", ".", "..") for part in template.split("/")):
             raise Malformed(f"name template has an empty or dotted element: {template}")
+        if any(part.startswith("*") for part in template.split("/")):
+            raise Malformed(f"name template has an element that begins with *: {template}")
         if ":" in template or not template.isprintable():
             raise Malformed(f"name template has a character that no name may have: {template}")
     return templates

@@ -85,6 +85,34 @@ def test_the_manager_imports_only_what_others_have_tried(shell):
     assert not shell.state.modules
 
 
+def test_a_module_is_tried_once_for_all_that_want_it(shell):
+    asked = [shell.ask(create(f"Thing?instance_name={name}")) for name in "ABC"]
+    for _ in asked:
+        shell.reply(shell.next("create"), {"untried": "Thing.py", "init": ""})
+    key = shell.fork(TRIAL)
+    tried = shell.next("load")
+    shell.reply(tried, module_of(tried, "Thing"))
+    shell.end(key)
+    for name in "ABC":
+        call = shell.next("create")
+        assert call.message["tried"] == {"Thing.py": 1}
+        shell.say(OWN, facts=facts(name))
+        shell.reply(call, name)
+    assert [each.result.value for each in asked] == ["A", "B", "C"]
+    assert not shell.calls
+
+
+def test_who_waited_for_a_trial_hears_why_it_failed(shell):
+    asked = [shell.ask(create(f"Thing?instance_name={name}")) for name in "AB"]
+    for _ in asked:
+        shell.reply(shell.next("create"), {"untried": "Thing.py", "init": ""})
+    key = shell.fork(TRIAL)
+    shell.refuse(shell.next("load"), Refused("module does not import"))
+    shell.end(key)
+    assert {each.result.why for each in asked} == {"module does not import"}
+    assert not shell.calls
+
+
 def test_a_module_that_ends_who_tries_it_is_told_and_never_imported_here(shell):
     asked = shell.ask(create())
     shell.reply(shell.next("create"), {"untried": "Thing.py", "init": ""})

@@ -42,7 +42,9 @@ def test_what_is_known_before_a_component_is_made(template, is_early):
     assert formats.is_early(template) is is_early
 
 
-@pytest.mark.parametrize("text", ["%x", "%", "a%", "/%n", "a//b", "a/", "./a", "a:b", "a\x1bb"])
+@pytest.mark.parametrize(
+    "text", ["%x", "%", "a%", "/%n", "a//b", "a/", "./a", "a:b", "*a", "a/*b", "a\x1bb"]
+)
 def test_templates_that_are_refused(text):
     with pytest.raises(Malformed):
         formats.check(text)

@@ -82,3 +82,55 @@ def test_a_name_that_nobody_bears(shell: FakeShell) -> None:
         "not-found",
         "nothing is registered as /localhost/A.rtc",
     )
+
+
+# names that cannot be found
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "why"),
+    [
+        (
+            "localhost/a",
+            "localhost/a/b.rtc",
+            "is below /localhost/a, which is no",
+        ),
+        (
+            "localhost/a/b.rtc",
+            "localhost/a",
+            "is a directory: it has /localhost/a/b.rtc",
+        ),
+        ("localhost/a.rtc", "localhost/a.rtc/x/y.rtc", "is below /localhost/a.rtc, which is no"),
+        (
+            "localhost/b.rtc",
+            "localhost/manager.mgr/b.rtc",
+            "is below /localhost/manager.mgr,",
+        ),
+        ("localhost/b.rtc", "localhost/manager.mgr", "is taken by manager manager"),
+    ],
+)
+def test_names_that_would_hide_each_other(
+    shell: FakeShell, first: str, second: str, why: str
+) -> None:
+    shell.ask(Create("Thing?instance_name=A", (first,)))
+    shell.serve()
+    refused = shell.ask(Create("Thing?instance_name=B", (second,))).result
+    assert refused.kind == "refused"
+    assert why in refused.why
+    assert not shell.state.claims
+
+
+def test_the_place_below_a_manager_is_no_name(shell: FakeShell) -> None:
+    for name, place in (("A", ""), ("B", "s1.mgr/")):
+        path = f"localhost/manager.mgr/{place}{name}.rtc"
+        asked = shell.ask(Create(f"Thing?instance_name={name}", (path,)))
+        shell.serve()
+        assert asked.result.ok
+        assert names(shell, name) == ()
+
+
+def test_names_below_directories_do_not_hide_each_other(shell: FakeShell) -> None:
+    for name in ("a/x.rtc", "a/xy.rtc", "ab.rtc", "a.rtc"):
+        asked = shell.ask(Create("Thing", (f"localhost/{name}",)))
+        shell.serve()
+        assert asked.result.ok
