@@ -258,7 +258,9 @@ def _text(item: Any, found: Findings) -> None:
 
 def _sort(element: Any, spec: Spec) -> None:
     behind = (len(spec.index), None)
-    element[:] = sorted(element, key=lambda item: spec.index.get(item.tag, behind)[0])
+    # One by one: to assign a slice takes lxml the square of its length.
+    for item in sorted(element, key=lambda item: spec.index.get(item.tag, behind)[0]):
+        element.append(item)
 
 
 def _odd_child(

@@ -12,6 +12,10 @@ from dataclasses import replace
 
 from rtkit.profile.common import Note
 
+_MOST_LINES = 200
+_LONGEST_LINE = 5_000
+"""A tag over more lines is not looked for, nor one among longer lines: there may be many notes."""
+
 _LAST_NAME = re.compile(r"(?:[^/\[\]:'@]*:)?([^/\[\]:'@]+)(?:\[\d+\])?$")
 _LOCAL_NAME = re.compile(
     r"local-name\(\)='([^']*)'(?: and namespace-uri\(\)='[^']*')?\](?:\[\d+\])?$"
@@ -33,7 +37,10 @@ def _line(note: Note, lines: list[str]) -> int:
     if not name or not 0 < note.line <= len(lines):
         return note.line
     start = re.compile(rf"<(?:[\w.-]+:)?{re.escape(name)}(?![\w.-])")
-    begin = next((n for n in range(note.line, 0, -1) if start.search(lines[n - 1])), None)
+    nearest = range(note.line, max(0, note.line - _MOST_LINES), -1)
+    if any(len(lines[n - 1]) > _LONGEST_LINE for n in nearest):
+        return note.line
+    begin = next((n for n in nearest if start.search(lines[n - 1])), None)
     if begin is None:
         return note.line
     named = _name(attribute)
