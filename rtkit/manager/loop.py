@@ -26,7 +26,7 @@ from rtkit.manager.processes.lastwords import last_words
 from rtkit.manager.processes.lines import Lines
 from rtkit.manager.processes.nursery import Nursery
 from rtkit.manager.processes.watchman import (
-    POLL_S,
+    DEADLINE_S,
     STACK_SIGNAL,
     Watchman,
     callback_deadline_s,
@@ -61,11 +61,12 @@ class Loop:
         self._nursery = nursery
         self._inbox: queue.SimpleQueue[ev.Event | Request] = queue.SimpleQueue()
         self._wake_at: float | None = None
-        self._watchman = Watchman(nursery.data_pattern, self._deadline_s, self._ask_for_stack)
+        self._watchman = Watchman(
+            nursery.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
+        )
         self._watchman.watch(ev.OWN_PROCESS, core.state.pid)
         path = stack_path(nursery.data_pattern, core.state.pid)
         self._stack = open(path, "a")  # noqa: SIM115 - open for life
-        self._look_at = 0.0
         self._tidy_at = 0.0
         self._is_finished = False
         self._is_closed = False
@@ -118,7 +119,7 @@ class Loop:
             os.close(descriptor)
 
     def _patience(self) -> float | None:
-        look_at = self._look_at if self._has_callbacks else None
+        look_at = self._watchman.look_at if self._has_callbacks else None
         tidy_at = self._tidy_at if self._core.state.components else None
         wishes = (self._wake_at, self._lines.deadline, self._nursery.sweep_at, look_at, tidy_at)
         moments = [moment for moment in wishes if moment is not None]
@@ -126,9 +127,7 @@ class Loop:
 
     def _look(self) -> None:
         """See whether a callback is stuck, when it is time."""
-        now = time.monotonic()
-        if self._has_callbacks and now >= self._look_at:
-            self._look_at = now + POLL_S
+        if self._has_callbacks and time.monotonic() >= self._watchman.look_at:
             for event in list(self._watchman.poll()):
                 self._handle(event)
 
@@ -139,7 +138,6 @@ class Loop:
         return bool(state.components or state.claims) or len(state.processes) > 1
 
     def _inspect(self, key: int, age_s: float) -> None:
-        self._look_at = time.monotonic() + POLL_S
         for event in self._watchman.inspect(key, age_s):
             self.post(event)
 
@@ -152,6 +150,10 @@ class Loop:
     def _deadline_s(self, instance: str) -> float:
         facts = self._core.state.components.get(instance)
         return callback_deadline_s(facts.create if facts is not None else "")
+
+    def _shortest_s(self) -> float:
+        creates = (facts.create for facts in self._core.state.components.values())
+        return min(map(callback_deadline_s, creates), default=DEADLINE_S)
 
     def _drain(self) -> None:
         os.read(self._wake_read, 4096)
@@ -193,6 +195,8 @@ class Loop:
         for instruction in instructions:
             _guarded(self._carry_out, instruction)
         match event:
+            case ev.HolderSaid(key):
+                self._watchman.hasten(key)
             case ev.SlaveReady(key):
                 self._watchman.watch(key, self._core.state.processes[key].pid)
             case ev.SlaveEnded(key):

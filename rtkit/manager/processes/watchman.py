@@ -20,7 +20,9 @@ from rtkit.manager.holding.beats import Beat, BeatReader
 from rtkit.rtc.create import parse_create
 
 POLL_S = 0.025
-"""How often heartbeats are read [s]."""
+"""How often heartbeats are read where something is stuck or asked about, and at most [s]."""
+
+_POLL_NS = int(POLL_S * 1e9)
 
 _STACK_POLLS = 20
 """How many polls a process has to write its stack."""
@@ -73,6 +75,7 @@ class _Watched:
     Attributes:
         stack_polls: How many polls it still has to write the stack that it was asked for.
         age_s: What to tell though its deadline is not over, because somebody asks.
+        due_ns: Before then nothing in it can be late [ns].
     """
 
     pid: int
@@ -80,14 +83,19 @@ class _Watched:
     stuck: dict[str, Beat]
     stack_polls: int = 0
     age_s: float | None = None
+    due_ns: int = 0
 
 
 class Watchman:
     """Reads heartbeats of processes and tells what is stuck, and what no longer is.
 
+    It looks at a process when something in it could be late: a callback that it has seen, or one
+    that has been entered since. So idle processes cost a look a second, not forty.
+
     Args:
         pattern: Of the processes' data sockets; heartbeats and stacks lie beside them.
         deadline_s: Returns how long a callback of an instance may take [s].
+        shortest_s: Returns the least of all those [s].
         ask_for_stack: Has a process write its stack.
     """
 
@@ -95,10 +103,12 @@ class Watchman:
         self,
         pattern: str,
         deadline_s: Callable[[str], float],
+        shortest_s: Callable[[], float],
         ask_for_stack: Callable[[int], object],
     ) -> None:
         self._pattern = pattern
         self._deadline_s = deadline_s
+        self._shortest_s = shortest_s
         self._ask_for_stack = ask_for_stack
         self._watched: dict[int, _Watched] = {}
 
@@ -120,6 +130,17 @@ class Watchman:
             with contextlib.suppress(FileNotFoundError):
                 os.unlink(path)
 
+    @property
+    def look_at(self) -> float:
+        """When the next `poll` has something to do, monotonic [s]."""
+        return min((each.due_ns for each in self._watched.values()), default=0) / 1e9
+
+    def hasten(self, key: int) -> None:
+        """Look at a process soon, because its components change."""
+        watched = self._watched.get(key)
+        if watched is not None:
+            watched.due_ns = min(watched.due_ns, time.monotonic_ns() + _POLL_NS)
+
     def inspect(self, key: int, age_s: float) -> Iterator[Told]:
         """Yield what has been under way in a process for longer than that [s].
 
@@ -130,20 +151,23 @@ class Watchman:
             yield ProcessInspected(key)
             return
         watched.age_s = age_s if watched.age_s is None else min(age_s, watched.age_s)
-        yield from self._poll(key, watched, time.monotonic_ns())
+        yield from self._poll(key, watched, time.monotonic_ns(), self._shortest_s())
 
     def poll(self) -> Iterator[Told]:
         """Yield what got stuck since the last poll, then its line, and what goes on again."""
-        now_ns = time.monotonic_ns()
+        now_ns, shortest_s = time.monotonic_ns(), self._shortest_s()
+        soon_ns = now_ns + int(shortest_s * 0.5e9)  # one look at all costs less than many
         for key, watched in self._watched.items():
-            yield from self._poll(key, watched, now_ns)
+            if watched.due_ns <= soon_ns:
+                yield from self._poll(key, watched, now_ns, shortest_s)
 
-    def _poll(self, key: int, watched: _Watched, now_ns: int) -> Iterator[Told]:
+    def _poll(self, key: int, watched: _Watched, now_ns: int, shortest_s: float) -> Iterator[Told]:
         if watched.stack_polls:
             yield from self._lines(key, watched, now_ns)
+        inside = watched.reader.inside()
         late = {
             beat.instance: beat
-            for beat in watched.reader.inside()
+            for beat in inside
             if self._is_late(beat, watched, now_ns - beat.since_ns)
         }
         for instance in [each for each in watched.stuck if each not in late]:
@@ -161,6 +185,15 @@ class Watchman:
         if watched.age_s is not None and not watched.stack_polls:
             watched.age_s = None
             yield ProcessInspected(key)
+        watched.due_ns = self._due_ns(watched, inside, now_ns, shortest_s)
+
+    def _due_ns(self, watched: _Watched, inside: list[Beat], now_ns: int, shortest_s: float) -> int:
+        """Return when something may be late that is not now, but not before the next poll."""
+        if watched.stuck or watched.stack_polls or watched.age_s is not None:
+            return now_ns + _POLL_NS
+        moments = [beat.since_ns + int(self._deadline_s(beat.instance) * 1e9) for beat in inside]
+        due_ns = min([*moments, now_ns + int(shortest_s * 1e9)])
+        return max(due_ns + 1, now_ns + _POLL_NS)
 
     def _is_late(self, beat: Beat, watched: _Watched, age_ns: int) -> bool:
         """Whether to tell of it: what was told is late until it is over."""

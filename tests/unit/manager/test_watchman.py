@@ -13,7 +13,7 @@ import pytest
 
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
 from rtkit.manager.holding.beats import Beats
-from rtkit.manager.processes.watchman import Watchman, beats_path, stack_path
+from rtkit.manager.processes.watchman import POLL_S, Watchman, beats_path, stack_path
 
 KEY = 7
 
@@ -31,7 +31,10 @@ class Watched:
         self.does_answer = True
         self._stack = open(stack_path(pattern, os.getpid()), "a")  # noqa: SIM115
         self.stack = Path(self._stack.name)
-        self.watchman = Watchman(pattern, lambda _instance: self.deadline_s, self._dump)
+        self.shortest_s = 0.0
+        self.watchman = Watchman(
+            pattern, lambda _instance: self.deadline_s, lambda: self.shortest_s, self._dump
+        )
         self.watchman.watch(KEY, os.getpid())
 
     def _dump(self, _key: int) -> None:
@@ -43,7 +46,12 @@ class Watched:
         self._stack.close()
 
     def poll(self) -> list[object]:
+        time.sleep(max(0.0, self.wait_s))
         return list(self.watchman.poll())
+
+    @property
+    def wait_s(self) -> float:
+        return self.watchman.look_at - time.monotonic()
 
     def inspect(self, age_s: float) -> list[object]:
         return list(self.watchman.inspect(KEY, age_s))
@@ -150,3 +158,36 @@ def test_the_line_is_that_of_the_thread_that_is_stuck(watched):
     thread.join()
     assert f"({Path(__file__).name}:" in event.text
     assert event.text.endswith(" in run)")
+
+
+def test_what_rests_is_looked_at_when_something_could_be_late(watched):
+    watched.shortest_s = 100.0
+    watched.poll()
+    assert 90.0 < watched.wait_s <= 100.0
+    watched.watchman.hasten(KEY)
+    assert 0.0 < watched.wait_s <= POLL_S
+
+
+def test_what_runs_is_looked_at_when_it_would_be_late(watched):
+    watched.shortest_s = 1000.0
+    watched.deadline_s = 100.0
+    watched.slot.watch("A", "on_execute")
+    assert watched.poll() == []
+    assert 90.0 < watched.wait_s <= 100.0
+
+
+def test_what_is_stuck_is_looked_at_often(watched):
+    watched.shortest_s = 1000.0
+    watched.deadline_s = 0.0
+    watched.slot.watch("A", "on_execute")
+    for _ in range(3):
+        watched.poll()
+        assert watched.wait_s <= POLL_S
+
+
+def test_a_look_that_is_not_due_reads_nothing(watched):
+    watched.shortest_s = 1000.0
+    watched.poll()
+    watched.deadline_s = 0.0
+    watched.slot.watch("A", "on_execute")
+    assert list(watched.watchman.poll()) == []
