@@ -39,6 +39,8 @@ _log = logging.getLogger(__name__)
 TIDY_S = 1.0
 """How often it is seen to that what processes write past their logs stays short [s]."""
 
+_WAKES = 4096
+
 _LONG_S = 3600.0
 """The longest sleep; a selector takes no arbitrarily long one [s]."""
 
@@ -156,9 +158,11 @@ class Loop:
         return min(map(callback_deadline_s, creates), default=DEADLINE_S)
 
     def _drain(self) -> None:
-        os.read(self._wake_read, 4096)
-        for event in self._nursery.reap():
-            self._handle(event)
+        woken_by = os.read(self._wake_read, _WAKES)
+        # Where there were more, there was perhaps no room for the number of a signal.
+        if signal.SIGCHLD in woken_by or len(woken_by) == _WAKES:
+            for event in self._nursery.reap():
+                self._handle(event)
 
     def _take_inbox(self) -> None:
         while True:

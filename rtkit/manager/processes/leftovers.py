@@ -11,6 +11,10 @@ MARK = "RTKIT_SLAVE"
 """Environment variable by which what a slave starts is known, also in a session of its own."""
 
 
+_LOOKS = 2
+"""How often in succession nothing is to be left: a list of children may lack one now and then."""
+
+
 class _Process(NamedTuple):
     pid: int
     state: str
@@ -23,7 +27,9 @@ class _Process(NamedTuple):
         return self.state in "ZX"
 
 
-def end_sessions(leaders: Collection[int], *, is_heir: bool = True) -> None:
+def end_sessions(
+    leaders: Collection[int], *, is_heir: bool = True, is_ancestor: bool = False
+) -> None:
     """Kill what is left of slaves: their sessions, and orphans that bear their marks.
 
     One look through all processes serves any number of slaves. A slave may call it for itself,
@@ -32,13 +38,16 @@ def end_sessions(leaders: Collection[int], *, is_heir: bool = True) -> None:
     Args:
         leaders: The slaves, which have ended.
         is_heir: Their orphans have become children of this process; else they may be anywhere.
+        is_ancestor: All that they started descends from this process; to look there is enough.
     """
     own = os.getpid()
     killed = {own}
-    while True:
-        present = [process for process in _processes() if not process.is_over]
+    clean_looks = 0
+    while clean_looks < (_LOOKS if is_ancestor else 1):
+        processes = _descendants(own) if is_ancestor else _processes()
+        present = [process for process in processes if not process.is_over]
         # Who lives under the pid of one that has ended is a stranger, with a session of its own.
-        strangers = {process.pid for process in present} - {own}
+        strangers = {leader for leader in leaders if leader != own and _is_alive(leader)}
         ended = set(leaders) - strangers
         marks = {f"{MARK}={leader}".encode() for leader in ended}
         left = [
@@ -53,8 +62,7 @@ def end_sessions(leaders: Collection[int], *, is_heir: bool = True) -> None:
                 )
             )
         ]
-        if not left:
-            return
+        clean_looks = 0 if left else clean_looks + 1
         for pid in left:
             _kill(pid)
         killed.update(left)
@@ -64,9 +72,8 @@ def end_children() -> None:
     """Kill and reap every child of this process, and the orphans that become its children."""
     own = os.getpid()
     while True:
-        for process in _processes():
-            if process.parent == own and not process.is_over:
-                _kill(process.pid)
+        for pid in _children(own):
+            _kill(pid)
         try:
             os.waitid(os.P_ALL, 0, os.WEXITED)
         except ChildProcessError:
@@ -81,13 +88,15 @@ def reap_orphans(known: Container[int]) -> list[int]:
     """
     own, session = os.getpid(), os.getsid(0)
     reaped = []
-    for pid, _, parent, its_session in [each for each in _processes() if each.is_over]:
-        if parent == own and its_session != session and pid not in known:
-            try:
-                os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG)
-            except ChildProcessError:
-                continue
-            reaped.append(pid)
+    for pid in [each for each in _children(own) if each not in known]:
+        process = _process(pid)
+        if process is None or not process.is_over or process.session == session:
+            continue
+        try:
+            os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG)
+        except ChildProcessError:
+            continue
+        reaped.append(pid)
     return reaped
 
 
@@ -106,14 +115,45 @@ def _environment(pid: int) -> list[bytes]:
         return []
 
 
+def _is_alive(pid: int) -> bool:
+    process = _process(pid)
+    return process is not None and not process.is_over
+
+
 def _processes() -> Iterator[_Process]:
     for entry in os.listdir("/proc"):
-        if not entry.isdigit():
-            continue
-        try:
-            with open(f"/proc/{entry}/stat", "rb") as file:
-                text = file.read()
-        except (FileNotFoundError, ProcessLookupError):
-            continue
-        state, parent, _group, session = text.rpartition(b")")[2].split()[:4]
-        yield _Process(int(entry), state.decode(), int(parent), int(session))
+        process = _process(int(entry)) if entry.isdigit() else None
+        if process is not None:
+            yield process
+
+
+def _descendants(pid: int) -> Iterator[_Process]:
+    for child in _children(pid):
+        process = _process(child)
+        if process is not None:
+            yield process
+            yield from _descendants(child)
+
+
+def _children(pid: int) -> list[int]:
+    """Return the children of a process; while some of them end one may be missing."""
+    if not os.path.exists("/proc/thread-self/children"):  # not every kernel lists them
+        return [process.pid for process in _processes() if process.parent == pid]
+    children: list[int] = []
+    try:
+        for thread in os.listdir(f"/proc/{pid}/task"):
+            with open(f"/proc/{pid}/task/{thread}/children", "rb", buffering=0) as file:
+                children.extend(map(int, file.read().split()))
+    except (FileNotFoundError, ProcessLookupError):
+        pass
+    return children
+
+
+def _process(pid: int) -> _Process | None:
+    try:
+        with open(f"/proc/{pid}/stat", "rb", buffering=0) as file:
+            text = file.read()
+    except (FileNotFoundError, ProcessLookupError):
+        return None
+    state, parent, _group, session = text.rpartition(b")")[2].split()[:4]
+    return _Process(pid, state.decode(), int(parent), int(session))

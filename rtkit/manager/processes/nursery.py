@@ -60,6 +60,7 @@ class Nursery:
         self._adopted: set[int] = set()
         self._guests: set[int] = set()
         self._over: set[int] = set()
+        self._is_all_ours = True
         self._zygotes: set[int] = set()
         self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
@@ -192,7 +193,8 @@ class Nursery:
         """End what the slaves that ended lately have left behind."""
         if self._over:
             over, self._over, self.sweep_at = self._over, set(), None
-            end_sessions(over)
+            is_all_ours, self._is_all_ours = self._is_all_ours, True
+            end_sessions(over, is_ancestor=is_all_ours)
 
     def close(self) -> None:
         """End the zygotes, and whatever components started and left behind."""
@@ -241,7 +243,7 @@ class Nursery:
             return None
         fault.point("manager.heard_of_end")
         self._adopted.discard(key)
-        self._parents.pop(pid, None)
+        self._is_all_ours &= self._parents.pop(pid, None) is not None
         del self._pids[key]
         pidfd = self._pidfds.pop(key, None)
         if pidfd is not None:

@@ -1,0 +1,97 @@
+"""What is left of slaves is found where it can be: below this process, or anywhere."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from rtkit.manager.processes import leftovers
+from rtkit.manager.processes.leftovers import MARK, end_sessions, reap_orphans
+from rtkit.manager.processes.nursery import become_subreaper
+
+SLAVE = """
+import os, subprocess, sys
+kinds = {
+    "same": dict(),
+    "own": dict(start_new_session=True, env={**os.environ, "%s": str(os.getpid())}),
+}
+left = subprocess.Popen(["sh", "-c", "sleep 60 & echo $!; wait"], stdout=subprocess.PIPE, text=True,
+                        **kinds[sys.argv[1]])
+print(left.pid, left.stdout.readline().strip(), flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.fixture(autouse=True)
+def _heir() -> Iterator[None]:
+    become_subreaper()
+    yield
+    import ctypes
+
+    ctypes.CDLL(None).prctl(36, 0, 0, 0, 0)
+
+
+def slave(kind: str) -> tuple[int, list[int]]:
+    """Return the pid of a slave that has ended, and of the shell and its child that are left."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLAVE % MARK, kind],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    left = [int(word) for word in process.stdout.readline().split()]
+    process.communicate()
+    return process.pid, left
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] not in "ZX"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.parametrize("is_ancestor", [True, False])
+@pytest.mark.parametrize("has_lists", [True, False])
+def test_the_session_of_a_slave_is_ended(
+    is_ancestor: bool, has_lists: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not has_lists:
+        exists = os.path.exists
+        monkeypatch.setattr(
+            leftovers.os.path, "exists", lambda path: "children" not in path and exists(path)
+        )
+    pid, left = slave("same")
+    assert all(map(is_alive, left))
+    end_sessions({pid}, is_ancestor=is_ancestor)
+    for each in left:
+        os.waitid(os.P_PID, each, os.WEXITED)  # it has become our child, and ends
+    assert not any(map(is_alive, left))
+
+
+@pytest.mark.parametrize("is_ancestor", [True, False])
+def test_an_orphan_that_bears_the_mark_is_ended(is_ancestor: bool) -> None:
+    pid, (shell, sleep) = slave("own")
+    end_sessions({pid}, is_ancestor=is_ancestor)
+    os.waitid(os.P_PID, shell, os.WEXITED)
+    os.kill(sleep, signal.SIGKILL)  # of another session, and no orphan when it was looked for
+    os.waitid(os.P_PID, sleep, os.WEXITED)
+
+
+def test_orphans_are_reaped_but_for_those_that_somebody_waits_for() -> None:
+    _, left = slave("same")
+    for each in left:
+        os.kill(each, signal.SIGKILL)
+    started = subprocess.Popen(["true"])
+    for each in (*left, started.pid):
+        os.waitid(os.P_PID, each, os.WEXITED | os.WNOWAIT)
+    assert sorted(reap_orphans(())) == sorted(left)
+    assert started.wait() == 0
