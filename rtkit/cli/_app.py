@@ -238,7 +238,9 @@ def command(
         made: click.Command = make(pass_app(function))
         own = {text for each in made.params for text in each.opts}
         offered = common_options(is_local=is_local)
-        made.params += [each for each in offered if own.isdisjoint(each.opts)]
+        for option in offered:
+            option.opts = [each for each in option.opts if each not in own]
+        made.params += [option for option in offered if option.opts]
         for each in filter(_is_repeatable, made.params):
             each.help = f"{(each.help or '').removesuffix('.')}; repeatable."
         # The mark of text that is not to be filled, as a raw docstring has it.

@@ -95,8 +95,8 @@ def _get(name: str, values: Mapping[str, str], asked: Asked) -> None:
     if asked.is_json:
         print_json({"name": name, "value": values[name]})
         return
-    text = values[name]
-    _out.write([_out.printable(text) if _out.is_terminal() else text])
+    lines = values[name].split("\n")
+    _out.write(map(_out.printable, lines) if _out.is_terminal() else lines)
 
 
 def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") -> None:

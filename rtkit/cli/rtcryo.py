@@ -84,9 +84,3 @@ def _tell_gaps(app: App, snapshot: Snapshot) -> None:
             app.fail(f"not saved, zombie ({component.zombie}): {component.instance}")
         elif component.trouble:
             app.fail(f"saved as last reported ({component.trouble}): {component.instance}")
-
-
-for _option in main.command.params:
-    # In this command alone -v is the version of the system, as users of the old tool know it.
-    if _option.name == "verbose":
-        _option.opts = ["--verbose"]

@@ -364,3 +364,37 @@ def test_what_has_no_effect_is_told(shell: Any) -> None:
     assert shell.run(f"rtmgr -s timer.tick=0.7 {MANAGER}") == (0, "", told)
     assert known(shell, MANAGER)["properties"]["timer.tick"] == "0.7"
     assert known(shell, MANAGER)["properties"]["openrtm.name"] == "rtkit"
+
+
+# operations
+
+
+def test_operations_from_the_shell(manager: Any) -> None:
+    def ask(name: str) -> str:
+        return str(manager.ok(f"rtconf {MANAGER} get {name}")).rstrip("\n")
+
+    def do(name: str, argument: str) -> None:
+        manager.ok(f"rtconf {MANAGER} set {name} '{argument}'")
+
+    do("create_component", "ConsoleIn?instance_name=In0")
+    assert ask("get_components") == "In0"
+    assert ask("get_component_profiles").startswith("In0?type_name=ConsoleIn&")
+    assert "RTC:rtkit:example:ConsoleIn:Python:1.0" in ask("get_factory_profiles")
+    assert "RTC:rtkit:example:ConsoleOut:Python:1.0" in ask("get_loadable_modules")
+    do("load_module", "ConsoleOut.py?init=ConsoleOutInit")
+    assert ask("get_loaded_modules") == "ConsoleOut.py?init=ConsoleOutInit"
+    do("unload_module", "ConsoleOut.py")
+    assert ask("get_loaded_modules") == ""
+    assert "os.name: Linux" in ask("get_profile").splitlines()
+    do("set_configuration", "exec_cxt.periodic.rate: 5")
+    assert "exec_cxt.periodic.rate: 5" in ask("get_configuration").splitlines()
+    assert ask("is_master") == "YES"
+    do("add_master_manager", "localhost:2999")
+    assert ask("get_master_managers") == "localhost:2999"
+    do("remove_master_manager", "localhost:2999")
+    do("fork", "s1")
+    assert ask("get_slave_managers") == "s1"
+    do("delete_component", "In0")
+    assert ask("get_components") == ""
+    status, _, err = manager.run(f"rtconf {MANAGER} set get_service x")
+    assert (status, err) == (1, "rtconf: the manager has no service x\n")

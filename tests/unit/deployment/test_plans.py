@@ -110,6 +110,15 @@ def test_without_creation_components_must_be_there(make, world):
     ]
 
 
+def test_a_required_port_that_is_missing(make, world):
+    bring_up(make, world, make.pair())
+    ports = world.components["Sink0"].ports
+    world.update("Sink0", ports=tuple(port for port in ports if port.name != "in"))
+    system, live = make.live(make.pair(), world)
+    told = "Required port not found: in (on /localhost/Sink0.rtc)"
+    assert failures(creation_plan(system, live, may_create=False)) == [told]
+
+
 def test_what_nobody_can_make_is_missing(make, world):
     system, live = make.live(make.profile(make.component("Sink0")), world)
     assert failures(creation_plan(system, live)) == [
