@@ -55,6 +55,6 @@ _put_off_interrupts()
 
 def main() -> int:
     """Run ``rtkit VERB …``."""
-    from rtkit.cli._unified import run
+    from rtkit.cli._rtkit import run
 
     return run()

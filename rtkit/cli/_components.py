@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 
-from rtkit.cli._known import SEARCH_PATH
+from rtkit.cli.system.known_types import SEARCH_PATH
 from rtkit.errors import NotFound, RtkitError
 
 MODULE_PATH = "RTKIT_MODULE_PATH"

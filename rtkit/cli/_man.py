@@ -14,7 +14,7 @@ from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
 from rtkit.cli._group import Group
-from rtkit.cli._unified import SUMMARIES, WORDS
+from rtkit.cli._rtkit import SUMMARIES, WORDS
 
 _STATUSES = (
     ("0", "Success."),

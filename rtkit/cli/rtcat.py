@@ -27,7 +27,7 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
 
     A + marks what is there but not shown; -l and -ll unfold it.
     """
-    from rtkit.cli._describe import component_lines, port_lines
+    from rtkit.cli.cat.component import component_lines, port_lines
 
     if not paths:
         raise Malformed("Cannot cat a directory.")
@@ -76,8 +76,8 @@ def _node(listing: Listing, path: Path) -> Node:
 def _manager(
     app: App, snapshot: Snapshot, process: ProcessFacts | None
 ) -> tuple[list[str], dict[str, Any]]:
-    from rtkit.cli._describe_manager import manager_lines, manager_record
-    from rtkit.cli._offers import offers
+    from rtkit.cli.cat.manager import manager_lines, manager_record
+    from rtkit.cli.mgr.offers import offers
 
     found = offers(app.tree, snapshot)
     return manager_lines(snapshot, process, found), manager_record(snapshot, process, found)

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli import _out, _static, _system
+from rtkit.cli import _out, _static
 from rtkit.cli._app import App, check_at_most_one, command
-from rtkit.cli._document import read_document
+from rtkit.cli.system import shared
+from rtkit.cli.system.document import read_document
 from rtkit.errors import Refused, UsageProblem
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 
@@ -36,7 +37,7 @@ STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
     help="Ask nobody: compare with RTC profiles, as rtprofile check does.",
 )
 @_static.static_options
-@_system.system_options
+@shared.system_options
 def main(
     app: App,
     files: tuple[str, ...],
@@ -76,8 +77,8 @@ def main(
     from rtkit.deployment.live import Live
 
     document = read_document(app, files, strict=strict)
-    snapshot = _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(app, document, snapshot, mapped=mapped)
+    snapshot = shared.look(app, dry_run=dry_run)
+    system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     if dry_run:
         for line in check_lines(system, state):
             click.echo(line)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, check_at_most_one, command
-from rtkit.cli._composition import Change, Parts, parts_of
+from rtkit.cli._composites import Change, Parts, parts_of
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, from_kind
 from rtkit.rtc.names import COMPONENT_SUFFIX
 

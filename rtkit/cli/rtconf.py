@@ -11,7 +11,7 @@ from rtkit.cli._app import App, WrongArguments, command
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli._sets import Asked
+    from rtkit.cli.conf.asked import Asked
     from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.tree.view import Node
@@ -74,7 +74,7 @@ def main(
     type or constraint is refused. Of a manager, list, get and set mean its properties. A value
     that begins with a minus and is no number needs -- before the path.
     """
-    from rtkit.cli import _saved_sets, _sets
+    from rtkit.cli.conf import files, properties, sets
     from rtkit.tree.view import Kind
 
     typed, asked = _asked(words, has_hidden, is_long, set_id, is_json)
@@ -82,21 +82,21 @@ def main(
     node = _node(app.tree.listing(), path)
     snapshot = app.tree.part([node.instance])
     if node.kind is Kind.MANAGER:
-        _sets.of_manager(app, snapshot.properties, path, asked)
+        properties.of_manager(app, snapshot.properties, path, asked)
         return 0
     facts = snapshot.component(node.instance)
     if facts is None:
         raise NotFound(f"No such object: {path.typed}")
-    if asked.verb in _saved_sets.VERBS:
-        return _saved_sets.do(app, facts, asked)
-    _sets.of_component(app, facts, asked)
+    if asked.verb in files.VERBS:
+        return files.do(app, facts, asked)
+    sets.of_component(app, facts, asked)
     return 0
 
 
 def _asked(
     words: Sequence[str], has_hidden: bool, is_long: bool, set_id: str, is_json: bool
 ) -> tuple[str, Asked]:
-    from rtkit.cli._sets import Asked
+    from rtkit.cli.conf.asked import Asked
 
     if not words:
         raise WrongArguments("No component specified.")

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli import _system
 from rtkit.cli._app import App, command
 from rtkit.cli._atomic import STDOUT, write_output
+from rtkit.cli.system import shared
 from rtkit.errors import NotFound
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @click.option(
     "-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it (default -, stdout)."
 )
-@_system.form_options(
+@shared.form_options(
     "Write", "; without one of these, as the name of FILE ends, else XML", "json", "yaml", "xml"
 )
 @click.option("--all", "takes_all", is_flag=True, help="Also components without connections.")
@@ -56,8 +56,8 @@ def main(
     from rtkit.profile.write import write_profile
 
     for text in (abstract, name, system_version, vendor):
-        _system.check_text(text)
-    snapshot = _system.snapshot(app)
+        shared.check_text(text)
+    snapshot = shared.snapshot(app)
     date = datetime.now().replace(microsecond=0).isoformat()
     heading = Heading(date, name, system_version, vendor, abstract)
     hosts = [_host(server, snapshot) for server in servers]

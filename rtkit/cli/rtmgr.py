@@ -13,7 +13,7 @@ from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli._steps import Step
+    from rtkit.cli.mgr.steps import Step
     from rtkit.tree.view import Node
 
 WORDS = ("start", "stop", "restart", "status", "run")
@@ -108,7 +108,7 @@ def main(
     place of TYPE the file of an RTC profile makes a stand-in. Paths of modules that begin with
     ./ or ../ are meant from here, others are looked for by the manager.
     """
-    from rtkit.cli._steps import read_step
+    from rtkit.cli.mgr.steps import read_step
 
     asked = click.get_current_context().meta[_ORDER]
     overrides = (*given, *_door(port, no_door), *_faults(allow_faults))
@@ -139,7 +139,7 @@ def _check_no_word(typed: str) -> None:
 
 
 def _command(app: App, typed: str, steps: Sequence[Step], is_printing: bool, is_json: bool) -> None:
-    from rtkit.cli._steps import Runner
+    from rtkit.cli.mgr.steps import Runner
     from rtkit.tree.resolve import manager
     from rtkit.tree.view import build
 
@@ -195,6 +195,6 @@ def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> N
 def _word(
     app: App, words: Sequence[str], is_json: bool, wanted: tuple[str, tuple[str, ...], bool]
 ) -> int:
-    from rtkit.cli._daemon import run_word
+    from rtkit.cli.mgr.words import run_word
 
     return run_word(app, words[0], words[1] if len(words) > 1 else "", is_json, wanted)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.cli._state import state_command
+from rtkit.cli._transitions import state_command
 from rtkit.rtc.enums import Transition
 
 main = state_command("rtreset", Transition.RESET, "Reset components: Error to Inactive.")

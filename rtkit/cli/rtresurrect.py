@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli import _system
 from rtkit.cli._app import App, command
-from rtkit.cli._document import read_document
+from rtkit.cli.system import shared
+from rtkit.cli.system.document import read_document
 from rtkit.errors import UsageProblem
 
 
@@ -24,7 +24,7 @@ from rtkit.errors import UsageProblem
     is_flag=True,
     help="Ends of connectors must tell the path of their component, where they tell one.",
 )
-@_system.system_options
+@shared.system_options
 def main(
     app: App,
     files: tuple[str, ...],
@@ -43,7 +43,7 @@ def main(
     activated. What is there already is left as it is. If something required fails, what was made
     is removed again.
     """
-    from rtkit.cli._known import known_types
+    from rtkit.cli.system.known_types import known_types
     from rtkit.deployment.creation import creation_plan
     from rtkit.deployment.live import Live
     from rtkit.deployment.wiring import wiring_plan
@@ -57,8 +57,8 @@ def main(
 
         with document.naming():
             check_paths(document.profile)
-    before = _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(
+    before = shared.look(app, dry_run=dry_run)
+    system = shared.wanted_system(
         app,
         document,
         before,
@@ -69,9 +69,9 @@ def main(
     )
     with document.naming():
         if not dry_run:
-            resurrect(app.tree, system, before, _system.runner(app), may_create=not no_create)
+            resurrect(app.tree, system, before, shared.runner(app), may_create=not no_create)
             return
         live = Live(before, system)
         creation = creation_plan(system, live, may_create=not no_create)
-    _system.show(creation)
-    _system.show(wiring_plan(system, live, creation.made))
+    shared.show(creation)
+    shared.show(wiring_plan(system, live, creation.made))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from rtkit.cli import _starting, _system
 from rtkit.cli._app import App, command
-from rtkit.cli._document import read_document
+from rtkit.cli.system import shared, starting
+from rtkit.cli.system.document import read_document
 
 
 @command("rtstart")
-@_starting.plan_options("active")
-@_system.system_options
+@starting.plan_options("active")
+@shared.system_options
 def main(
     app: App,
     files: tuple[str, ...],
@@ -36,7 +36,7 @@ def main(
     with document.naming():
         orders = start_orders(document.profile)
         stop_orders(document.profile)  # what cannot be stopped as written is not started
-    _starting.run(
+    starting.run(
         app,
         document,
         lambda system, live: start_plan(system, live, orders, wait=not no_wait),

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from rtkit.cli import _starting, _system
 from rtkit.cli._app import App, command
-from rtkit.cli._document import read_document
+from rtkit.cli.system import shared, starting
+from rtkit.cli.system.document import read_document
 from rtkit.errors import InvalidDocument
 
 
 @command("rtstop")
-@_starting.plan_options("inactive")
-@_system.system_options
+@starting.plan_options("inactive")
+@shared.system_options
 def main(
     app: App,
     files: tuple[str, ...],
@@ -42,7 +42,7 @@ def main(
                 started = start_orders(document.profile)
     except InvalidDocument as error:
         app.fail(f"{error}; stopped in reverse of the order of the components")
-    _starting.run(
+    starting.run(
         app,
         document,
         lambda system, live: stop_plan(system, live, orders, started=started, wait=not no_wait),

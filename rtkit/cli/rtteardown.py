@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli import _running, _system
 from rtkit.cli._app import App, command
-from rtkit.cli._document import read_document
+from rtkit.cli.system import progress, shared
+from rtkit.cli.system.document import read_document
 
 
 @command("rtteardown")
 @click.option("--exit", "ends", is_flag=True, help="Also end the components, in reverse order.")
-@_system.system_options
+@shared.system_options
 def main(
     app: App,
     files: tuple[str, ...],
@@ -28,11 +28,11 @@ def main(
     from rtkit.deployment.running import left_now, teardown_plan
 
     document = read_document(app, files, strict=strict)
-    snapshot = _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(app, document, snapshot, mapped=mapped)
+    snapshot = shared.look(app, dry_run=dry_run)
+    system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     plan = teardown_plan(system, Live(snapshot, system), ends_components=ends)
     if dry_run:
-        _system.show(plan)
+        shared.show(plan)
         return
-    with _running.telling(app, system, left_now):
-        _system.runner(app).run(plan)
+    with progress.telling(app, system, left_now):
+        shared.runner(app).run(plan)

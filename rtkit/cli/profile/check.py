@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli import _static, _system
+from rtkit.cli import _static
 from rtkit.cli._app import App, command
+from rtkit.cli.system import shared
 
 TOOL = "rtprofile check"
 
@@ -14,7 +15,7 @@ TOOL = "rtprofile check"
 @_static.static_options
 @click.option("--strict", is_flag=True, help="Take warnings, and what needs repair, for errors.")
 @click.option("--json", "is_json", is_flag=True, help="The same as --format json.")
-@_system.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
+@shared.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
 @click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
 @click.argument("paths", nargs=-1, metavar="[SYSTEM|FOLDER|-]...")
 def main(

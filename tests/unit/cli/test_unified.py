@@ -10,8 +10,8 @@ import pytest
 
 from rtkit import __version__
 from rtkit.cli import COMMANDS
+from rtkit.cli._rtkit import SUMMARIES, WORDS, run
 from rtkit.cli._shell_init import SCRIPTS
-from rtkit.cli._unified import SUMMARIES, WORDS, run
 from rtkit.deployment.world import World
 from rtkit.tree.fake import fake_tree
 

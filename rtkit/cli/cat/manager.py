@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit.cli import _out
 
 if TYPE_CHECKING:
-    from rtkit.cli._offers import Offers
+    from rtkit.cli.mgr.offers import Offers
     from rtkit.deployment.facts import ProcessFacts, Snapshot
 
 _MODULES = (

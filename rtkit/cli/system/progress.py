@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from rtkit.cli import _system
 from rtkit.cli._app import App
+from rtkit.cli.system import shared
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
@@ -36,6 +36,6 @@ def _progress(app: App, system: System, tell: Callable[[System, Live], str]) -> 
     from rtkit.deployment.live import Live
 
     try:
-        return tell(system, Live(_system.snapshot(app), system))
+        return tell(system, Live(shared.snapshot(app), system))
     except (RtkitError, KeyboardInterrupt) as trouble:
         return f"how far it got is not known ({str(trouble) or 'interrupted again'})"

@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out
-from rtkit.cli._sets import tell_vain
+from rtkit.cli.conf.properties import tell_vain
 from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
 from rtkit.errors import RtkitError, UsageProblem, from_kind
 from rtkit.rtc.create import parse_create
@@ -83,7 +83,7 @@ def _create(typed: str) -> Create:
         identity, question, options = typed.partition("?")
         if not _is_profile(identity):
             return Create(str(parse_create(typed)))
-        from rtkit.cli._pattern import read_pattern
+        from rtkit.cli.mgr.stand_in import read_pattern
 
         pattern = read_pattern(identity)
         create = parse_create(f"stand-in{question}{options}")
@@ -182,7 +182,7 @@ class Runner:
 
     def _show_modules(self, snapshot: Snapshot) -> None:
         """List the types of modules that are loaded or could be; the rest with its reason."""
-        from rtkit.cli._offers import offers
+        from rtkit.cli.mgr.offers import offers
 
         files, problems = offers(self._app.tree, snapshot)
         if self._is_json:

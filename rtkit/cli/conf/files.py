@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out
 from rtkit.cli._app import App
-from rtkit.cli._sets import Asked, Sets, change, print_json, seen, to_json, visible
+from rtkit.cli.conf.asked import Asked, Sets
+from rtkit.cli.conf.sets import change, seen, visible
+from rtkit.cli.conf.shown import print_json, to_json
 from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from rtkit.cli import _running, _system
 from rtkit.cli._app import App
+from rtkit.cli.system import progress, shared
 
 if TYPE_CHECKING:
-    from rtkit.cli._document import Document
+    from rtkit.cli.system.document import Document
     from rtkit.deployment.live import Live
     from rtkit.deployment.system import System
     from rtkit.deployment.turns import StartPlan
@@ -48,8 +48,8 @@ def run(
     from rtkit.deployment.live import Live
     from rtkit.deployment.running import active_now
 
-    snapshot = _system.nothing() if draws else _system.look(app, dry_run=dry_run)
-    system = _system.wanted_system(app, document, snapshot, mapped=mapped)
+    snapshot = shared.nothing() if draws else shared.look(app, dry_run=dry_run)
+    system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     plan = plan_for(system, Live(snapshot, system))
     for text in plan.warnings():
         app.fail(f"warning: {text}")
@@ -59,10 +59,10 @@ def run(
         click.echo("\n".join(to_dot(plan)))
         return
     if dry_run:
-        _system.show(plan)
+        shared.show(plan)
         return
-    _system.runner(app).check(plan.checks)
-    with _running.telling(app, system, active_now):
+    shared.runner(app).check(plan.checks)
+    with progress.telling(app, system, active_now):
         _carry_out(app, plan)
 
 

@@ -11,7 +11,7 @@ from rtkit.cli._app import App
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli._document import Document
+    from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.plan import Plan
     from rtkit.deployment.system import KnownType, System

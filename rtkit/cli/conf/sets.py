@@ -1,34 +1,19 @@
-"""The words of ``rtconf``: what is done with the configuration sets of one component."""
+"""The configuration sets of one component: which are seen, and how they are changed."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
-from rtkit.cli import _out
-from rtkit.cli._app import App, WrongArguments
-from rtkit.errors import Malformed, NotFound, Partial, Refused, RtkitError
+from rtkit.cli._app import App
+from rtkit.cli.conf.asked import Asked, Sets, values_of
+from rtkit.cli.conf.shown import show_sets, show_value
+from rtkit.errors import Malformed, NotFound, Partial, RtkitError
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import ComponentFacts
-    from rtkit.rtc.names import Path
     from rtkit.statics.blueprint import ParameterType
-
-Sets = Mapping[str, Mapping[str, str]]
-DESCRIPTION = "description"
-"""The parameter of a set that tells what the set is for."""
-
-
-class Asked(NamedTuple):
-    """What to do with which set."""
-
-    verb: str
-    arguments: tuple[str, ...]
-    set_id: str
-    has_hidden: bool
-    is_long: bool
-    is_json: bool
 
 
 def of_component(app: App, facts: ComponentFacts, asked: Asked) -> None:
@@ -41,13 +26,13 @@ def of_component(app: App, facts: ComponentFacts, asked: Asked) -> None:
     sets, chosen = seen(facts, asked)
     set_id = asked.set_id or facts.active_set
     if asked.verb == "list":
-        _list(facts, chosen, asked)
+        show_sets(facts, chosen, asked)
     elif asked.verb == "get":
-        _get(asked.arguments[0], sets[set_id], asked)
+        show_value(asked.arguments[0], sets[set_id], asked)
     elif asked.verb == "act":
         _activate(app, facts.instance, set_id)
     else:
-        change(app, facts, {set_id: _values(asked.arguments)})
+        change(app, facts, {set_id: values_of(asked.arguments)})
 
 
 def seen(facts: ComponentFacts, asked: Asked) -> tuple[Sets, Sets]:
@@ -70,33 +55,6 @@ def visible(sets: Sets, asked: Asked) -> Sets:
 
 def _hidden(name: str) -> bool:
     return len(name) > 4 and name.startswith("__") and name.endswith("__")
-
-
-def _list(facts: ComponentFacts, sets: Sets, asked: Asked) -> None:
-    if asked.is_json:
-        print_json({"active": facts.active_set, "sets": {k: dict(v) for k, v in sets.items()}})
-        return
-    lines = []
-    for name in sorted(sets):
-        is_active = name == facts.active_set
-        style = _out.STYLES["active-set" if is_active else "name"]
-        line = ("-" if asked.is_long else "+") + _out.styled(name, style)
-        line += "*" if is_active else "" if asked.is_long else " "
-        told = sets[name].get(DESCRIPTION, "")
-        lines.append(f"{line} ({_out.printable(told)})" if told else line)
-        if asked.is_long:
-            lines += _out.pairs(sorted(sets[name].items()))
-    _out.write(lines)
-
-
-def _get(name: str, values: Mapping[str, str], asked: Asked) -> None:
-    if name not in values:
-        raise NotFound(f"No such configuration parameter: {name}")
-    if asked.is_json:
-        print_json({"name": name, "value": values[name]})
-        return
-    lines = values[name].split("\n")
-    _out.write(map(_out.printable, lines) if _out.is_terminal() else lines)
 
 
 def change(app: App, facts: ComponentFacts, wanted: Sets, active_set: str = "") -> None:
@@ -174,73 +132,7 @@ def _declared(
     return match.blueprint.parameters if match is not None else {}
 
 
-def _values(arguments: Sequence[str]) -> dict[str, str]:
-    if len(arguments) == 2 and "=" not in arguments[0]:
-        return {arguments[0]: arguments[1]}
-    values = {}
-    for argument in arguments:
-        name, equals, value = argument.partition("=")
-        if not equals:
-            raise WrongArguments(f"not PARAM=VALUE: {argument}")
-        values[name] = value
-    return values
-
-
 def _activate(app: App, instance: str, set_id: str) -> None:
     from rtkit.deployment.actions import ActivateSet
 
     app.tree.perform(ActivateSet(instance, set_id))
-
-
-def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: Asked) -> None:
-    """Do what was asked with the properties of a manager.
-
-    Raises:
-        Refused: It has no sets.
-        NotFound: No such property.
-    """
-    if asked.verb not in ("list", "get", "set") or asked.set_id:
-        raise Refused(f"a manager has properties, but no configuration sets: {path.typed}")
-    if asked.verb == "get":
-        name = asked.arguments[0]
-        _get(name, properties if name in properties else {name: _asked_for(app, name)}, asked)
-    elif asked.verb == "set":
-        for key, value in _values(asked.arguments).items():
-            app.tree.set(key, value)
-            tell_vain(app, key, value)
-    elif asked.is_json:
-        print_json(dict(properties))
-    else:
-        _out.write(_out.pairs(sorted(properties.items()), ""))
-
-
-def _asked_for(app: App, name: str) -> str:
-    """Return what a manager tells besides its properties, as ``get_slave_managers``.
-
-    Raises:
-        NotFound: It has nothing of that name.
-    """
-    try:
-        return app.tree.get(name)
-    except NotFound as error:
-        raise NotFound(f"No such configuration parameter: {name}") from error
-
-
-def tell_vain(app: App, key: str, value: str) -> None:
-    """Say so if a property of a manager was set that has no effect."""
-    from rtkit.manager.settings.properties import vain
-
-    if why := vain(key, value):
-        app.fail(f"note: {why}")
-
-
-def print_json(*records: Mapping[str, object], indent: int | None = None) -> None:
-    """Print records as JSON, one a line unless they are indented."""
-    _out.write(to_json(records, indent))
-
-
-def to_json(records: Iterable[Mapping[str, object]], indent: int | None = None) -> list[str]:
-    """Return records as JSON."""
-    from json import dumps
-
-    return [dumps({"schema": "rtkit.conf/1", **record}, indent=indent) for record in records]

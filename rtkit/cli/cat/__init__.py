@@ -1,0 +1,1 @@
+"""What ``rtcat`` shows: components with their ports and connections, and managers."""

@@ -1,0 +1,58 @@
+"""The properties of a manager, which ``rtconf`` treats as if they were one configuration set."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rtkit.cli import _out
+from rtkit.cli._app import App
+from rtkit.cli.conf.asked import Asked, values_of
+from rtkit.cli.conf.shown import print_json, show_value
+from rtkit.errors import NotFound, Refused
+
+if TYPE_CHECKING:
+    from rtkit.rtc.names import Path
+
+
+def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: Asked) -> None:
+    """Do what was asked with the properties of a manager.
+
+    Raises:
+        Refused: It has no sets.
+        NotFound: No such property.
+    """
+    if asked.verb not in ("list", "get", "set") or asked.set_id:
+        raise Refused(f"a manager has properties, but no configuration sets: {path.typed}")
+    if asked.verb == "get":
+        name = asked.arguments[0]
+        known = properties if name in properties else {name: _asked_for(app, name)}
+        show_value(name, known, asked)
+    elif asked.verb == "set":
+        for key, value in values_of(asked.arguments).items():
+            app.tree.set(key, value)
+            tell_vain(app, key, value)
+    elif asked.is_json:
+        print_json(dict(properties))
+    else:
+        _out.write(_out.pairs(sorted(properties.items()), ""))
+
+
+def _asked_for(app: App, name: str) -> str:
+    """Return what a manager tells besides its properties, as ``get_slave_managers``.
+
+    Raises:
+        NotFound: It has nothing of that name.
+    """
+    try:
+        return app.tree.get(name)
+    except NotFound as error:
+        raise NotFound(f"No such configuration parameter: {name}") from error
+
+
+def tell_vain(app: App, key: str, value: str) -> None:
+    """Say so if a property of a manager was set that has no effect."""
+    from rtkit.manager.settings.properties import vain
+
+    if why := vain(key, value):
+        app.fail(f"note: {why}")

@@ -1,0 +1,61 @@
+"""Configuration sets and values as ``rtconf`` shows them: lines, or JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from rtkit.cli import _out
+from rtkit.cli.conf.asked import Asked, Sets
+from rtkit.errors import NotFound
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import ComponentFacts
+
+DESCRIPTION = "description"
+"""The parameter of a set that tells what the set is for."""
+
+
+def show_sets(facts: ComponentFacts, sets: Sets, asked: Asked) -> None:
+    """List sets of a component, with their parameters if that was asked for."""
+    if asked.is_json:
+        print_json({"active": facts.active_set, "sets": {k: dict(v) for k, v in sets.items()}})
+        return
+    lines = []
+    for name in sorted(sets):
+        is_active = name == facts.active_set
+        style = _out.STYLES["active-set" if is_active else "name"]
+        line = ("-" if asked.is_long else "+") + _out.styled(name, style)
+        line += "*" if is_active else "" if asked.is_long else " "
+        told = sets[name].get(DESCRIPTION, "")
+        lines.append(f"{line} ({_out.printable(told)})" if told else line)
+        if asked.is_long:
+            lines += _out.pairs(sorted(sets[name].items()))
+    _out.write(lines)
+
+
+def show_value(name: str, values: Mapping[str, str], asked: Asked) -> None:
+    """Print one value.
+
+    Raises:
+        NotFound: There is none of that name.
+    """
+    if name not in values:
+        raise NotFound(f"No such configuration parameter: {name}")
+    if asked.is_json:
+        print_json({"name": name, "value": values[name]})
+        return
+    lines = values[name].split("\n")
+    _out.write(map(_out.printable, lines) if _out.is_terminal() else lines)
+
+
+def print_json(*records: Mapping[str, object], indent: int | None = None) -> None:
+    """Print records as JSON, one a line unless they are indented."""
+    _out.write(to_json(records, indent))
+
+
+def to_json(records: Iterable[Mapping[str, object]], indent: int | None = None) -> list[str]:
+    """Return records as JSON."""
+    from json import dumps
+
+    return [dumps({"schema": "rtkit.conf/1", **record}, indent=indent) for record in records]

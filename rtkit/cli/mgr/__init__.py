@@ -1,0 +1,1 @@
+"""What ``rtmgr`` does: the lives of managers, and what is asked of one."""

@@ -1,0 +1,1 @@
+"""What the commands have in common that bring systems up from profiles, run and end them."""
