@@ -62,17 +62,25 @@ class Findings:
         self._said: set[str] = set()
         self._places = Places()
         self._far: dict[Any, int] = {}
-        self._has_more = False
         self._numbers: dict[Any, int] = {}
 
     def repaired(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record a deviation that was put right; call it before anything is moved."""
-        if len(self.repairs) < _MOST_REPAIRS:
+        if self._takes_more(self.line(element)):
             self.repairs.append(self._note(element, rule, text, **details))
-        elif not self._has_more:
-            self._has_more = True
+
+    def repaired_at(self, line: int, rule: str, text: str) -> None:
+        """Record a deviation for which there is no element, only a line."""
+        if self._takes_more(line):
+            self.repairs.append(Note(line, text, rule=rule))
+
+    def _takes_more(self, line: int) -> bool:
+        """Whether there is room for one more repair; if not, say it once."""
+        count = len(self.repairs)
+        if count == _MOST_REPAIRS:
             more = f"and more repairs, after {_MOST_REPAIRS} that were told"
-            self.repairs.append(self._note(element, rule, more))
+            self.repairs.append(Note(line, more, rule="more"))
+        return count < _MOST_REPAIRS
 
     def remark(self, element: Any, rule: str, text: str, **details: str | None) -> None:
         """Record, once, something that is allowed but worth knowing."""

@@ -299,7 +299,9 @@ def _plain(root: Any, found: Findings, grammar: Grammar) -> Any:
     from rtkit.profile.strict import built
     from rtkit.profile.validate import violations
 
-    profile = None if found.errors else built(root, grammar.spec, found.scope)
+    profile = None
+    if not found.errors and not found.repairs:
+        profile = built(root, grammar.spec, found.scope)
     is_valid = profile is not None and not violations(root, grammar.schema)
     return profile if is_valid and grammar.is_plain(profile) else None
 

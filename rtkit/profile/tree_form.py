@@ -37,6 +37,9 @@ _CLOCK = 6
 _OWN_WORDS = {"occerrence": "occurrence"}
 """Names that the trees of the existing tools spell in another way than their XML."""
 
+OTHER_WORDS = {"occurrence": ("occerrence",)}
+"""Keys that are as good as the one that is written: the tools have both."""
+
 _DATE = re.compile(
     r"(\d{4})-(\d{2})-(\d{2})T(\d{2}):(\d{2}):(\d{2})(?:\.(\d{1,12}))?(?:(Z)|([+-])(\d{2}):(\d{2}))?",
     re.ASCII,

@@ -16,9 +16,11 @@ from rtkit.profile.tree_form import (
     FOREIGN_ATTRIBUTES,
     FOREIGN_ELEMENTS,
     FOREIGN_PARTS,
+    OTHER_WORDS,
     ROOTS,
     SCHEMA_KEY,
     date_text,
+    key_of,
     name_of,
 )
 from rtkit.profile.xmlnames import NAMESPACES, XSI_TYPE, clark, short
@@ -63,6 +65,7 @@ class _Filler:
 
     def __init__(self, found: Findings) -> None:
         self._found = found
+        self._usual: set[tuple[str, str, str]] = set()
 
     def fill(self, element: Any, body: Node, spec: Spec) -> None:
         if isinstance(body, Text) and body.is_null:
@@ -78,10 +81,12 @@ class _Filler:
             local = key.text.rpartition("::")[2]
             attribute = spec.known.get(spec.attribute_by_local.get(local, ""))
             if attribute is not None and isinstance(value, Text):
+                self._look_at(key, attribute.name, element.tag)
                 self._set(element, attribute, value)
                 continue
             ranked = _child_of(spec, local)
             if ranked is not None:
+                self._look_at(key, ranked[1].name, element.tag)
                 parts.append((*ranked, value))
             elif attribute is not None:
                 self._set(element, attribute, value)
@@ -95,6 +100,17 @@ class _Filler:
                 self._foreign(element, key, value)
             else:
                 self._keep(element, key, value)
+
+    def _look_at(self, key: Text, name: str, tag: str) -> None:
+        """Note a key that is not as it should be, for what it was taken as."""
+        if (key.text, name, tag) in self._usual:
+            return
+        usual = key_of(name, tag)
+        if key.text in (usual, *OTHER_WORDS.get(usual, ())):
+            self._usual.add((key.text, name, tag))
+        else:
+            said = f"key {key.text!r} taken as {usual!r}"
+            self._found.repaired_at(key.line, "key-name", said)
 
     def _children(self, element: Any, part: Child, value: Node) -> None:
         is_unit = part.spec is not None and not part.spec.attributes and not part.spec.children

@@ -5,12 +5,14 @@ from __future__ import annotations
 import os.path
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from rtkit.profile import rts_spec
 from rtkit.profile.examine import examine, objections
 from rtkit.profile.read import explain_rtc, explain_rts, read_rts
+from rtkit.profile.write import write_profile
 
 CHECKOUT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", ".."))
 RTS = "http://www.openrtp.org/namespaces/rts"
@@ -101,6 +103,25 @@ def test_reading_never_imports_xmlschema() -> None:
     )
     assert "lxml.etree" in modules
     assert not {"xmlschema", "elementpath", "rtkit.profile.rtc_model"} & modules
+
+
+def test_a_form_costs_only_its_own_reader(tmp_path: Path) -> None:
+    (tmp_path / "x.xml").write_bytes(PLAIN)
+    for form, heavy in (("xml", {"yaml", "json"}), ("yaml", {"json"}), ("json", {"yaml"})):
+        file = tmp_path / f"x.{form}"
+        file.write_bytes(write_profile(read_rts(PLAIN).profile, form))
+        modules = imported_by(f"import rtkit.profile.read as r; r.read_file({str(file)!r})")
+        assert not heavy & modules, form
+
+
+def test_validating_what_is_valid_never_imports_xmlschema(tmp_path: Path) -> None:
+    file = tmp_path / "x.xml"
+    file.write_bytes(PLAIN)
+    modules = imported_by(
+        f"from rtkit.cli.rtprofile import main\nassert not main(['validate', {str(file)!r}])"
+    )
+    assert "lxml.etree" in modules
+    assert not {"xmlschema", "elementpath", "yaml"} & modules
 
 
 def test_reading_is_possible_from_any_folder(

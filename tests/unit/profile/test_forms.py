@@ -174,6 +174,11 @@ def without_zeros(value: Any) -> Any:
 def test_a_component_of_version_0_1() -> None:
     (file,) = corpus("yaml/*SampleYaml.yaml")
     reading = read_rtc(file.read_bytes(), file.name)
+    keys = {note.text for note in reading.notes if note.rule == "key-name"}
+    assert {
+        "key 'doc' taken as 'rtcDoc::doc'",
+        "key 'varname' taken as 'rtcExt::variableName'",
+    } < keys
     profile = reading.profile
     assert profile.version == "0.2"
     assert [port.position for port in profile.data_ports] == ["LEFT", "LEFT", "RIGHT", "RIGHT"]

@@ -204,6 +204,7 @@ def test_nothing_hostile_opens_anything_or_grows() -> None:
     assert max(int(str(answer["grown"])) for answer in answers) < MEGABYTES
 
 
+@pytest.mark.timeout(300)
 def test_nothing_takes_the_square_of_its_length() -> None:
     """The time limit of the tests tells."""
     answers = sealed(list(tedious()), "read")
@@ -212,6 +213,7 @@ def test_nothing_takes_the_square_of_its_length() -> None:
     assert max(int(str(answer["grown"])) for answer in answers) < 2 * MEGABYTES
 
 
+@pytest.mark.timeout(300)
 def test_examining_takes_no_square_either() -> None:
     answers = sealed(list(tedious()), "examine")
     assert {answer["is"] for answer in answers} == {"notes"}
