@@ -6,6 +6,7 @@ where they get it from.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -26,6 +27,7 @@ from rtkit.idl.model import (
 
 OWN = "§"
 _SPELT_OUT = 8
+_LONGEST = 64
 _ZEROS = {
     "boolean": "False",
     "char": '"\\0"',
@@ -35,6 +37,7 @@ _ZEROS = {
     "wchar": '"\\0"',
     "wstring": '""',
 }
+_WORD = re.compile(r"\w+")
 _IMPORTED = ("Annotated", "Enum", "Final", "Int8", "Protocol", "TYPE_CHECKING", "dataclass")
 
 
@@ -113,9 +116,11 @@ class Annotations:
         for size in type.sizes:
             count *= size
         if count <= _SPELT_OUT:
+            spelt = item
             for size in reversed(type.sizes):
-                item = f"tuple[{', '.join([item] * size)}]"
-            return item
+                spelt = f"tuple[{', '.join([spelt] * size)}]"
+            if len(spelt) <= _LONGEST:
+                return spelt
         key = f"{item}{type.sizes}"
         if key not in self._arrays:
             self._arrays[key] = self._long_array(item, type.sizes)
@@ -123,8 +128,9 @@ class Annotations:
 
     def _long_array(self, item: str, sizes: tuple[int, ...]) -> str:
         """Give an array a name: to write all of its items would help nobody."""
-        last = item.removesuffix(", ...]").replace(OWN, "").rpartition("[")[2].rpartition(".")[2]
-        name = self.new_name(last[:1].upper() + last[1:] + "x".join(map(str, sizes)))
+        word = next(each for each in _WORD.findall(item) if each not in ("tuple", "rt", "images"))
+        stem = word[0].upper() + word[1:] + "Seq" * item.count("...")
+        name = self.new_name(stem + "x".join(map(str, sizes)))
         loose = exact = item.replace(OWN, "")
         for size in reversed(sizes):
             loose, exact = f"tuple[{loose}, ...]", f"tuple[({exact},) * {size}]"

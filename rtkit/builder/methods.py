@@ -36,7 +36,7 @@ class Method(NamedTuple):
 
 def methods_of(interface: Interface, types: Annotations) -> list[Method]:
     """Return the methods of an interface, without those of its bases."""
-    taken = Taken(dir(object))
+    taken = Taken([*dir(object), "idl", "images", "rt"])
     found: list[Method] = []
     for operation in interface.operations:
         name = taken.add(operation.name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping, Sequence
 
 from rtkit.builder.regions import FILE_STAMP
 from rtkit.builder.subject import Subject
@@ -13,6 +14,11 @@ ENTRY_POINTS = "rtkit.components"
 
 _VERSION = re.compile(r"v?(\d{1,9}(?:\.\d{1,9}){0,5})(?:[-_.]?(?:(a|b|rc)|alpha|beta)(\d{0,9}))?")
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9][\w.-]*", re.ASCII)
+OWN_RULES = ("N802", "N999")
+FOREIGN_RULES = ("E741", "E743", "N802", "N803", "N999")
+TYPE_RULES = ("E741", "E742", "E743", "N801", "N802", "N803", "N815", "N816", "N999")
+"""Rules about names that do not hold in a file: our own, with names of IDL files, of types."""
+
 _SELECT = ("E", "F", "W", "I", "UP", "B", "C4", "D", "N", "SLF", "RUF", "PT", "SIM", "TID")
 
 
@@ -37,12 +43,12 @@ def toml(text: str) -> str:
 def pyproject(subject: Subject) -> str:
     """Return ``pyproject.toml``, not yet stamped."""
     module = subject.module
-    files = [f"{module}.py"] + ([f"{subject.types_module}.py"] if subject.has_types else [])
+    rules: dict[str, Sequence[str]] = {}
+    rules[f"{module}.py"] = FOREIGN_RULES if _has_foreign_names(subject) else OWN_RULES
+    if subject.has_types:
+        rules[f"{subject.types_module}.py"] = TYPE_RULES
     entry = subject.type_name if _PLAIN_NAME.fullmatch(subject.type_name) else module
     description = subject.description or f"Component {subject.type_name}"
-    names = ["N802", "N999"]
-    if _has_foreign_names(subject):
-        names = ["E741", "N802", "N803", "N999"]
     lines = [
         FILE_STAMP,
         "",
@@ -66,18 +72,28 @@ def pyproject(subject: Subject) -> str:
         f"{toml(entry)} = {toml(f'{module}:{subject.init}')}",
         "",
         "[tool.hatch.build.targets.wheel]",
-        f"only-include = [{', '.join(map(toml, files))}]",
+        f"only-include = [{_listed(rules)}]",
         "",
         "[tool.pytest.ini_options]",
         'pythonpath = ["."]',
         'testpaths = ["tests"]',
         "",
+        *linter(rules),
+        '"tests/**" = ["D", "N999", "SLF"]',
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def linter(rules: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the settings of ruff; `rules` are those that do not hold, by file."""
+    return [
         "[tool.ruff]",
         "line-length = 100",
         'target-version = "py311"',
         "",
         "[tool.ruff.lint]",
-        f"select = [{', '.join(map(toml, _SELECT))}]",
+        f"select = [{_listed(_SELECT)}]",
         "# Texts of the profile may be of any language.",
         'ignore = ["D105", "D107", "N818", "RUF001", "RUF002", "RUF003"]',
         "",
@@ -86,12 +102,12 @@ def pyproject(subject: Subject) -> str:
         "",
         "[tool.ruff.lint.per-file-ignores]",
         "# Names that loaders look for, and those of interface definitions.",
-        f"{toml(f'{module}.py')} = [{', '.join(map(toml, names))}]",
+        *(f"{toml(file)} = [{_listed(codes)}]" for file, codes in rules.items()),
     ]
-    if subject.has_types:
-        kinds = ("E741", "N801", "N802", "N803", "N815", "N999")
-        lines.append(f"{toml(files[1])} = [{', '.join(map(toml, kinds))}]")
-    return "\n".join([*lines, '"tests/**" = ["D", "N999", "SLF"]', ""])
+
+
+def _listed(texts: Iterable[str]) -> str:
+    return ", ".join(map(toml, texts))
 
 
 def _has_foreign_names(subject: Subject) -> bool:

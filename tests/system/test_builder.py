@@ -21,6 +21,8 @@ SPREAD = {
     "Crawl_Gait_Controller": "Nobu19800__Crawl_Gait_Controller__RTC.xml",
     "XXX": "OpenRTM__OpenRTP-aist__jp.go.aist.rtm.rtcbuilder__resource__100__TestComp__XXX__"
     "RTC.xml",
+    "ProcessingExample": "OpenRTM__OpenRTP-aist__jp.go.aist.rtm.rtcbuilder.processing__resource__"
+    "ProcessingExample2.xml",
     "ModuleName": "OpenRTM__OpenRTP-aist__jp.go.aist.rtm.rtcbuilder.python__resource__FSM__"
     "eventType__RTC.xml",
     "ActArray": "OpenRTM__OpenRTM-aist__examples__Templates__ActArray.xml",
@@ -60,17 +62,8 @@ def test_it_passes_its_own_test(shell: Any, name: str) -> None:
 def test_three_of_them_work_together(manager: Any) -> None:
     """As a new user: build, fill in, load, create, connect, activate, look."""
     provider = build(manager, "XXX") / "XXX.py"
+    fill(provider, {"get_value": "return 2.5", "set_value": "pass", "echo": "return msg"})
     code = provider.read_text()
-    for name, line in (
-        ("get_value", "return 2.5"),
-        ("set_value", "pass"),
-        ("echo", "return msg"),
-        ("on_execute", ""),
-    ):
-        empty = f".{name}>\n        raise NotImplementedError"
-        assert (empty in code) == bool(line), name
-        code = code.replace(empty, f".{name}>\n        {line}")
-    provider.write_text(code)
     assert build(manager, "XXX") == provider.parent
     assert provider.read_text() == code
     for name in ("ConsoleSeqIn", "ModuleName", "XXX"):
@@ -86,6 +79,38 @@ def test_three_of_them_work_together(manager: Any) -> None:
     manager.ok("rtcon /localhost/ConsoleIn0.rtc:out /localhost/XXX0.rtc:in")
     manager.ok("rtact /localhost/ConsoleIn0.rtc")
     assert "Connected to" in manager.ok("rtcat -l /localhost/XXX0.rtc:in")
+
+
+def test_services_of_generated_components_are_called_across_processes(manager: Any) -> None:
+    provider = build(manager, "XXX") / "XXX.py"
+    consumer = build(manager, "ProcessingExample") / "ProcessingExample.py"
+    fill(provider, {"echo": "return msg.upper()", "set_value": "self.value = value"})
+    fill(provider, {"get_value": "return 2 * self.value"})
+    text = consumer.read_text()
+    mark = "# <user code on_activated>\n"
+    body = (
+        "        service = self.my_service.client\n"
+        "        service.set_value(2.5)\n"
+        "        self.logger.info('%s %s', service.echo('abc'), service.get_value())\n"
+    )
+    assert mark in text
+    consumer.write_text(text.replace(mark, mark + body))
+    for file in (provider, consumer):
+        name = file.stem
+        manager.ok(f"rtmgr -l {file}:{name}Init -c '{name}?manager_name=s{name}' {MANAGER}")
+    manager.ok("rtcon /localhost/ProcessingExample0.rtc:MyService /localhost/XXX0.rtc:MyServide")
+    manager.ok("rtact /localhost/XXX0.rtc /localhost/ProcessingExample0.rtc")
+    assert '"message": "ABC 5.0"' in manager.log()
+
+
+def fill(file: Path, bodies: dict[str, str]) -> None:
+    """Write users' code where the generator left room for it."""
+    text = file.read_text()
+    for name, body in bodies.items():
+        empty = f".{name}>\n        raise NotImplementedError"
+        assert empty in text, name
+        text = text.replace(empty, f".{name}>\n        {body}")
+    file.write_text(text)
 
 
 def test_the_sample_system_can_be_brought_up(manager: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tomllib
@@ -73,3 +74,19 @@ def test_its_rules_are_those_of_rtkit(folder: Path) -> None:
         return found
 
     assert rules(folder / "0" / "pyproject.toml") == rules(ROOT / "pyproject.toml")
+
+
+def test_types_are_right(folder: Path, tmp_path: Path) -> None:
+    """Strictly typed users can use what is generated: a state machine, many ports, bytes."""
+    wanted = ("eventType", "ActArray", "PointCloudViewer", "testConfiguration")
+    for number in (n for n, file in enumerate(FILES) if any(w in file.name for w in wanted)):
+        place = folder / str(number)
+        command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--cache-dir"]
+        done = subprocess.run(
+            [*command, str(tmp_path / "cache"), *map(str, place.rglob("*.py"))],
+            capture_output=True,
+            text=True,
+            check=False,
+            env={**os.environ, "MYPYPATH": f"{ROOT}{os.pathsep}{place}"},
+        )
+        assert done.returncode == 0, done.stdout
