@@ -20,7 +20,7 @@ _STATUSES = (
     ("0", "Success."),
     ("1", "It could not be done, or something else was found than was to be."),
     ("2", "The command line cannot be read."),
-    ("130", "Interrupted."),
+    ("130", "Interrupted, as a shell shows it: the command ends by the signal."),
 )
 _DETAILS = (
     "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart: 1 refused, 2 malformed,"
