@@ -14,6 +14,15 @@ ENTRY_POINTS = "rtkit.components"
 
 _VERSION = re.compile(r"v?(\d{1,9}(?:\.\d{1,9}){0,5})(?:[-_.]?(?:(a|b|rc)|alpha|beta)(\d{0,9}))?")
 _PLAIN_NAME = re.compile(r"[A-Za-z0-9][\w.-]*", re.ASCII)
+_DEVELOPMENT = (
+    "[project.optional-dependencies]",
+    'dev = ["pytest>=8", "ruff>=0.9"]',
+    "",
+    "[tool.pytest.ini_options]",
+    'pythonpath = ["."]',
+    'testpaths = ["tests"]',
+    "",
+)
 OWN_RULES = ("N802", "N999")
 FOREIGN_RULES = ("E741", "E743", "N802", "N803", "N999")
 TYPE_RULES = ("E741", "E742", "E743", "N801", "N802", "N803", "N815", "N816", "N999")
@@ -64,19 +73,13 @@ def pyproject(subject: Subject) -> str:
         'requires-python = ">=3.11"',
         'dependencies = ["rtkit"]',
         "",
-        "[project.optional-dependencies]",
-        'dev = ["pytest>=8", "ruff>=0.9"]',
-        "",
+        *_DEVELOPMENT,
         "# By this rtmgr finds the component where the package is installed.",
         f'[project.entry-points."{ENTRY_POINTS}"]',
         f"{toml(entry)} = {toml(f'{module}:{subject.init}')}",
         "",
         "[tool.hatch.build.targets.wheel]",
         f"only-include = [{_listed(rules)}]",
-        "",
-        "[tool.pytest.ini_options]",
-        'pythonpath = ["."]',
-        'testpaths = ["tests"]',
         "",
         *linter(rules),
         '"tests/**" = ["D", "N999", "SLF"]',

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rtkit.idl.model import Definitions
     from rtkit.profile.rtc_model import RtcProfile
 
-STDIN = "-"
+STDIN, STDIN_NAME = "-", "<stdin>"
 _ROOT = "RTM_ROOT"
 
 
@@ -109,7 +109,7 @@ def read(typed: str, output: str | None, folders: Sequence[str]) -> Project:
     if typed.lower().endswith(".idl"):
         return _types_alone(typed, folder, idl)
     data = sys.stdin.buffer.read() if typed == STDIN else read_bytes(typed)
-    reading = read_rtc(data, typed)
+    reading = read_rtc(data, typed if typed != STDIN else STDIN_NAME)
     definitions, sources = _definitions(reading.profile, idl)
     stem = os.path.basename(typed).partition(".")[0] if typed != STDIN else "Component"
     drawn = _drawn(reading.profile, beside)

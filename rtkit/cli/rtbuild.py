@@ -10,7 +10,7 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
-from rtkit.errors import Malformed, Partial, Refused, RtkitError
+from rtkit.errors import Malformed, Refused
 
 if TYPE_CHECKING:
     from rtkit.cli._project import Change
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _SHOWN = ("written", "kept")
 
 
-@command("rtbuild")
+@command("rtbuild", is_local=True)
 @click.option(
     "-o", "--output", metavar="DIR", help="Where to write (default: the folder of the file)."
 )
@@ -28,7 +28,7 @@ _SHOWN = ("written", "kept")
     "folders",
     multiple=True,
     metavar="DIR",
-    help="Look for IDL files there too; may be given several times.",
+    help="Look for IDL files there too.",
 )
 @click.option("-n", "--dry-run", is_flag=True, help="Tell what would be written, write nothing.")
 @click.option(
@@ -74,17 +74,12 @@ def main(
     changes = _project.compare(project)
     conflicts = [each for each in changes if each.is_conflict]
     if conflicts and not force:
-        raise _refused(conflicts)
+        for each in conflicts:
+            app.fail(f"{each.path}:{each.line}: {each.why}")
+        raise Refused("nothing was written; --force writes, and keeps these as NAME.bak")
     if not dry_run:
         _project.write(changes, is_forced=force)
     _tell(app, changes, is_json=is_json, is_forced=force)
-
-
-def _refused(conflicts: Sequence[Change]) -> Partial:
-    failures: list[tuple[str, RtkitError]] = [
-        (each.path, Refused(f"{each.path}:{each.line}: {each.why}")) for each in conflicts
-    ]
-    return Partial("nothing was written; --force writes, and keeps these as NAME.bak", failures)
 
 
 def _tell(app: App, changes: Sequence[Change], *, is_json: bool, is_forced: bool) -> None:
