@@ -15,7 +15,7 @@ from rtkit.builder.regions import CODE_STAMP, XML_STAMP
 from rtkit.builder.sample import sample_system
 from rtkit.builder.standard_types import KNOWN
 from rtkit.builder.subject import Subject
-from rtkit.builder.test_code import test_code
+from rtkit.builder.trial_code import trial_code
 from rtkit.builder.types_code import TypesCode
 from rtkit.idl.model import Definitions
 from rtkit.profile.rtc_model import RtcProfile
@@ -66,7 +66,7 @@ def build(profile: RtcProfile, sources: Sources, made_of: tuple[str, ...] = ()) 
     if subject.has_types:
         text = types.text(made_of, [CODE_STAMP, ""])
         files[f"{subject.types_module}.py"] = File(text, has_regions=True)
-    files[f"tests/test_{module}.py"] = File(test_code(subject), has_regions=True)
+    files[f"tests/test_{module}.py"] = File(trial_code(subject), has_regions=True)
     files["README.md"] = File(readme(subject))
     files["pyproject.toml"] = File(pyproject(subject))
     files["system.xml"] = File(sample_system(subject))

@@ -81,7 +81,7 @@ def test_a_manager_runs_it() -> None:
 """
 
 
-def test_code(subject: Subject) -> str:
+def trial_code(subject: Subject) -> str:
     """Return the source of the test, not yet stamped."""
     blocks = [_FIXTURE, _PARAMETERS if subject.settings else "", _LIFE_CYCLE]
     blocks.append(_VALUES if _in_ports(subject) else "")
