@@ -276,7 +276,7 @@ def test_a_manager_killed_while_a_plan_waits(manager: Any) -> None:
     end_process(pid)
     status, err = end(command)
     assert status == 1
-    assert err.startswith("rtstart: manager on ")
+    assert err.startswith("rtstart: manager ")
     assert "; not run: " in err
     assert "; how far it got is not known (" in err
     manager.ok("rtmgr start")
