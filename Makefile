@@ -1,10 +1,14 @@
 # Every target sets up what it needs in .venv. Another interpreter: make test PYTHON=python3.12
 PYTHON ?= python3
 PYTEST_ARGS ?=
+WORKERS ?= 2
+# Where to leave JUnit reports, if anywhere.
+REPORTS ?=
+report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test campaign lint bench man clean
+.PHONY: help venv demo test test-pure test-real campaign lint bench man clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
@@ -27,8 +31,15 @@ $(READY): pyproject.toml
 demo: $(READY)
 	@$(BIN)/python examples/demo.py
 
-test: lint
-	$(BIN)/python -m pytest --doctest-modules rtkit tests $(PYTEST_ARGS)
+test: test-pure test-real
+
+# What starts no process shares the processors; what measures live processes has them for itself.
+test-pure: lint
+	$(BIN)/python -m pytest -n $(WORKERS) --doctest-modules rtkit tests/unit tests/laws tests/house \
+		$(call report,pure) $(PYTEST_ARGS)
+
+test-real: lint
+	$(BIN)/python -m pytest tests/integration tests/system $(call report,real) $(PYTEST_ARGS)
 
 campaign: $(READY)
 	$(BIN)/python -m pytest -m campaign tests $(PYTEST_ARGS)

@@ -11,9 +11,10 @@ EXPECTED: tuple[str, ...] = ()
 
 
 def main() -> int:
-    """Read the report whose path is the first argument."""
+    """Read the reports whose paths are the arguments."""
     unexpected = 0
-    for case in ElementTree.parse(sys.argv[1]).iter("testcase"):
+    cases = (case for name in sys.argv[1:] for case in ElementTree.parse(name).iter("testcase"))
+    for case in cases:
         for skipped in case.iter("skipped"):
             reason = skipped.get("message", "")
             if not any(re.search(pattern, reason) for pattern in EXPECTED):
