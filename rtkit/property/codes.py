@@ -1,0 +1,75 @@
+"""Errors of the Property Service: the codes that travel, and what each of them means.
+
+Source: `property-service` reference, section 5. An error reply is ``code`` blank ``human text``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rtkit import errors
+
+
+class Code(NamedTuple):
+    """What a code means: its HTTP status, whether to try again helps, its exit detail."""
+
+    http: int
+    may_retry: bool
+    detail: int
+
+
+CODES: dict[str, Code] = {
+    "unknown": Code(404, False, 4),
+    "no-service": Code(502, True, 5),
+    "read-only": Code(405, False, 1),
+    "write-only": Code(405, False, 1),
+    "denied": Code(403, False, 1),
+    "syntax": Code(400, False, 2),
+    "bad-value": Code(400, False, 2),
+    "bad-parameter": Code(400, False, 2),
+    "conflict": Code(409, True, 1),
+    "busy": Code(409, True, 1),
+    "too-large": Code(413, False, 1),
+    "timeout": Code(504, True, 5),
+    "checksum": Code(0, True, 5),
+    "internal": Code(500, False, 1),
+}
+"""Every code there is; the text ``checksum`` never leaves a serial line, so it has no status."""
+
+_OF_KIND = {
+    "usage": "bad-parameter",
+    "malformed": "bad-value",
+    "invalid": "bad-value",
+    "not-found": "unknown",
+    "unreachable": "no-service",
+    "refused": "conflict",
+    "partial": "conflict",
+}
+
+
+class PropertyError(errors.RtkitError):
+    """A request that was answered with a code.
+
+    Attributes:
+        code: One of `CODES`.
+    """
+
+    def __init__(self, code: str, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+        self.kind = code
+        self.detail = CODES[code].detail if code in CODES else 1
+
+
+def code_of(error: BaseException) -> str:
+    """Return the code that stands for an error of whatever kind."""
+    if isinstance(error, PropertyError):
+        return error.code
+    if isinstance(error, errors.RtkitError):
+        return _OF_KIND.get(error.kind, "internal")
+    return "internal"
+
+
+def rebuilt(kind: str, text: str) -> errors.RtkitError:
+    """Return the error that travelled as a code, or as a kind of `rtkit.errors`, and its text."""
+    return PropertyError(kind, text) if kind in CODES else errors.from_kind(kind, text)

@@ -1,0 +1,249 @@
+"""What can be asked about a property: names below it, parameters, GUI, listeners, meta, history.
+
+Source: `property-service` reference, section 2.
+"""
+
+from __future__ import annotations
+
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING
+
+from rtkit.property import components
+from rtkit.property.codes import PropertyError
+from rtkit.property.listening import wish_of
+from rtkit.property.messages import Ask, Caller, Payload
+from rtkit.property.meta import meta, meta_field
+from rtkit.property.naming import canonical
+from rtkit.property.reading import read
+from rtkit.property.registry import Place, as_value
+from rtkit.property.spec import gui
+from rtkit.property.types import Content, check
+from rtkit.property.values import Element, Value, Word, is_number
+from rtkit.property.writing import write
+
+if TYPE_CHECKING:
+    from rtkit.property.node import Node
+    from rtkit.property.service import Service
+
+
+def get_extension(
+    service: Service, place: Place, parameters: dict[str, Value], caller: Caller
+) -> Payload:
+    """Answer a GET of an extension.
+
+    Raises:
+        PropertyError: ``bad-parameter``, ``unknown``, ``denied``.
+    """
+    parameters.pop("timeout", None)
+    if place.extension == "properties":
+        return _names(service, place, parameters)
+    if place.extension == "history":
+        return _history(place, parameters)
+    _nothing_else(parameters, place.extension)
+    if place.node is None:
+        raise PropertyError("unknown", f"no such property: {place.name}.{place.extension}")
+    if place.extension == "meta":
+        described = meta(service, place.node, place.path)
+        return meta_field(described, place) if place.field else write(described)
+    if place.extension == "parameters":
+        declared = place.node.function or place.node.spec
+        return write(tuple(each.described() for each in declared.parameters))
+    if place.extension == "gui":
+        return _gui(place.node, place.field)
+    if caller.identity != "owner" and not caller.may("SET", place.name):
+        raise PropertyError("denied", f"who listens to {place.name}")
+    return write(tuple(service.listeners.of(place.node)))
+
+
+def _gui(node: Node, kind: str) -> Payload:
+    if not kind:
+        return write(gui(node.spec))
+    if kind not in node.spec.gui:
+        raise PropertyError("unknown", f"no such property: {node.name}.gui.{kind}")
+    return node.spec.gui[kind]
+
+
+def _history(place: Place, parameters: dict[str, Value]) -> Payload:
+    node = place.node
+    if node is None or node.history is None:
+        raise PropertyError("unknown", f"no such property: {place.name}.history")
+    begin = _number(parameters, "from", float("-inf"))
+    end = _number(parameters, "to", float("inf"))
+    most = _number(parameters, "n", len(node.history))
+    _nothing_else(parameters, "history")
+    rows = [row for row in node.history if begin <= row[0] <= end]
+    kept = rows[max(0, len(rows) - int(most)) :]
+    return write(tuple((time, Word(quality), _item(payload)) for time, quality, payload in kept))
+
+
+def _item(payload: Payload) -> Value:
+    if isinstance(payload, bytes):
+        return Element("bytes", {"length": str(len(payload))})
+    try:
+        return read(payload)
+    except PropertyError:
+        return payload
+
+
+def _names(service: Service, place: Place, parameters: dict[str, Value]) -> Payload:
+    if not parameters:
+        if place.path or (place.node is not None and not service.registry.is_inner(place.name)):
+            return write(tuple(map(as_value, _parts(service, place))))
+        return service.registry.listed(place.name)
+    given = dict(parameters)
+    depth: int | None = int(_number(given, "depth", 1))
+    if given.pop("all", False) not in (False, 0):
+        depth = None
+    selected = given.pop("names", None)
+    pattern = given.pop("match", None)
+    has_values = given.pop("values", False) not in (False, 0)
+    _nothing_else(given, "properties")
+    prefix = f"{place.name}." if place.name else ""
+    if selected is not None:
+        known = service.registry.nodes
+        asked = [str(each) for each in _group(selected)]
+        names = [each if prefix + each in known else canonical(each) for each in asked]
+    else:
+        names = [each[len(prefix) :] for each in service.registry.below(place.name, depth)]
+    if pattern is not None:
+        names = [each for each in names if fnmatchcase(each, str(pattern))]
+    if not has_values:
+        for each in names if selected is not None else ():
+            service.registry.find(prefix + each)
+        return write(tuple(map(as_value, names)))
+    return _pairs(service, prefix, names, is_strict=selected is not None)
+
+
+def _parts(service: Service, place: Place) -> list[str]:
+    assert place.node is not None
+    if place.node.function is not None:
+        return ["state", "stop"] if not place.path else []
+    value = service.value_of(place.node)
+    if isinstance(value, bytes):
+        return []
+    part = components.get(value, place.path, place.node.spec.labels) if place.path else value
+    return components.names(part, () if place.path else place.node.spec.labels)
+
+
+def _pairs(service: Service, prefix: str, names: list[str], *, is_strict: bool) -> str:
+    """Return ``(name value)`` of each; names that were asked for must all have one."""
+    from rtkit.property.registry import as_item
+
+    texts: list[str] = []
+    nodes = service.registry.nodes
+    for name in names:
+        node = nodes.get(prefix + name)
+        if node is not None and node.reader is None and node.value is not None:
+            payload: Payload = node.payload
+            base = node.spec.type.base
+            text = (
+                payload if base != "text" and isinstance(payload, str) else write(_opaque(payload))
+            )
+        elif node is None and not is_strict:
+            continue
+        else:
+            try:
+                payload = service.get(prefix + name)
+                text = write(_item(payload)) if isinstance(payload, bytes) else payload
+            except PropertyError as error:
+                if is_strict:
+                    raise
+                if error.code == "write-only":
+                    continue
+                text = write(Element("error", {"code": error.code}, (), str(error)))
+        texts.append(f"({as_item(name)} {text})")
+    return f"({' '.join(texts)})"
+
+
+def _opaque(payload: Payload) -> Value:
+    return _item(payload) if isinstance(payload, bytes) else str(payload)
+
+
+def set_extension(service: Service, place: Place, parameters: dict[str, Value], ask: Ask) -> None:
+    """Carry out a SET of an extension.
+
+    Raises:
+        PropertyError: ``read-only``, ``bad-value``, ``denied`` …
+    """
+    payload = ask.payload if isinstance(ask.payload, str) else (ask.payload or b"").decode()
+    if place.extension == "listen":
+        _listen(service, place, payload, parameters, ask.caller)
+    elif place.extension == "properties":
+        parameters.pop("id", None)
+        _nothing_else(parameters, "properties")
+        _set_all(service, place, payload, ask.caller)
+    else:
+        raise PropertyError("read-only", f"cannot be set: {place.name}.{place.extension}")
+
+
+def _listen(
+    service: Service, place: Place, ref: str, parameters: dict[str, Value], caller: Caller
+) -> None:
+    if read(ref) != Word("self"):
+        raise PropertyError("denied", f"events go to self only, not to {ref[:80]}")
+    if parameters.pop("remove", False) not in (False, 0):
+        service.listeners.remove(place, caller)
+        return
+    service.listeners.register(place, wish_of(parameters), caller)
+
+
+def _set_all(service: Service, place: Place, payload: str, caller: Caller) -> None:
+    """Set several properties, all or none: each is checked before any is set."""
+    pairs = read(payload)
+    prefix = f"{place.name}." if place.name else ""
+    wanted: dict[str, tuple[Node, Content]] = {}
+    for pair in _group(pairs):
+        name, value = _pair(pair)
+        node = service.registry.find(prefix + name).node
+        if node is None or node.name != prefix + name:
+            raise PropertyError("unknown", f"no such property: {prefix + name}")
+        if node.name in wanted:
+            raise PropertyError("bad-value", f"given twice: {node.name}")
+        if node.function is not None:
+            raise PropertyError("bad-value", f"an action cannot be taken back: {node.name}")
+        if not caller.may("SET", node.name):
+            raise PropertyError("denied", f"SET by {caller.identity or 'nobody'}: {node.name}")
+        service.check_writable(node, node.name)
+        try:
+            wanted[node.name] = (node, node.spec.admit(check(node.spec.type, value)))
+        except PropertyError as error:
+            raise PropertyError(error.code, f"{node.name}: {error}") from None
+    _apply_all(service, wanted)
+
+
+def _apply_all(service: Service, wanted: dict[str, tuple[Node, Content]]) -> None:
+    before: list[tuple[Node, Content]] = []
+    for node, value in wanted.values():
+        old = service.value_of(node) if "r" in node.spec.access else None
+        try:
+            service.apply(node, value)
+        except PropertyError as error:
+            for earlier, known in reversed(before):
+                service.apply(earlier, known)
+            raise PropertyError(error.code, f"{node.name}: {error}") from error
+        if old is not None:
+            before.append((node, old))
+
+
+def _pair(pair: Value) -> tuple[str, Value]:
+    if isinstance(pair, tuple) and len(pair) == 2 and isinstance(pair[0], str):
+        return canonical(str(pair[0])), pair[1]
+    raise PropertyError("bad-value", "expected a list of (name value)")
+
+
+def _group(value: Value) -> tuple[Value, ...]:
+    if not isinstance(value, tuple):
+        raise PropertyError("bad-value", "expected a list")
+    return value
+
+
+def _number(given: dict[str, Value], key: str, default: float) -> float:
+    value = given.pop(key, default)
+    if not is_number(value) or value != value:
+        raise PropertyError("bad-parameter", f"{key} is a number")
+    return value  # type: ignore[return-value]
+
+
+def _nothing_else(parameters: dict[str, Value], what: str) -> None:
+    if parameters:
+        raise PropertyError("bad-parameter", f"{what} has no parameter {min(parameters)}")

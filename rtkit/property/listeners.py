@@ -1,0 +1,205 @@
+"""Who listens to a service: registers, tells changes, ends leases."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.property import components
+from rtkit.property.codes import PropertyError
+from rtkit.property.listening import Listener, Wish
+from rtkit.property.messages import Caller, Event
+from rtkit.property.node import Node
+from rtkit.property.registry import Place, as_value
+from rtkit.property.types import Content
+from rtkit.property.values import Value, Word
+from rtkit.property.writing import write
+
+if TYPE_CHECKING:
+    from rtkit.property.service import Service
+
+MOST_OF_CALLER = 1024
+
+
+class Listeners:
+    """All listeners of one service.
+
+    Attributes:
+        of_names: Those who listen to which names there are, by place.
+    """
+
+    def __init__(self, service: Service) -> None:
+        self._service = service
+        self._all: dict[tuple[Caller, str, tuple[str, ...]], Listener] = {}
+        self.of_names: dict[str, list[Listener]] = {}
+        self._revision_of_names = 1
+
+    def register(self, place: Place, wish: Wish, caller: Caller) -> Listener:
+        """Have a caller listen; who listens already gets the new wish and lease.
+
+        Raises:
+            PropertyError: ``denied``: it listens to too much, or cannot; as GET of the value.
+        """
+        is_names = place.field == "properties" or place.node is None
+        key = (caller, f"{place.name}?" if is_names else place.name, place.path)
+        known = self._all.get(key)
+        if known is not None and known.wish == wish:
+            known.renew(self._service.clock())
+            return known
+        if sum(1 for each in self._all if each[0] is caller) >= MOST_OF_CALLER:
+            raise PropertyError("denied", f"more than {MOST_OF_CALLER} listeners")
+        name = ".".join((place.name, *place.path))
+        listener = Listener(name, place.path, wish, caller)
+        listener.renew(self._service.clock())
+        first, value = self._first(place, listener, is_names)
+        if known is not None:
+            self.end(known)
+        caller.listen(listener)
+        self._all[key] = listener
+        if is_names:
+            listener.name = f"{place.name}.properties".lstrip(".")
+            self.of_names.setdefault(place.name, []).append(listener)
+        else:
+            assert place.node is not None
+            place.node.listeners = [*(place.node.listeners or ()), listener]
+        if listener.offer(first._replace(name=listener.name), value, is_first=True):
+            caller.wake()
+        return listener
+
+    def _first(self, place: Place, listener: Listener, is_names: bool) -> tuple[Event, object]:
+        if is_names:
+            return self._names_event(place.name), None
+        node = place.node
+        assert node is not None
+        if node.function is None:
+            self._service.value_of(node)
+        elif node.value is None:
+            node.put(node.function.describe(), self._service.wall())
+        made = _event(node, listener)
+        if made is None:
+            raise PropertyError("unknown", f"no such property: {listener.name}")
+        return made
+
+    def _names_event(self, name: str) -> Event:
+        text = self._service.registry.listed(name)
+        return Event("", text, self._service.wall(), self._revision_of_names)
+
+    def changed(self, node: Node, has_changed: bool) -> None:
+        """Tell those who listen to a property that it was set."""
+        for listener in node.listeners or ():
+            if not has_changed and not listener.wish.is_all:
+                continue
+            made = _event(node, listener)
+            if made is not None and listener.offer(*made):
+                listener.caller.wake()
+
+    def names_changed(self, added: str = "", removed: str = "") -> None:
+        """Tell those who listen to which names there are."""
+        self._revision_of_names += 1
+        name = added or removed
+        for place, listeners in self.of_names.items():
+            if place and not name.startswith(f"{place}."):
+                continue
+            event = self._names_event(place)
+            difference = (
+                (Word("added"), *([as_value(added)] if added else ())),
+                (Word("removed"), *([as_value(removed)] if removed else ())),
+            )
+            for listener in listeners:
+                payload = write(difference) if listener.wish.is_difference else event.payload
+                made = event._replace(name=listener.name, payload=payload)
+                if listener.offer(made, None):
+                    listener.caller.wake()
+
+    def end_all(self, node: Node) -> None:
+        """Tell those who listen to a property that it is gone, as the last event."""
+        for listener in node.listeners or ():
+            last = Event(
+                listener.name, "", self._service.wall(), node.revision, "bad", 0, "unknown"
+            )
+            listener.offer(last, None)
+            listener.has_ended = True
+            self._forget(listener)
+            listener.caller.wake()
+        node.listeners = None
+
+    def end(self, listener: Listener) -> None:
+        """Have a listener hear nothing any more."""
+        self._forget(listener)
+        listener.has_ended = True
+        node = self._service.registry.nodes.get(_property_of(listener))
+        if node is not None and node.listeners:
+            node.listeners = [each for each in node.listeners if each is not listener] or None
+        for place, listeners in list(self.of_names.items()):
+            listeners[:] = [each for each in listeners if each is not listener]
+            if not listeners:
+                del self.of_names[place]
+        listener.caller.unlisten(listener)
+
+    def _forget(self, listener: Listener) -> None:
+        for key in [key for key, each in self._all.items() if each is listener]:
+            del self._all[key]
+
+    def end_caller(self, caller: Caller) -> None:
+        """Forget whoever is gone."""
+        for listener in [each for key, each in self._all.items() if key[0] is caller]:
+            self.end(listener)
+
+    def remove(self, place: Place, caller: Caller) -> None:
+        """Take off a listener of a caller.
+
+        Raises:
+            PropertyError: ``unknown``: it does not listen to that.
+        """
+        is_names = place.field == "properties" or place.node is None
+        key = (caller, f"{place.name}?" if is_names else place.name, place.path)
+        if key not in self._all:
+            raise PropertyError("unknown", f"not listened to: {place.name}")
+        self.end(self._all[key])
+
+    def of(self, node: Node | None) -> list[Value]:
+        """Return who listens to a property."""
+        found = node.listeners if node is not None and node.listeners else ()
+        return [each.caller.identity or "nobody" for each in found]
+
+    def tick(self) -> float | None:
+        """End the leases that are over; return when the next one is, None if none will be."""
+        now = self._service.clock()
+        for listener in [each for each in self._all.values() if each.ends_at is not None]:
+            if listener.ends_at is not None and listener.ends_at <= now:
+                self.end(listener)
+        ends = [each.ends_at for each in self._all.values() if each.ends_at is not None]
+        return min(ends, default=None)
+
+    def computed(self) -> list[Node]:
+        """Return the properties that are listened to and change without our doing."""
+        nodes = self._service.registry.nodes
+        found = {_property_of(each): each for each in self._all.values()}
+        return [nodes[name] for name in found if name in nodes and nodes[name].reader is not None]
+
+    def poll(self) -> None:
+        """Read anew what is computed and listened to."""
+        for node in self.computed():
+            try:
+                self._service.value_of(node)
+            except PropertyError:
+                if node.quality != "bad" and node.value is not None:
+                    node.put(node.value, self._service.wall(), "bad")
+                    self.changed(node, True)
+
+
+def _property_of(listener: Listener) -> str:
+    if not listener.path:
+        return listener.name
+    return listener.name[: -len(".".join(listener.path)) - 1]
+
+
+def _event(node: Node, listener: Listener) -> tuple[Event, Content | None] | None:
+    """Return what a listener of a property, or of a part of it, is to hear."""
+    value, payload = node.value, node.payload
+    if listener.path:
+        whole = value if value is not None and not isinstance(value, bytes) else ""
+        part = components.get(whole, listener.path, node.spec.labels)
+        if part is None:
+            return None
+        value, payload = part, write(part)
+    return Event(listener.name, payload, node.time, node.revision, node.quality), value

@@ -1,0 +1,113 @@
+"""What passes between a door and a service: asks, answers, events; and who asks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.property.codes import code_of, rebuilt
+
+if TYPE_CHECKING:
+    from rtkit.property.listening import Listener
+
+Payload = str | bytes
+"""Characters end to end; bytes only of properties that are declared so."""
+
+
+class Answer(NamedTuple):
+    """What one request led to: the value, or the code and text of an error."""
+
+    payload: Payload
+    error: str = ""
+
+    def value(self) -> Payload:
+        """Return the value.
+
+        Raises:
+            RtkitError: The service answered with an error.
+        """
+        if self.error:
+            raise rebuilt(self.error, str(self.payload))
+        return self.payload
+
+
+DONE = Answer("")
+
+
+def failed(error: BaseException) -> Answer:
+    """Return the answer that stands for an error; no trace, no class of ours in it."""
+    code = code_of(error)
+    text = str(error)
+    if code == "internal":
+        text = f"{type(error).__name__}: {text}"
+    return Answer(" ".join(text.split()), code)
+
+
+class Caller:
+    """Who asks, through which door: what a service knows of the far side.
+
+    Attributes:
+        identity: A name that the door has made sure of; empty for anybody.
+    """
+
+    def __init__(self, identity: str = "") -> None:
+        self.identity = identity
+
+    def may(self, method: str, name: str) -> bool:
+        """Whether it may GET or SET a property; SET is for those who are known."""
+        return method == "GET" or bool(self.identity)
+
+    def listen(self, listener: Listener) -> None:
+        """Take on what is to be sent to this caller.
+
+        Raises:
+            PropertyError: ``denied``: the door cannot carry events, or it has enough listeners.
+        """
+        from rtkit.property.codes import PropertyError
+
+        raise PropertyError("denied", "no events on this connection")
+
+    def unlisten(self, listener: Listener) -> None:
+        """Forget a listener that has ended."""
+
+    def wake(self) -> None:
+        """Hear that a listener of it has something to send."""
+
+
+OWNER = Caller("owner")
+"""The process that owns the service."""
+
+
+class Ask(NamedTuple):
+    """A GET (no payload) or SET.
+
+    Attributes:
+        target: As it was asked for, service cut off.
+        answer: To be called exactly once.
+        id: By which a repetition of the same request of this caller is known.
+    """
+
+    target: str
+    payload: Payload | None
+    answer: Callable[[Answer], object]
+    caller: Caller = OWNER
+    id: str = ""
+
+
+class Event(NamedTuple):
+    """A change as a listener hears of it.
+
+    Attributes:
+        time: When the value came into force [s since 1970].
+        quality: ``good``, ``uncertain``, ``bad`` or ``stale``.
+        dropped: How many events before this one were not sent.
+        code: Why no further one will come; empty while it lives.
+    """
+
+    name: str
+    payload: Payload
+    time: float
+    revision: int
+    quality: str = "good"
+    dropped: int = 0
+    code: str = ""

@@ -1,0 +1,86 @@
+"""One property: what is declared of it, its value, who reads and writes it, who listens."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Payload
+from rtkit.property.spec import Reader, Spec, Writer
+from rtkit.property.types import Content, to_payload
+from rtkit.property.values import Value
+
+if TYPE_CHECKING:
+    from rtkit.property.functional import Function
+    from rtkit.property.listening import Listener
+
+
+class Node:
+    """A property; there may be very many, so it holds no more than it must.
+
+    Attributes:
+        revision: Grows with each change of the value.
+        time: When the value came into force [s since 1970].
+        reader: Computes the value; None where it is kept here.
+        history: The last values as (time, quality, payload), where that is switched on.
+    """
+
+    __slots__ = (
+        "_payload", "function", "history", "listeners", "name", "quality", "reader", "revision",
+        "spec", "time", "value", "writer",
+    )  # fmt: skip
+
+    def __init__(self, name: str, spec: Spec, value: Content | None, time: float) -> None:
+        self.name = name
+        self.spec = spec
+        self.value = value
+        self.time = time
+        self.quality = "good"
+        self.revision = 1
+        self.reader: Reader | None = None
+        self.writer: Writer | None = None
+        self.function: Function | None = None
+        self.listeners: list[Listener] | None = None
+        self.history: deque[tuple[float, str, Payload]] | None = None
+        self._payload: Payload | None = None
+
+    @property
+    def payload(self) -> Payload:
+        """The value as replies carry it, written once."""
+        payload = self._payload
+        if payload is None:
+            if self.value is None:
+                raise PropertyError("write-only", f"cannot be read: {self.name}")
+            payload = self._payload = to_payload(self.spec.type, self.value)
+        return payload
+
+    def put(self, value: Content, time: float, quality: str = "good") -> bool:
+        """Have a value in force; return whether it differs from the one before.
+
+        Raises:
+            PropertyError: ``bad-value``, ``too-large``: no text stands for it; nothing changed.
+        """
+        payload = to_payload(self.spec.type, value)
+        has_changed = self.value is None or payload != self.payload or quality != self.quality
+        self.value, self._payload, self.time, self.quality = value, payload, time, quality
+        if has_changed:
+            self.revision += 1
+        if self.history is not None:
+            self.history.append((time, quality, payload))
+        return has_changed
+
+    def compute(self, parameters: dict[str, Value]) -> Content:
+        """Return what the reader says.
+
+        Raises:
+            PropertyError: ``internal``, or what the reader raised of that kind.
+        """
+        assert self.reader is not None
+        try:
+            value = self.reader(parameters)
+        except PropertyError:
+            raise
+        except Exception as error:
+            raise PropertyError("internal", f"{type(error).__name__}: {error}") from error
+        return value  # type: ignore[return-value]

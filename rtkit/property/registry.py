@@ -1,0 +1,174 @@
+"""The names of a service: which there are, what lies below them, what a name stands for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.naming import EXTENSIONS, check_registrable
+from rtkit.property.node import Node
+from rtkit.property.values import Value, Word
+from rtkit.property.writing import write
+
+_WITH_FIELD = frozenset({"gui", "meta"})
+_ODD = frozenset({"nan", "inf", "true", "false"})
+
+
+class Place(NamedTuple):
+    """What a name stands for.
+
+    Attributes:
+        name: Of the property, or of the inner node, that the rest belongs to.
+        node: The property, None for an inner node.
+        path: Part of the value of the property.
+        extension: What is asked about it, empty for the value itself.
+        field: What stood behind the extension.
+    """
+
+    name: str
+    node: Node | None
+    path: tuple[str, ...] = ()
+    extension: str = ""
+    field: str = ""
+
+
+class Registry:
+    """All properties of one service."""
+
+    def __init__(self) -> None:
+        self.nodes: dict[str, Node] = {}
+        self._children: dict[str, dict[str, None]] = {"": {}}
+        self._listed: dict[str, str] = {}
+
+    def add(self, node: Node) -> None:
+        """Register a property under its name.
+
+        Raises:
+            PropertyError: ``conflict``: the name is taken or reserved; ``syntax``, ``too-large``.
+        """
+        name = node.name = check_registrable(node.name)
+        if name in self.nodes:
+            raise PropertyError("conflict", f"exists: {name}")
+        self.nodes[name] = node
+        self._listed.clear()
+        children = self._children
+        if "." not in name:
+            children[""][name] = None
+            return
+        while name:
+            parent, _, segment = name.rpartition(".")
+            siblings = children.setdefault(parent, {})
+            if segment in siblings:
+                return
+            siblings[segment] = None
+            name = parent
+
+    def remove(self, name: str) -> list[Node]:
+        """Take a name off with all below it; return the properties that are gone."""
+        gone = [self.nodes.pop(each) for each in [name, *self.below(name)] if each in self.nodes]
+        if not gone:
+            raise PropertyError("unknown", f"no such property: {name}")
+        for each in [name, *self._inner(name)]:
+            self._children.pop(each, None)
+        self._listed.clear()
+        while name:
+            parent, _, segment = name.rpartition(".")
+            self._children[parent].pop(segment, None)
+            if not parent or self._children[parent] or parent in self.nodes:
+                break
+            del self._children[parent]
+            name = parent
+        return gone
+
+    def _inner(self, name: str) -> list[str]:
+        return [each for each in self._children if each.startswith(f"{name}.")]
+
+    def children(self, name: str) -> list[str]:
+        """Return the names below a place, one level of them."""
+        return list(self._children.get(name, ()))
+
+    def below(self, name: str, depth: int | None = None) -> Iterator[str]:
+        """Yield the names below a place, parents first, as deep as is told; without recursion."""
+        prefix = f"{name}." if name else ""
+        stack = [(prefix + each, 1) for each in reversed(self.children(name))]
+        while stack:
+            full, level = stack.pop()
+            yield full
+            if depth is None or level < depth:
+                below = self._children.get(full)
+                if below:
+                    stack.extend((f"{full}.{each}", level + 1) for each in reversed(below))
+
+    def listed(self, name: str) -> str:
+        """Return the list of the names below a place as text, written once."""
+        text = self._listed.get(name)
+        if text is None:
+            text = f"({' '.join([as_item(each) for each in self._children.get(name, ())])})"
+            self._listed[name] = text
+        return text
+
+    def is_inner(self, name: str) -> bool:
+        """Whether there are names below."""
+        return bool(self._children.get(name)) or not name
+
+    def find(self, name: str) -> Place:
+        """Return what a name stands for.
+
+        The first that fits of: a property, an inner node, an extension of what is one of these,
+        a part of the value of a property.
+
+        Raises:
+            PropertyError: ``unknown``.
+        """
+        node = self.nodes.get(name)
+        if node is not None:
+            return Place(name, node)
+        if name and self.is_inner(name):
+            return Place(name, None)
+        segments = name.split(".")
+        if segments[-2:] == ["properties", "listen"]:
+            whose = self._valued(".".join(segments[:-2]))
+            if whose is not None:
+                return whose._replace(extension="listen", field="properties")
+        for back in (1, 2):
+            if len(segments) < back or segments[-back] not in EXTENSIONS:
+                continue
+            if back == 2 and segments[-2] not in _WITH_FIELD:
+                continue
+            base = ".".join(segments[:-back])
+            place = self._valued(base)
+            if place is not None:
+                field = segments[-1] if back == 2 else ""
+                return place._replace(extension=segments[-back], field=field)
+        place = self._part(segments)
+        if place is None:
+            raise PropertyError("unknown", f"no such property: {name}")
+        return place
+
+    def _valued(self, name: str) -> Place | None:
+        node = self.nodes.get(name)
+        if node is not None or self.is_inner(name):
+            return Place(name, node)
+        return self._part(name.split("."))
+
+    def _part(self, segments: list[str]) -> Place | None:
+        """Return the part of the property of the longest prefix that is registered."""
+        for end in range(len(segments) - 1, 0, -1):
+            prefix = ".".join(segments[:end])
+            node = self.nodes.get(prefix)
+            if node is not None:
+                return Place(prefix, node, tuple(segments[end:]))
+        return None
+
+
+def as_item(name: str) -> str:
+    """Return a name as an item of a list: one that reads as a number or boolean is quoted."""
+    if name[:1].isalpha() and name not in _ODD:
+        return name
+    return write(Word(name))
+
+
+def as_value(name: str) -> Value:
+    """Return a name as it stands in a list."""
+    return Word(name) if as_item(name) == name else name

@@ -1,0 +1,427 @@
+"""A service: named properties with one owner, who answers GET and SET and tells changes.
+
+Pure: asks come in, answers and events go out through what they were given; clocks are given too.
+Only one thread at a time may be inside. Source: `property-service` reference.
+"""
+
+from __future__ import annotations
+
+import time as _time
+from collections.abc import Callable
+from typing import Any
+
+from rtkit.property import components
+from rtkit.property.codes import PropertyError
+from rtkit.property.extensions import get_extension, set_extension
+from rtkit.property.functional import Function
+from rtkit.property.listeners import Listeners
+from rtkit.property.messages import DONE, Answer, Ask, Payload, failed
+from rtkit.property.naming import Target, parse_target
+from rtkit.property.node import Node
+from rtkit.property.once import Once
+from rtkit.property.reading import read
+from rtkit.property.registry import Place, Registry
+from rtkit.property.spec import Parameter, Reader, Spec, Writer, plain
+from rtkit.property.types import Content, check, from_payload, parse_type, to_payload
+from rtkit.property.values import Value, Word, is_number
+from rtkit.property.writing import write
+
+_COMMON = {
+    "echo": Parameter("echo", parse_type("any"), False, (), "answer with the value in force"),
+    "timeout": Parameter("timeout", parse_type("number"), None, (), "how long to wait [s]"),
+    "if": Parameter("if", parse_type("integer"), None, (), "only at this revision"),
+    "id": Parameter("id", parse_type("any"), None, (), "repeated with it, it acts once"),
+}
+_OF_GET = {"timeout": _COMMON["timeout"]}
+_NONE: dict[str, Value] = {}
+
+
+class Service:
+    """The properties of one owner.
+
+    Attributes:
+        on_refusal: Hears of each request that was denied: who, method, target.
+    """
+
+    def __init__(
+        self,
+        name: str = "",
+        *,
+        clock: Callable[[], float] = _time.monotonic,
+        wall: Callable[[], float] = _time.time,
+    ) -> None:
+        self.name = name
+        self.clock = clock
+        self.wall = wall
+        self.registry = Registry()
+        self.listeners = Listeners(self)
+        self.on_refusal: Callable[[str, str, str], object] | None = None
+        self._nodes = self.registry.nodes
+        self._once = Once()
+        self._started = wall()
+
+    # What the owner does.
+
+    def add(
+        self,
+        name: str,
+        value: Content | None = None,
+        spec: Spec | str = "any",
+        *,
+        read: Reader | None = None,
+        write: Writer | None = None,
+        function: Function | None = None,
+        history: int = 0,
+    ) -> Node:
+        """Register a property.
+
+        Args:
+            name: Segments joined by dots.
+            value: The first one, where it is kept here.
+            spec: What is declared, or the name of its type.
+            read: Computes the value instead.
+            write: Puts a value in force.
+            function: Makes it a functional property.
+            history: How many values are remembered.
+
+        Raises:
+            PropertyError: ``conflict``: the name is taken or reserved; ``bad-value``.
+        """
+        declared = plain(spec) if isinstance(spec, str) else spec
+        if value is not None:
+            value = declared.admit(value)
+        node = Node(name, declared, value, self._started)
+        node.reader, node.writer, node.function = read, write, function
+        if history:
+            from collections import deque
+
+            node.history = deque(maxlen=history)
+        self.registry.add(node)
+        if self.listeners.of_names:
+            self.listeners.names_changed(added=node.name)
+        return node
+
+    def remove(self, name: str) -> None:
+        """Take a property off with all below it; who listens hears it as the last event.
+
+        Raises:
+            PropertyError: ``unknown``.
+        """
+        for node in self.registry.remove(name):
+            self.listeners.end_all(node)
+            if self.listeners.of_names:
+                self.listeners.names_changed(removed=node.name)
+
+    def update(self, name: str, value: Content, quality: str = "good") -> None:
+        """Have a value in force, whatever its access: the owner's way to change one.
+
+        Raises:
+            PropertyError: ``unknown``; ``bad-value``: it does not fit what is declared.
+        """
+        node = self._nodes.get(name)
+        if node is None:
+            raise PropertyError("unknown", f"no such property: {name}")
+        has_changed = node.put(check(node.spec.type, value), self.wall(), quality)
+        if node.listeners:
+            self.listeners.changed(node, has_changed)
+
+    def get(self, target: str) -> Payload:
+        """Return what a GET of the owner leads to.
+
+        Raises:
+            PropertyError: As answered.
+        """
+        return self._asked(target, None)
+
+    def set(self, target: str, payload: Payload) -> Payload:
+        """Return what a SET of the owner leads to.
+
+        Raises:
+            PropertyError: As answered.
+        """
+        return self._asked(target, payload)
+
+    def _asked(self, target: str, payload: Payload | None) -> Payload:
+        answers: list[Answer] = []
+        self.handle(Ask(target, payload, answers.append))
+        if not answers:
+            raise PropertyError("busy", f"not answered at once: {target}")
+        return answers[0].value()
+
+    # What doors do.
+
+    def handle(self, ask: Ask) -> None:
+        """Answer a request, now or later; never raises for what is asked."""
+        if ask.payload is None:
+            node = self._nodes.get(ask.target)
+            # Nearly all requests are of this kind; the rest only refuses or widens it.
+            is_kept = node is not None and node.reader is None and node.value is not None
+            if is_kept and ask.caller.may("GET", ask.target):
+                assert node is not None
+                ask.answer(_read_kept(node))
+                return
+        try:
+            answer = self._perform(ask)
+        except PropertyError as error:
+            answer = Answer(str(error), error.code)
+        except Exception as error:
+            answer = failed(error)
+        if answer is not None:
+            ask.answer(answer)
+
+    def _perform(self, ask: Ask) -> Answer | None:
+        target = parse_target(ask.target)
+        if target.service and target.service != self.name:
+            raise PropertyError("no-service", f"no such service: {target.service}")
+        method = "GET" if ask.payload is None else "SET"
+        if not ask.caller.may(method, target.name):
+            if self.on_refusal is not None:
+                self.on_refusal(ask.caller.identity, method, target.name)
+            who = ask.caller.identity or "who is not known"
+            raise PropertyError("denied", f"{method} by {who}: {target.name}")
+        if ask.payload is None:
+            return Answer(self._get(target, ask))
+        key = _identity_of(ask, target)
+        if key is None:
+            return self._set(target, ask)
+        answer = self._once.first(key, ask.answer)
+        if answer is None:
+            return None
+        try:
+            outcome = self._set(target, ask._replace(answer=answer))
+        except Exception as error:
+            outcome = failed(error)
+        if outcome is not None:
+            answer(outcome)
+        return None
+
+    # GET
+
+    def _get(self, target: Target, ask: Ask) -> Payload:
+        place = self.registry.find(target.name)
+        if place.extension:
+            return get_extension(self, place, _read_all(target.parameters), ask.caller)
+        node = place.node
+        if node is None:
+            checked_parameters((), target, _OF_GET)
+            return self.registry.listed(place.name)
+        if node.function is not None:
+            checked_parameters((), target, _OF_GET)
+            return self._described(node, place)
+        given = checked_parameters(node.spec.parameters, target, _OF_GET)
+        given.pop("timeout", None)
+        if "r" not in node.spec.access:
+            raise PropertyError("write-only", f"cannot be read: {target.name}")
+        if node.reader is None and not place.path:
+            return node.payload
+        value = self.value_of(node, given)
+        if not place.path:
+            return to_payload(node.spec.type, value)
+        part = components.get(_divisible(value, place), place.path, node.spec.labels)
+        if part is None:
+            raise PropertyError("unknown", f"no such property: {target.name}")
+        return write(part)
+
+    def _described(self, node: Node, place: Place) -> Payload:
+        assert node.function is not None
+        described = node.function.describe()
+        if not place.path:
+            return write(described)
+        part = described.attributes.get("state") if place.path == ("state",) else None
+        if part is not None:
+            return part
+        found = components.get(described, place.path)
+        if found is None:
+            raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
+        return write(found)
+
+    def value_of(self, node: Node, parameters: dict[str, Value] = _NONE) -> Content:
+        """Return the present value of a property, read anew where it is computed.
+
+        Raises:
+            PropertyError: ``write-only``, ``internal``, ``bad-value``.
+        """
+        if node.reader is None:
+            if node.value is None:
+                raise PropertyError("write-only", f"cannot be read: {node.name}")
+            return node.value
+        value = node.compute(parameters)
+        if not parameters:
+            self.seen(node, value)
+        return value
+
+    def seen(self, node: Node, value: Content) -> None:
+        """Take note of a computed value: if it has changed, tell who listens."""
+        if node.value is None:
+            node.put(value, self.wall())
+            node.revision = 1
+        elif node.put(value, self.wall()) and node.listeners:
+            self.listeners.changed(node, True)
+
+    # SET
+
+    def _set(self, target: Target, ask: Ask) -> Answer | None:
+        assert ask.payload is not None
+        place = self.registry.find(target.name)
+        if place.extension:
+            set_extension(self, place, _read_all(target.parameters), ask)
+            return DONE
+        node = place.node
+        if node is None:
+            raise PropertyError("read-only", f"cannot be set: {target.name}")
+        if node.function is not None:
+            return self._start(node, place, target, ask)
+        given = checked_parameters(node.spec.parameters, target, _COMMON)
+        has_echo = given.pop("echo", False) not in (False, 0)
+        given.pop("timeout", None)
+        given.pop("id", None)
+        self.check_writable(node, target.name, given.pop("if", None))
+        if place.path:
+            value = self._with_part(node, place, ask.payload)
+        else:
+            value = node.spec.admit(from_payload(node.spec.type, ask.payload))
+        self.apply(node, value, given)
+        return Answer(self._get(Target(target.name, {}), ask)) if has_echo else DONE
+
+    def check_writable(self, node: Node, name: str, revision: Value | None = None) -> None:
+        """Refuse to set what cannot be, or is no longer what the caller thinks it is.
+
+        Raises:
+            PropertyError: ``read-only``, ``conflict``.
+        """
+        if "w" not in node.spec.access:
+            raise PropertyError("read-only", f"cannot be set: {name}")
+        if revision is None:
+            return
+        if node.reader is not None:
+            self.value_of(node)
+        if revision != node.revision:
+            raise PropertyError("conflict", f"revision of {name} is {node.revision}")
+
+    def apply(self, node: Node, value: Content, parameters: dict[str, Value] = _NONE) -> None:
+        """Put a value that was checked in force, and tell it.
+
+        Raises:
+            PropertyError: What the writer raised; the old value is in force.
+        """
+        to_payload(node.spec.type, value)
+        if node.writer is not None:
+            try:
+                changed = node.writer(value, parameters)
+            except PropertyError:
+                raise
+            except (ValueError, TypeError) as error:
+                raise PropertyError("bad-value", str(error)) from error
+            except Exception as error:
+                raise PropertyError("internal", f"{type(error).__name__}: {error}") from error
+            value = value if changed is None else changed
+        if "r" not in node.spec.access:
+            return
+        if node.reader is not None:
+            value = self.value_of(node)
+        has_changed = node.put(value, self.wall())
+        if node.listeners:
+            self.listeners.changed(node, has_changed)
+
+    def _with_part(self, node: Node, place: Place, payload: Payload) -> Content:
+        whole = _divisible(self.value_of(node), place)
+        before = components.get(whole, place.path, node.spec.labels)
+        if before is None:
+            raise PropertyError("unknown", f"no such property: {place.name}.{'.'.join(place.path)}")
+        kind = parse_type("number" if is_number(before) else "any")
+        part = from_payload(kind, payload)
+        assert not isinstance(part, bytes)
+        return node.spec.admit(components.replace(whole, place.path, part, node.spec.labels))
+
+    def _start(self, node: Node, place: Place, target: Target, ask: Ask) -> Answer | None:
+        function = node.function
+        assert function is not None
+        assert ask.payload is not None
+        if place.path == ("stop",):
+            function.stop()
+            return DONE
+        if place.path:
+            raise PropertyError("read-only", f"cannot be set: {target.name}")
+        given = checked_parameters(function.parameters, target, _COMMON)
+        common = {key: given.pop(key, None) for key in _COMMON if key not in
+                  {each.key for each in function.parameters}}  # fmt: skip
+        if common.get("if") is not None and common["if"] != node.revision:
+            raise PropertyError("conflict", f"revision of {target.name} is {node.revision}")
+        arguments = function.bind(_arguments(ask.payload), given)
+        waits = common.get("echo") not in (None, False, 0)
+
+        def changed() -> None:
+            has_changed = node.put(function.describe(), self.wall())
+            if node.listeners:
+                self.listeners.changed(node, has_changed)
+            if waits and function.state != "running":
+                ask.answer(Answer(node.payload))
+
+        function.start(arguments, changed)
+        return None if waits else DONE
+
+
+def _read_kept(node: Node) -> Answer:
+    try:
+        return Answer(node.payload)
+    except PropertyError as error:
+        return Answer(str(error), error.code)
+
+
+def _identity_of(ask: Ask, target: Target) -> tuple[Any, ...] | None:
+    """Return what makes a SET the same as one before, None if nothing does."""
+    id = target.parameters.get("id")
+    if id is not None:
+        return (ask.target, ask.payload, id)
+    return (ask.caller, ask.id, ask.target, ask.payload) if ask.id else None
+
+
+def _divisible(value: Content, place: Place) -> Value:
+    if isinstance(value, bytes):
+        raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
+    return value
+
+
+def _arguments(payload: Payload) -> Value:
+    value = from_payload(parse_type("any"), payload)
+    assert not isinstance(value, bytes)
+    return value
+
+
+def _read_all(parameters: dict[str, str | None]) -> dict[str, Value]:
+    return {key: True if text is None else read(text) for key, text in parameters.items()}
+
+
+def checked_parameters(
+    declared: tuple[Parameter, ...], target: Target, common: dict[str, Parameter]
+) -> dict[str, Value]:
+    """Return the parameters of a request as values.
+
+    Raises:
+        PropertyError: ``bad-parameter``: not declared, or of another type.
+    """
+    if not target.parameters:
+        return {}
+    known = {**common, **{each.key: each for each in declared}}
+    values: dict[str, Value] = {}
+    for key, text in target.parameters.items():
+        parameter = known.get(key)
+        if parameter is None:
+            raise PropertyError("bad-parameter", f"{target.name} has no parameter {key}")
+        try:
+            value: Value = True if text is None else _given(parameter, text)
+            checked = check(parameter.type, value)
+        except PropertyError as error:
+            raise PropertyError("bad-parameter", f"{key}: {error}") from None
+        assert not isinstance(checked, bytes)
+        if parameter.choices and checked not in parameter.choices:
+            raise PropertyError("bad-parameter", f"{key}: {write(checked)} is no choice")
+        values[key] = checked
+    return values
+
+
+def _given(parameter: Parameter, text: str) -> Value:
+    if parameter.type.base == "text":
+        return text
+    value = read(text)
+    return str(value) if isinstance(value, Word) and parameter.type.base == "string" else value

@@ -1,0 +1,154 @@
+"""What is declared of a property: type, access, unit, range, choices, alarms, parameters, GUI."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.types import Content, Type, check, parse_type
+from rtkit.property.values import Element, Value, Word, is_number, is_vector
+from rtkit.property.writing import write
+
+
+class Parameter(NamedTuple):
+    """A key that may follow the question mark, or an argument of a functional property."""
+
+    key: str
+    type: Type
+    default: Value | None = None
+    choices: tuple[Value, ...] = ()
+    doc: str = ""
+
+    def described(self) -> Value:
+        """Return it as ``.parameters`` tells it: ``(key type default choices doc)``."""
+        default: Value = () if self.default is None else self.default
+        return (Word(self.key), Word(self.type.name), default, self.choices, self.doc)
+
+
+Bounds = tuple[float, float]
+_ANY = parse_type("any")
+
+
+@dataclass(frozen=True, slots=True)
+class Spec:
+    """What is declared; many properties may share one.
+
+    Attributes:
+        access: ``r``, ``w`` or ``rw``.
+        unit: Of each number, as the field writes it: ``m/s``.
+        minimum: Smallest number allowed, in a vector for each of them.
+        maximum: Largest number allowed.
+        step: What a slider moves by; not checked.
+        choices: The only values allowed, all when empty.
+        warn: Numbers outside of these deserve a look.
+        alarm: Numbers outside of these are wrong.
+        labels: Names of the parts of a vector, where they are not the usual ones.
+        parameters: What may follow the question mark; arguments of a functional property.
+        gui: Code of a component by kind of client (``text``, ``html``, ``json`` …).
+    """
+
+    type: Type = _ANY
+    access: str = "rw"
+    unit: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    step: float | None = None
+    choices: tuple[Value, ...] = ()
+    warn: Bounds | None = None
+    alarm: Bounds | None = None
+    doc: str = ""
+    labels: tuple[str, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+    gui: Mapping[str, str] = field(default_factory=dict)
+    is_functional: bool = False
+
+    def admit(self, value: Content) -> Content:
+        """Return a value that may be set.
+
+        Raises:
+            PropertyError: ``bad-value``: of another type, outside of the range, no choice.
+        """
+        value = check(self.type, value)
+        if self.minimum is not None or self.maximum is not None:
+            for number in _numbers(value):
+                self._check_range(number)
+        if self.choices and not isinstance(value, bytes) and value not in self.choices:
+            told = " ".join(map(write, self.choices))
+            raise PropertyError("bad-value", f"expected one of {told}, found {write(value)}")
+        return value
+
+    def _check_range(self, number: float) -> None:
+        low, high = self.minimum, self.maximum
+        if number != number:
+            raise PropertyError("bad-value", "nan is in no range")
+        if low is not None and number < low:
+            raise PropertyError("bad-value", f"{write(number)} is below {write(low)}")
+        if high is not None and number > high:
+            raise PropertyError("bad-value", f"{write(number)} is above {write(high)}")
+
+    def severity(self, value: Content | None) -> str:
+        """Return ``none``, ``warn`` or ``alarm``, for the worst of the numbers of a value."""
+        for word, bounds in (("alarm", self.alarm), ("warn", self.warn)):
+            if bounds and any(not bounds[0] <= each <= bounds[1] for each in _numbers(value)):
+                return word
+        return "none"
+
+
+def _numbers(value: Content | None) -> tuple[float, ...]:
+    if is_number(value):
+        return (value,)  # type: ignore[return-value]
+    return value if is_vector(value) else ()  # type: ignore[return-value]
+
+
+_SHARED: dict[str, Spec] = {}
+
+
+def plain(type_name: str) -> Spec:
+    """Return what is declared of a property of which only the type is."""
+    if type_name not in _SHARED:
+        _SHARED[type_name] = Spec(parse_type(type_name))
+    return _SHARED[type_name]
+
+
+_WIDGETS = {
+    "boolean": "toggle",
+    "word": "text",
+    "string": "text",
+    "text": "text",
+    "vector": "vector",
+    "list": "table",
+    "marker": "marker",
+    "element": "tree",
+    "bytes": "label",
+}
+
+
+def gui(spec: Spec) -> Element:
+    """Return the GUI component that suits a property, as ``.gui`` tells it."""
+    numeric = spec.type.base in ("number", "integer")
+    if spec.is_functional:
+        kind = "button"
+    elif spec.access == "r":
+        kind = "label"
+    elif spec.choices:
+        kind = "choice"
+    elif numeric:
+        kind = "slider" if spec.minimum is not None and spec.maximum is not None else "number"
+    else:
+        kind = _WIDGETS.get(spec.type.base, "text")
+    attributes = {"kind": kind}
+    numbers = {"min": spec.minimum, "max": spec.maximum, "step": spec.step}
+    attributes |= {key: write(each) for key, each in numbers.items() if each is not None}
+    if spec.unit:
+        attributes["unit"] = spec.unit
+    if spec.choices:
+        attributes["choices"] = write(spec.choices)
+    return Element("gui", attributes)
+
+
+Reader = Callable[[dict[str, Value]], object]
+"""Returns the present value; gets the declared parameters that were given."""
+Writer = Callable[[Content, dict[str, Value]], Content | None]
+"""Puts a value in force; returns it if it is another than the one that was asked for."""
