@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.cli._data import named_streams
 from rtkit.errors import Refused
@@ -51,25 +51,38 @@ def describe(app: App, name: str, *, is_json: bool) -> None:
 
     info = Reader(name).info()
     if is_json:
-        _out.write([json.dumps(_record(name, info), ensure_ascii=False)])
+        _out.write([_records.line("recording", _record(name, info))])
     else:
         _out.write(map(_out.printable, _lines(name, info)))
 
 
 def _record(name: str, info: Info) -> dict[str, object]:
     return {
-        "schema": "rtkit.recording/1",
         "name": name,
-        "size": info.size,
+        "size_bytes": info.size,
         "is_whole": info.is_whole,
-        "began_ns": info.began_ns,
-        "first_ns": info.first_ns,
-        "last_ns": info.last_ns,
+        "began": _iso(info.began_ns),
+        "first": _iso(info.first_ns),
+        "last": _iso(info.last_ns),
         "entries": info.entries,
-        "channels": [
-            {**each._asdict(), "entries": info.counts[each.name]} for each in info.channels
-        ],
+        "channels": [_channel_record(each, info) for each in info.channels],
     }
+
+
+def _channel_record(channel: Channel, info: Info) -> dict[str, object]:
+    span = info.spans.get(channel.name)
+    return {
+        **channel._asdict(),
+        "entries": info.counts[channel.name],
+        "first": _iso(span and span.first_ns),
+        "last": _iso(span and span.last_ns),
+        "first_index": span and span.first_index,
+        "last_index": span and span.last_index,
+    }
+
+
+def _iso(time_ns: int | None) -> str | None:
+    return None if time_ns is None else _records.time_text(time_ns)
 
 
 def _lines(name: str, info: Info) -> Iterator[str]:
@@ -92,6 +105,10 @@ def _lines(name: str, info: Info) -> Iterator[str]:
         yield f"  Name: {channel.name}"
         yield f"  Data type: {channel.data_type or 'any'}"
         yield f"  Entries: {info.counts[channel.name]}"
+        span = info.spans.get(channel.name)
+        if span is not None:
+            yield f"  Indices: {span.first_index} to {span.last_index}"
+            yield f"  Times: {_date(span.first_ns)} to {_date(span.last_ns)}"
         yield "  Sources:"
         yield from (f"    {source}" for source in channel.sources)
 

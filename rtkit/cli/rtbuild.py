@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, command
 from rtkit.errors import Malformed, Refused
 
@@ -84,12 +83,12 @@ def main(
 
 def _tell(app: App, changes: Sequence[Change], *, is_json: bool, is_forced: bool) -> None:
     if is_json:
-        from json import dumps
-
-        for each in changes:
-            fate = each.fate_when(is_forced=is_forced)
-            record = {"schema": "rtkit.build/1", "path": each.path, "fate": fate, "why": each.why}
-            sys.stdout.write(dumps(record) + "\n")
+        fates = [each.fate_when(is_forced=is_forced) for each in changes]
+        records = (
+            {"path": each.path, "fate": fate, "why": each.why or None}
+            for each, fate in zip(changes, fates, strict=True)
+        )
+        _out.write(_records.lines("built-file", records))
         return
     for each in changes:
         fate = each.fate_when(is_forced=is_forced)

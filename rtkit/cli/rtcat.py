@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed, NotFound, Refused
 
@@ -37,20 +37,21 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
     snapshot = app.tree.part([node.instance])
     facts = snapshot.component(node.instance)
     if node.is_directory:
+        kind = "manager"
         lines, record = _manager(app, snapshot, _slave(snapshot, node))
     elif facts is None:
         raise NotFound(f"No such object: {path.typed}")
     elif path.port is None:
+        kind = "component"
         lines = component_lines(snapshot, facts, node.name, level)
         record = _component_record(snapshot, facts)
     else:
+        kind = "port"
         port = _port(facts, path)
         lines = port_lines(snapshot, facts, port, level)
         record = _port_record(snapshot, facts, port)
     if is_json:
-        from json import dumps
-
-        lines = [dumps({"path": str(path), **record})]
+        lines = [_records.line(kind, {"path": str(path), **record})]
     _out.write(lines)
 
 
@@ -101,7 +102,6 @@ def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, An
 
     wires = [w for w in snapshot.connectors if any(e.instance == facts.instance for e in w.ports)]
     return {
-        "schema": "rtkit.component/1",
         "state": facts.state,
         **encode(facts),
         "connectors": [encode(wire) for wire in wires],
@@ -114,4 +114,4 @@ def _port_record(snapshot: Snapshot, facts: ComponentFacts, port: PortProfile) -
 
     end = PortRef(facts.instance, port.name)
     wires = [encode(wire) for wire in snapshot.connectors if end in wire.ports]
-    return {"schema": "rtkit.port/1", **encode(port), "connectors": wires}
+    return {**encode(port), "connectors": wires}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from rtkit.cli import _out, _static
@@ -12,9 +10,6 @@ from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 from rtkit.errors import Refused, UsageProblem
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
-
-if TYPE_CHECKING:
-    from rtkit.deployment.check import Deviation
 
 TOOL = "rtcheck --static"
 STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
@@ -28,7 +23,7 @@ STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
     default=LifeCycleState.ACTIVE.value,
     help="State that every component is to be in (default Active).",
 )
-@click.option("--json", "is_json", is_flag=True, help="One JSON object a deviation, on stdout.")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a deviation: --format json.")
 @click.option("--diff", "is_diff", is_flag=True, help="Both sides of each deviation, on stdout.")
 @click.option(
     "--static",
@@ -55,24 +50,29 @@ def main(
     """Compare the live system with an RTS profile (FILE, or stdin).
 
     Components, connections, active sets, parameters and states are compared, all of them; each
-    deviation is a line on stderr. Exit status 1 when something required deviates. With --diff a
-    line beginning with - tells what the profile says, one with + what lives; what lives besides
-    is shown too, and is no deviation.
+    deviation is a line on stderr that tells what was found and what was wanted. Exit status 1 when
+    something required deviates. --format writes to stdout for a build server instead; for JUnit
+    each component and each connection is a test case. With --diff a line beginning with - tells
+    what the profile says, one with + what lives; what lives besides is shown too, and is no
+    deviation.
 
     With --static nothing that lives is asked: the components of the profile are compared with the
     RTC profiles of their types (see rtprofile check).
     """
+    form = "json" if is_json else report or _static.TEXT
     if is_static:
         if is_diff or dry_run:
             raise UsageProblem("--static compares with no live system: no --diff, no --dry-run")
         check_at_most_one(files, "file")
         from rtkit.statics.verdict import Options
 
-        form = "json" if is_json else report or _static.TEXT
         options = Options(strict, ignored)
         return _static.check(app, files, components, report=form, tool=TOOL, options=options)
-    if components or report or ignored:
-        raise UsageProblem("--components, --format and --ignore are for --static")
+    if components or ignored:
+        raise UsageProblem("--components and --ignore are for --static")
+    if is_diff and form != _static.TEXT:
+        raise UsageProblem("--diff has a form of its own: no --json, no --format")
+    from rtkit.cli.system.judged import text_of, told
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import Live
 
@@ -88,24 +88,9 @@ def main(
     found = list(deviations(system, live, expected))
     if is_diff:
         _out.write(map(_out.printable, diff_lines([*found, *surplus(system, live)])))
-    elif is_json:
-        _out.write(map(_json, found))
+    elif form != _static.TEXT:
+        _out.write(told(form, document.source, system, found))
     else:
         for each in found:
-            app.say(each.text)
+            app.say(text_of(each))
     return app.status(Refused()) if any(each.is_required for each in found) else 0
-
-
-def _json(each: Deviation) -> str:
-    from json import dumps
-
-    record = {
-        "kind": each.kind,
-        "path": each.path,
-        "text": each.text,
-        "required": each.is_required,
-        "item": each.item,
-        "wanted": each.wanted,
-        "found": each.found,
-    }
-    return dumps({"schema": "rtkit.check/1", **record})

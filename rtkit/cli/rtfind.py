@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, check_at_most_one, command
 from rtkit.errors import Malformed, NotFound, Unreachable, UsageProblem
 from rtkit.tree.resolve import find
@@ -45,6 +45,7 @@ _LETTERS: dict[str, tuple[Kind, ...]] = {
     metavar="LEVELS",
     help="So many levels below the start; 0, the default: all.",
 )
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line, as rtls --json.")
 @click.argument("starts", nargs=-1, metavar="START")
 def main(
     app: App,
@@ -53,6 +54,7 @@ def main(
     names: tuple[str, ...],
     inames: tuple[str, ...],
     depth: int,
+    is_json: bool,
 ) -> int:
     """Search the tree.
 
@@ -67,11 +69,13 @@ def main(
     patterns = [_pattern(each, 0) for each in names]
     patterns += [_pattern(each, re.IGNORECASE) for each in inames]
     nodes = list(_walk(_start(app, starts[0]), depth or -1))
-    _out.write(
-        _out.printable(node.path)
-        for node in nodes
-        if node.kind in kinds and _matches(node.name, patterns)
-    )
+    found = [node for node in nodes if node.kind in kinds and _matches(node.name, patterns)]
+    if is_json:
+        from rtkit.cli.rtls import entry_record
+
+        _out.write(_records.lines("entry", map(entry_record, found)))
+    else:
+        _out.write(_out.printable(node.path) for node in found)
     silent = [node for node in nodes if node.trouble and not node.is_slave]
     for node in silent:
         app.fail(f"{node.path} was not searched: {node.trouble}")

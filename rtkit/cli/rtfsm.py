@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.errors import Malformed, NotFound, Refused, UsageProblem
 
@@ -26,8 +26,9 @@ _WORDS = ("getstate", "geteventprofiles", "getstructure", *_MISSING)
 
 
 @command("rtfsm")
+@click.option("--json", "is_json", is_flag=True, help="Of getX: all of the machine, as JSON.")
 @click.argument("words", nargs=-1, metavar="COMPONENT WORD [ARGUMENT]")
-def main(app: App, words: tuple[str, ...]) -> None:
+def main(app: App, words: tuple[str, ...], is_json: bool) -> None:
     r"""Look at and change the state machine of a component.
 
     \b
@@ -44,8 +45,11 @@ def main(app: App, words: tuple[str, ...]) -> None:
         raise Malformed("No component specified.")
     typed, *rest = words
     word, arguments = _read(rest)
-    facts = _facts(app, app.path(typed))
-    if word == "getstate":
+    path = app.path(typed)
+    facts = _facts(app, path)
+    if is_json and word not in _MISSING:
+        _out.write([_records.line("state-machine", {"path": str(path), **_record(facts)})])
+    elif word == "getstate":
         _out.write([_out.printable(facts.fsm_state)])
     elif word == "geteventprofiles":
         _out.write([_out.printable(_told(facts.fsm_events))])
@@ -88,6 +92,15 @@ def _facts(app: App, path: Path) -> ComponentFacts:
     if not facts.fsm_states:
         raise Refused(f"No state machine: {path.typed}")
     return facts
+
+
+def _record(facts: ComponentFacts) -> dict[str, object]:
+    return {
+        "component": facts.instance,
+        "state": facts.fsm_state or None,
+        "states": {name: dict(ways) for name, ways in facts.fsm_states.items()},
+        "events": dict(facts.fsm_events),
+    }
 
 
 def _told(events: Mapping[str, str]) -> str:

@@ -25,7 +25,9 @@ _NS = 1_000_000_000
     help="The recording (default when recording: rtlog_SECONDS.mcap).",
 )
 @click.option("-p", "--play", "is_play", is_flag=True, help="Play the recording into in ports.")
-@click.option("-d", "--display-info", "is_info", is_flag=True, help="Tell what is in it, and end.")
+@click.option(
+    "-d", "--display-info", "--info", "is_info", is_flag=True, help="Tell what is in it, and end."
+)
 @click.option(
     "-l",
     "--logger",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed
 from rtkit.tree.resolve import entry
@@ -138,14 +138,17 @@ def _long(nodes: list[Node]) -> list[str]:
 
 
 def _json(nodes: list[Node]) -> Iterator[str]:
-    from json import dumps
-
     for node in nodes:
-        record = {"schema": "rtkit.ls/1", "path": node.path, "kind": node.kind.name.lower()}
-        row = {} if node.row is None else node.row._asdict()
-        if node.kind is Kind.ZOMBIE:
-            row["state"] = None  # the last one known is that of nobody
-        yield dumps({**record, **row, "remark": node.remark})
+        yield _records.line("entry", entry_record(node))
+
+
+def entry_record(node: Node) -> dict[str, object]:
+    """Return what a listing tells of an entry, for JSON."""
+    row = {} if node.row is None else node.row._asdict()
+    if node.kind is Kind.ZOMBIE:
+        row["state"] = None  # the last one known is that of nobody
+    kind = node.kind.name.lower()
+    return {"path": node.path, "kind": kind, **row, "remark": node.remark}
 
 
 def _label(node: Node, slash: str) -> tuple[str, str]:

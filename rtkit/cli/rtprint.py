@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rtkit.cli import _records
 from rtkit.cli._app import App, command
 from rtkit.cli._data import module_options, named_streams
 from rtkit.errors import Refused
@@ -99,7 +100,7 @@ def main(
             sink.take(piece)
         lost = probe.lost
         is_cut = not probe.is_connected
-    sink.finish(is_json)
+    sink.finish(is_json, lost)
     if lost:
         app.say(f"{app.name}: {lost} values were lost")
     if is_cut:
@@ -121,7 +122,7 @@ class _Printer:
         sys.stdout.write("".join(f"{self._lines[each.stream](each)}\n" for each in piece))
         sys.stdout.flush()
 
-    def finish(self, is_json: bool) -> None:
+    def finish(self, is_json: bool, lost: int) -> None:
         """Do nothing: all is printed."""
 
 
@@ -146,16 +147,14 @@ class _Counter:
         for arrival in piece:
             self._stats[arrival.stream].take(arrival)
 
-    def finish(self, is_json: bool) -> None:
-        import json
-
+    def finish(self, is_json: bool, lost: int) -> None:
         from rtkit.cli._out import printable, write
         from rtkit.probe.report import lines_of, record_of
 
         for stream in self._streams:
             told = self._stats[stream.name].summary()
             if is_json:
-                write([json.dumps(record_of(stream, told))])
+                write([_records.line("stream-stats", record_of(stream, told, lost))])
             else:
                 write(map(printable, lines_of(stream, told)))
 
@@ -197,8 +196,6 @@ def _text_line(decode: Callable[[bytes], Any], show: Callable[[Any], str]) -> Li
 
 
 def _json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str, ...]) -> Line:
-    import json
-
     from rtkit.probe.text import field_reader, plain
 
     readers = {text: field_reader(text) for text in fields}
@@ -208,14 +205,13 @@ def _json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str
         value = decode(arrival.payload)
         told = {text: plain(read(value)) for text, read in readers.items()} or plain(value)
         record = {
-            "schema": "rtkit.value/1",
             "stream": stream.name,
             "ports": ports,
             "type": stream.data_type,
-            "received_ns": arrival.time_ns,
+            "received": _records.time_text(arrival.time_ns),
             "value": told,
         }
-        return json.dumps(record, ensure_ascii=False)
+        return _records.line("value", record)
 
     return line
 

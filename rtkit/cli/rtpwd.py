@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command, working_directory
 
 
 @command("rtpwd", options_metavar="[OPTIONS]")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object.")
 @click.argument("words", nargs=-1, metavar="")
-def main(app: App, words: tuple[str, ...]) -> None:
+def main(app: App, words: tuple[str, ...], is_json: bool) -> None:
     """Print the working directory in the tree.
 
     It is what RTKIT_CWD says, else RTCSH_CWD, else the root.
     """
     if words:
         raise WrongArguments(f"takes no arguments: {' '.join(words)}")
-    _out.write([_out.printable(working_directory())])
+    path = working_directory()
+    record = {"path": path}
+    _out.write([_records.line("working-directory", record) if is_json else _out.printable(path)])

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.errors import Malformed, Partial, RtkitError, Unreachable
 
@@ -44,6 +45,9 @@ class Goal(NamedTuple):
         return f"is {row.state}{why}, not {_STATES[self.wanted]}"
 
 
+Problem = tuple[Goal, str]
+
+
 @command("rtwait")
 @click.option(
     "--timeout",
@@ -54,8 +58,9 @@ class Goal(NamedTuple):
     metavar="SECONDS",
     help="How long to wait at most (default 30).",
 )
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a path, at the end.")
 @click.argument("words", nargs=-1, metavar="PATH... [STATE]...")
-def main(app: App, words: tuple[str, ...], timeout_s: float) -> None:
+def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> int:
     r"""Wait for components, their states, and data of ports.
 
     A state holds for the paths before it: exists (what is meant when there is none), created,
@@ -69,12 +74,33 @@ def main(app: App, words: tuple[str, ...], timeout_s: float) -> None:
     The status is 0 when all of that holds at once, 1 when the time is up: then each path for
     which it does not is told with the reason. It waits for the manager, too.
     """
-    until = time.monotonic() + timeout_s
+    begin = time.monotonic()
+    until = begin + timeout_s
     goals = _goals(app, words)
-    _reach(app, goals, until, timeout_s)
+    problems = _reach(app, goals, until)
     carried = [goal for goal in goals if goal.wanted == DATA]
-    if carried:
-        _hear(app, carried, until, timeout_s)
+    if carried and not problems:
+        problems = _hear(app, carried, until)
+    if is_json:
+        _out.write(_records.lines("goal", _told(goals, problems, time.monotonic() - begin)))
+        return app.status(RtkitError()) if problems else 0
+    if problems:
+        raise Partial("", failures=_failures(problems, timeout_s))
+    return 0
+
+
+def _told(
+    goals: Sequence[Goal], problems: Sequence[Problem], waited_s: float
+) -> Iterator[dict[str, object]]:
+    why = dict(problems)
+    for goal in goals:
+        yield {
+            "path": str(goal.path),
+            "wanted": goal.wanted,
+            "reached": goal not in why,
+            "problem": why.get(goal),
+            "waited_s": round(waited_s, 6),
+        }
 
 
 def _goals(app: App, words: Sequence[str]) -> list[Goal]:
@@ -103,11 +129,13 @@ def _goal(path: Path, wanted: str) -> Goal:
     return Goal(path, wanted)
 
 
-def _reach(app: App, goals: Sequence[Goal], until: float, timeout_s: float) -> None:
+def _reach(app: App, goals: Sequence[Goal], until: float) -> Sequence[Problem]:
     """Wait until all goals hold, without asking again before something has changed.
 
+    When the time is up it returns what is missing.
+
     Raises:
-        Partial: The time is up; has what is missing.
+        Unreachable: The time is up, and no manager answers.
     """
     while True:
         try:
@@ -120,15 +148,13 @@ def _reach(app: App, goals: Sequence[Goal], until: float, timeout_s: float) -> N
             # Nothing tells that a manager begins.
             time.sleep(min(_MOMENT_S, max(0.0, until - time.monotonic())))
             continue
-        if not problems:
-            return
         left_s = until - time.monotonic()
-        if left_s <= 0:
-            raise Partial("", failures=_failures(problems, timeout_s))
+        if not problems or left_s <= 0:
+            return problems
         app.tree.watch(_targets(app, goals), known, left_s)
 
 
-def _look(app: App, goals: Sequence[Goal]) -> tuple[tuple[str, ...], list[tuple[Goal, str]]]:
+def _look(app: App, goals: Sequence[Goal]) -> tuple[tuple[str, ...], list[Problem]]:
     """Return what is seen of the targets, and what is the matter with each goal after that."""
     known = app.tree.watch(_targets(app, goals))
     nodes = _nodes(app, goals)
@@ -158,21 +184,15 @@ def _targets(app: App, goals: Sequence[Goal]) -> list[Watched]:
     return targets
 
 
-def _failures(
-    problems: Sequence[tuple[Goal, str]], timeout_s: float
-) -> list[tuple[str, RtkitError]]:
+def _failures(problems: Sequence[Problem], timeout_s: float) -> list[tuple[str, RtkitError]]:
     return [
         (goal.path.typed, RtkitError(f"{goal.path.typed} {problem} after {timeout_s:g} s"))
         for goal, problem in problems
     ]
 
 
-def _hear(app: App, goals: Sequence[Goal], until: float, timeout_s: float) -> None:
-    """Wait until each of these ports has carried a value.
-
-    Raises:
-        Partial: The time is up; has the ports that did not.
-    """
+def _hear(app: App, goals: Sequence[Goal], until: float) -> Sequence[Problem]:
+    """Wait until each of these ports has carried a value; return those that did not in time."""
     from rtkit.probe.probe import Probe, tap_ports
     from rtkit.probe.spec import PortSpec, find_streams
     from rtkit.rtc.enums import PortType
@@ -186,6 +206,5 @@ def _hear(app: App, goals: Sequence[Goal], until: float, timeout_s: float) -> No
             for arrival in piece:
                 silent.pop(arrival.stream, None)
             if not silent:
-                return
-    problems = [(goal, "carried no data") for goal in silent.values()]
-    raise Partial("", failures=_failures(problems, timeout_s))
+                return []
+    return [(goal, "carried no data") for goal in silent.values()]

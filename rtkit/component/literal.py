@@ -30,6 +30,8 @@ from rtkit.errors import Malformed
 _STAMP = "tm"
 _DATA = "data"
 _BASE64 = "base64"
+_NAMED = ("NaN", "Infinity", "-Infinity")
+"""Numbers that JSON has no form for, written as texts."""
 
 
 class Literal:
@@ -107,6 +109,8 @@ def _read(layout: Layout, data: Any, where: str) -> Any:
     if isinstance(layout, Enumeration):
         return _member(layout, data, where)
     if isinstance(layout, Number):
+        if layout.is_float and isinstance(data, str) and data in _NAMED:
+            return float(data)
         if isinstance(data, bool) or not isinstance(data, (int, float) if layout.is_float else int):
             _wrong(where, data, layout.name)
         return _float(data, where) if layout.is_float else data

@@ -8,7 +8,6 @@ from typing import Any
 from rtkit.probe.spec import Stream
 from rtkit.probe.stats import Spread, Summary
 
-SCHEMA = "rtkit.stream-stats/1"
 _SIZES = ("B", "kB", "MB", "GB", "TB")
 
 
@@ -26,14 +25,14 @@ def lines_of(stream: Stream, told: Summary) -> Iterator[str]:
         yield f"  latency   {_times(told.latency_s)}"
 
 
-def record_of(stream: Stream, told: Summary) -> dict[str, Any]:
-    """Return the same as data for JSON; times in seconds."""
+def record_of(stream: Stream, told: Summary, lost: int) -> dict[str, Any]:
+    """Return the same as data for JSON; times in seconds; `lost` of all streams."""
     return {
-        "schema": SCHEMA,
         "stream": stream.name,
         "ports": [str(end.path) for end in stream.ends],
         "type": stream.data_type,
         "values": told.values,
+        "lost": lost,
         "rate_hz": told.rate_hz,
         "bytes_per_s": told.bytes_per_s,
         "interval_s": told.interval_s._asdict() if told.interval_s else None,

@@ -36,6 +36,25 @@ class Entry(NamedTuple):
     payload: bytes
 
 
+class Span(NamedTuple):
+    """Which entries of a recording are those of one channel.
+
+    Attributes:
+        first_ns: The earliest time of one, Unix time [ns]. Likewise `last_ns`.
+        first_index: Place of the first among all entries, as they arrived. Likewise `last_index`.
+    """
+
+    first_ns: int
+    last_ns: int
+    first_index: int
+    last_index: int
+
+    def with_entry(self, time_ns: int, index: int) -> Span:
+        """Return the span that has one more entry, the last so far."""
+        first, last = min(self.first_ns, time_ns), max(self.last_ns, time_ns)
+        return Span(first, last, self.first_index, index)
+
+
 class Info(NamedTuple):
     """What there is to know of a recording without looking at values.
 
@@ -44,6 +63,7 @@ class Info(NamedTuple):
         first_ns: Time of the first entry; None without any. Likewise `last_ns`.
         counts: How many entries each channel has.
         is_whole: False where the recorder was killed before it could close the file.
+        spans: Of each channel that has entries.
     """
 
     size: int
@@ -53,6 +73,7 @@ class Info(NamedTuple):
     channels: tuple[Channel, ...]
     counts: Mapping[str, int]
     is_whole: bool
+    spans: Mapping[str, Span]
 
     @property
     def entries(self) -> int:

@@ -16,7 +16,7 @@ from typing import IO, Any, Self
 from rtkit.component.typenames import scoped_name
 from rtkit.errors import Malformed
 from rtkit.recording import schema
-from rtkit.recording.entries import Channel, Entry, Info
+from rtkit.recording.entries import Channel, Entry, Info, Span
 
 CHUNK_S = 0.5
 """After how long a chunk is closed at the latest [s]."""
@@ -111,27 +111,20 @@ class Reader:
         """
         channels: dict[str, Channel] = {}
         counts: dict[str, int] = {}
-        times: list[int] = []
+        spans: dict[str, Span] = {}
         began = [0]
 
         def note(channel: Channel) -> None:
             channels[channel.name] = channel
             counts.setdefault(channel.name, 0)
 
-        is_whole = True
         walk = _Walk(self._path, note, lambda ns: began.__setitem__(0, ns))
-        for entry in walk.entries():
+        for index, entry in enumerate(walk.entries()):
             counts[entry.channel] += 1
-            times[:] = (
-                [entry.time_ns, entry.time_ns]
-                if not times
-                else [
-                    min(times[0], entry.time_ns),
-                    max(times[1], entry.time_ns),
-                ]
-            )
-        is_whole = walk.is_whole
-        first, last = times or (None, None)
+            known = spans.get(entry.channel, Span(entry.time_ns, entry.time_ns, index, index))
+            spans[entry.channel] = known.with_entry(entry.time_ns, index)
+        first = min((span.first_ns for span in spans.values()), default=None)
+        last = max((span.last_ns for span in spans.values()), default=None)
         return Info(
             os.path.getsize(self._path),
             began[0] or first or 0,
@@ -139,7 +132,8 @@ class Reader:
             last,
             tuple(channels.values()),
             counts,
-            is_whole,
+            walk.is_whole,
+            spans,
         )
 
     def entries(self) -> Iterator[Entry]:

@@ -13,6 +13,7 @@ def json_lines(checked: Iterable[Checked]) -> Iterator[str]:
 
     for each in checked:
         made = {
+            "schema": "rtkit.checked/1",
             "file": each.name,
             "what": each.what or None,
             "valid": each.is_valid,

@@ -62,7 +62,7 @@ def test_what_could_be_loaded_is_listed_without_running_it(manager: Any) -> None
         assert word in why
     lines = manager.run(f"rtmgr -m --json {MANAGER}").out.splitlines()
     records = [json.loads(line) for line in lines]
-    assert {"schema": "rtkit.mgr/1", "type": "RTC:me::Deep:Python:", "module": str(file)} in records
+    assert ("RTC:me::Deep:Python:", str(file)) in [(r["type"], r["module"]) for r in records]
     assert not ran(manager)
     manager.ok(f"rtmgr -c Deep {MANAGER}")
     assert ran(manager)

@@ -6,6 +6,8 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
+
 EXAMPLES = Path(__file__).parents[2] / "examples" / "basic"
 MOTOR = "/localhost/Motor0.rtc"
 
@@ -39,6 +41,12 @@ def test_what_is_missing_in_the_end_is_told(manager: Any) -> None:
         "rtwait: /localhost/Arm0.rtc does not exist after 0.2 s\n"
         f"rtwait: {MOTOR} still exists after 0.2 s\n",
     )
+    done = manager.run(f"rtwait --json -t 0.2 {MOTOR} inactive {MOTOR} active")
+    assert (done.status, done.err) == (1, "")
+    assert [(each["reached"], each["problem"]) for each in jsonrecords.checked(done.out)] == [
+        (True, None),
+        (False, "is Inactive, not Active"),
+    ]
     told = manager.run(f"rtwait -t 0.2 {MOTOR}:pose")
     assert told == (1, "", f"rtwait: {MOTOR}:pose carried no data after 0.2 s\n")
 

@@ -63,7 +63,6 @@ def manager_record(
     from rtkit.rtc.plain import encode
 
     return {
-        "schema": "rtkit.manager/1",
         "name": snapshot.manager if process is None else process.name,
         "pid": snapshot.pid if process is None else process.pid,
         "state": "up" if process is None else process.state,

@@ -7,11 +7,11 @@ import sys
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.cli.conf.asked import Asked, Sets
 from rtkit.cli.conf.sets import change, seen, visible
-from rtkit.cli.conf.shown import print_json, to_json
+from rtkit.cli.conf.shown import record_of
 from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:
@@ -55,7 +55,8 @@ def do(app: App, facts: ComponentFacts, asked: Asked) -> int:
         return 0
     found = list(_differences(facts, sets, asked, argument))
     if asked.is_json:
-        print_json(*(each._asdict() for each in found))
+        records = (each._asdict() for each in found)
+        _out.write(_records.lines("configuration-difference", records))
     else:
         _out.write(line for each in found for line in _lines(each))
     return app.status(Refused()) if found else 0
@@ -100,18 +101,10 @@ def _lines(each: Difference) -> Iterator[str]:
 
 
 def _export(facts: ComponentFacts, chosen: Sets, target: str) -> None:
-    record = {
-        "component": facts.instance,
-        "type": facts.type.full_id,
-        "active": facts.active_set,
-        "sets": {name: dict(values) for name, values in chosen.items()},
-    }
-    if target == STDIN:
-        print_json(record, indent=2)
-        return
     from rtkit.cli._atomic import write_output
 
-    write_output("".join(f"{line}\n" for line in to_json([record], 2)).encode(), target)
+    text = _records.line("configuration", record_of(facts, chosen), indent=2)
+    write_output(f"{text}\n".encode(), target)
 
 
 def _import(app: App, facts: ComponentFacts, sets: Sets, asked: Asked, source: str) -> None:

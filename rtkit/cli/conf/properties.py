@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.cli.conf.asked import Asked, values_of
-from rtkit.cli.conf.shown import print_json, show_value
+from rtkit.cli.conf.shown import show_value
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: Asked
             app.tree.set(key, value)
             tell_vain(app, key, value)
     elif asked.is_json:
-        print_json(dict(properties))
+        _out.write([_records.line("properties", {"properties": dict(properties)})])
     else:
         _out.write(_out.pairs(sorted(properties.items()), ""))
 

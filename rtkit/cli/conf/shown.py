@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli.conf.asked import Asked, Sets
 from rtkit.errors import NotFound
 
@@ -19,7 +19,7 @@ DESCRIPTION = "description"
 def show_sets(facts: ComponentFacts, sets: Sets, asked: Asked) -> None:
     """List sets of a component, with their parameters if that was asked for."""
     if asked.is_json:
-        print_json({"active": facts.active_set, "sets": {k: dict(v) for k, v in sets.items()}})
+        _out.write([_records.line("configuration", record_of(facts, sets))])
         return
     lines = []
     for name in sorted(sets):
@@ -43,19 +43,17 @@ def show_value(name: str, values: Mapping[str, str], asked: Asked) -> None:
     if name not in values:
         raise NotFound(f"No such configuration parameter: {name}")
     if asked.is_json:
-        print_json({"name": name, "value": values[name]})
+        _out.write([_records.line("parameter", {"name": name, "value": values[name]})])
         return
     lines = values[name].split("\n")
     _out.write(map(_out.printable, lines) if _out.is_terminal() else lines)
 
 
-def print_json(*records: Mapping[str, object], indent: int | None = None) -> None:
-    """Print records as JSON, one a line unless they are indented."""
-    _out.write(to_json(records, indent))
-
-
-def to_json(records: Iterable[Mapping[str, object]], indent: int | None = None) -> list[str]:
-    """Return records as JSON."""
-    from json import dumps
-
-    return [dumps({"schema": "rtkit.conf/1", **record}, indent=indent) for record in records]
+def record_of(facts: ComponentFacts, sets: Sets) -> dict[str, object]:
+    """Return sets of a component for JSON, as a file has them too."""
+    return {
+        "component": facts.instance,
+        "type": facts.type.full_id,
+        "active": facts.active_set,
+        "sets": {name: dict(values) for name, values in sets.items()},
+    }

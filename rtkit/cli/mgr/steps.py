@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli.conf.properties import tell_vain
 from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
 from rtkit.errors import RtkitError, UsageProblem, from_kind
@@ -186,8 +186,9 @@ class Runner:
 
         files, problems = offers(self._app.tree, snapshot)
         if self._is_json:
-            self._print_json([{"type": name, "module": file} for name, file in files.items()])
-            self._print_json([{"module": name, "problem": why} for name, why in problems])
+            known = [{"type": t, "module": m or None, "problem": None} for t, m in files.items()]
+            bad = [{"type": None, "module": m, "problem": why} for m, why in problems]
+            _out.write(_records.lines("component-type", [*known, *bad]))
             return
         self._show({"type": name} for name in files)
         for name, why in problems:
@@ -208,7 +209,7 @@ class Runner:
     def _show(self, rows: Iterator[dict[str, str]]) -> None:
         table = list(rows)
         if self._is_json:
-            self._print_json(table)
+            _out.write(_records.lines("instance", table))
             return
         cells = [[_out.printable(text or "-") for text in row.values()] for row in table]
         widths = [max(map(_out.display_width, column)) for column in zip(*cells, strict=True)]
@@ -217,11 +218,6 @@ class Runner:
     def _show_properties(self, snapshot: Snapshot) -> None:
         rows = sorted(snapshot.properties.items())
         if self._is_json:
-            self._print_json([dict(rows)])
+            _out.write([_records.line("properties", {"properties": dict(rows)})])
         else:
             _out.write(_out.pairs([(f"{key}:", value) for key, value in rows], ""))
-
-    def _print_json(self, records: Sequence[dict[str, str]]) -> None:
-        from json import dumps
-
-        _out.write(dumps({"schema": "rtkit.mgr/1", **record}) for record in records)

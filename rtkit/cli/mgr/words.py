@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
@@ -102,19 +102,16 @@ def _tell_start(app: App, name: str, started: Started) -> None:
 
 def _tell_status(name: str, status: Status, is_json: bool) -> None:
     if is_json:
-        from json import dumps
-
         record = {
-            "schema": "rtkit.status/1",
             "name": name,
             "pid": status.pid,
             "uptime_s": status.uptime_s,
             "components": status.components,
             "slaves": status.slaves,
             "socket": status.socket,
-            "address": status.address,
+            "address": status.address or None,
         }
-        _out.write([dumps(record)])
+        _out.write([_records.line("manager-status", record)])
         return
     rows = [
         ("Name", name),

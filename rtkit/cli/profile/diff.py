@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.errors import Refused, UsageProblem
 
@@ -50,6 +50,4 @@ def _line(each: Difference) -> str:
 
 
 def _object(each: Difference) -> str:
-    import json
-
-    return json.dumps(each._asdict(), ensure_ascii=False)
+    return _records.line("profile-difference", each._asdict())

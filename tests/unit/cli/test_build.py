@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
 import pytest
 
 IDL = Path(__file__).parents[2] / "idl"
@@ -177,8 +177,8 @@ def test_a_dry_run_writes_nothing(place: Path, run: Run) -> None:
 def test_json_has_an_object_for_each_file(place: Path, run: Run) -> None:
     run("rtbuild echo.xml -o out")
     edit(place / "out" / "README.md", "Echoes", "Mine")
-    records = [json.loads(line) for line in run("rtbuild --json echo.xml -o out").out.splitlines()]
-    assert {record["schema"] for record in records} == {"rtkit.build/1"}
+    records = jsonrecords.checked(run("rtbuild --json echo.xml -o out").out)
+    assert {jsonrecords.kind_of(record) for record in records} == {"built-file"}
     assert {record["path"]: record["fate"] for record in records} == {
         f"out/{name}": "kept" if name == "README.md" else "unchanged" for name in WRITTEN
     }

@@ -81,7 +81,7 @@ def test_what_was_exported_is_no_difference(run: Run, tmp_path: Path) -> None:
 
 def test_hidden_sets_are_exported_on_demand(run: Run, tmp_path: Path) -> None:
     document = json.loads(exported(run, STD, tmp_path).read_text())
-    assert document["schema"] == "rtkit.conf/1"
+    assert document["schema"] == "rtkit.configuration/1"
     assert sorted(document["sets"]) == ["default", "set1", "set2"]
     document = json.loads(exported(run, f"-a {STD}", tmp_path).read_text())
     assert sorted(document["sets"]) == ["__hidden__", "default", "set1", "set2"]

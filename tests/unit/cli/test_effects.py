@@ -367,7 +367,7 @@ def test_json_is_one_object_a_line(run: Run) -> None:
         "/localhost/Adder0.rtc",
         "/localhost/Err0.rtc",
     ]
-    assert {record["schema"] for record in records} == {"rtkit.ls/1"}
+    assert {record["schema"] for record in records} == {"rtkit.entry/1"}
     zombie = next(record for record in records if record["kind"] == "zombie")
     assert (zombie["zombie"], zombie["state"]) == ("signal 9", None)
 
@@ -387,8 +387,6 @@ def test_json_of_a_whole_tree_lists_each_entry_once(run: Run) -> None:
         ("rtcat --json /localhost/manager.mgr/slave2.mgr", "state", "lost"),
         (f"rtconf --json {STD}", "active", "default"),
         (f"rtconf --json {STD} get param", "value", "0"),
-        ("rtconf --json /localhost/manager.mgr", "manager.name", "manager"),
-        ("rtmgr --json -g /localhost/manager.mgr", "naming.formats", "%n.rtc"),
     ],
 )
 def test_json_records(run: Run, line: str, key: str, value: object) -> None:

@@ -7,7 +7,9 @@ import json
 import sys
 from pathlib import Path
 
+import jsonrecords
 import pytest
+from lxml import etree
 
 from rtkit.cli import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
@@ -367,17 +369,18 @@ def test_check_tells_every_deviation(run, file, world):
     world.perform(act.SetParameters("Sink0", "default", {"gain": "7"}))
     wire = f"No connection between {SOURCE}:out and {SINK}:in"
     gain = f"Configuration parameter gain in set default on component {SINK} is incorrect"
-    states = [f"Component {path} is in incorrect state Inactive" for path in (SOURCE, SINK)]
+    state = "Component {} is in incorrect state Inactive; wanted: Active"
+    states = [state.format(path) for path in (SOURCE, SINK)]
     assert run("rtcheck", path) == (
         1,
         "",
-        "\n".join([wire, f"{gain} (value: 7)", *states, ""]),
+        "\n".join([wire, f"{gain} (value: 7); wanted: 2", *states, ""]),
     )
     status, out, err = run("rtcheck", "-s", "INACTIVE", "--json", path)
     assert (status, err) == (1, "")
-    assert [json.loads(line) for line in out.splitlines()] == [
+    assert jsonrecords.checked(out) == [
         {
-            "schema": "rtkit.check/1",
+            "schema": "rtkit.deviation/1",
             "kind": "connection",
             "path": f"{SOURCE}:out {SINK}:in",
             "text": wire,
@@ -387,7 +390,7 @@ def test_check_tells_every_deviation(run, file, world):
             "found": "",
         },
         {
-            "schema": "rtkit.check/1",
+            "schema": "rtkit.deviation/1",
             "kind": "parameter",
             "path": SINK,
             "text": f"{gain} (value: 7)",
@@ -399,6 +402,25 @@ def test_check_tells_every_deviation(run, file, world):
     ]
     assert run("rtcheck", "-s", "Sleepy", path)[0] == 2
     assert run("rtcheck", "--exit-detail", path)[0] == 1
+
+
+def test_check_for_build_servers(run, file, world):
+    path = file()
+    run("rtresurrect", path)
+    world.perform(act.SetParameters("Sink0", "default", {"gain": "7"}))
+    status, out, err = run("rtcheck", "-s", "inactive", "--format", "junit", path)
+    assert (status, err) == (1, "")
+    (suite,) = etree.fromstring(out.encode())
+    cases = {case.get("name"): case.find("failure") for case in suite.iter("testcase")}
+    assert list(cases) == [SOURCE, SINK, f"{SOURCE}:out {SINK}:in"]
+    assert [name for name, failure in cases.items() if failure is not None] == [SINK]
+    assert cases[SINK].get("message").endswith("is incorrect (value: 7); wanted: 2")
+    status, out, _ = run("rtcheck", "-s", "inactive", "--format", "github", path)
+    assert (status, out.count("::error file=")) == (1, 1)
+    status, out, _ = run("rtcheck", "-s", "inactive", "--format", "sarif", path)
+    assert (status, json.loads(out)["runs"][0]["results"][0]["ruleId"]) == (1, "live-parameter")
+    assert run("rtcheck", "--diff", "--json", path)[0] == 2
+    assert run("rtcheck", "--ignore", "x", path)[0] == 2
 
 
 def test_check_shows_both_sides(run, file, world):

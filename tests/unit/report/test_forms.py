@@ -72,6 +72,7 @@ def test_quiet_leaves_errors_only(form: str) -> None:
 def test_json_is_one_object_a_line() -> None:
     first, second = map(json.loads, json_lines([BAD, GOOD]))
     assert first == {
+        "schema": "rtkit.checked/1",
         "file": "a b/ü.xml",
         "what": "RTS profile",
         "valid": False,

@@ -1,0 +1,196 @@
+"""The records of ``--json``: each is as its schema says, and each schema is met by one."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+import jsonrecords
+import pytest
+
+from rtkit.cli import COMMANDS, _records
+from rtkit.component.codec import codec_for
+from rtkit.component.literal import Literal
+from rtkit.component.types import Time, TimedDouble, TimedLong
+from rtkit.deployment.world import World
+from rtkit.probe.tap import Arrival
+from rtkit.recording.entries import Channel, Entry
+from rtkit.recording.mcap_file import Writer
+
+Run = Callable[[str], Any]
+ROOT = Path(__file__).parents[3]
+STD = "/localhost/Std0.rtc"
+MANAGER = "/localhost/manager.mgr"
+ASKED = {
+    "rtls --json /": "entry",
+    "rtls -R --json /": "entry",
+    "rtls --json /localhost": "entry",
+    f"rtls --json {STD}": "entry",
+    "rtfind --json /": "entry",
+    "rtfind --json /localhost -t z": "entry",
+    f"rtcat --json {STD}": "component",
+    "rtcat --json /localhost/Err0.rtc": "component",
+    "rtcat --json /localhost/Input0.rtc": "component",
+    f"rtcat --json {STD}:in": "port",
+    "rtcat --json /localhost/User0.rtc:need": "port",
+    f"rtcat --json {MANAGER}": "manager",
+    f"rtcat --json {MANAGER}/slave2.mgr": "manager",
+    f"rtconf --json {STD}": "configuration",
+    f"rtconf --json -a {STD} list": "configuration",
+    f"rtconf --json {STD} get param": "parameter",
+    f"rtconf --json {MANAGER}": "properties",
+    f"rtconf --json {MANAGER} get manager.name": "parameter",
+    f"rtmgr --json -g {MANAGER}": "properties",
+    f"rtmgr --json -r {MANAGER}": "instance",
+    f"rtmgr --json -l /mods/a.py:aInit -m {MANAGER}": "component-type",
+    "rtpwd --json": "working-directory",
+    f"rtwait --json {STD} inactive": "goal",
+}
+ELSEWHERE = {
+    "built-file": "unit/cli/test_build.py",
+    "deviation": "unit/cli/test_system.py",
+}
+"""Kinds that other tests hold against their schemas."""
+
+WITHOUT = {
+    "rtact", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit", "rtinject", "rtreset",
+    "rtresurrect", "rtstart", "rtstop", "rtteardown",  # change, and tell nothing
+    "rtcwd",  # prints what a shell is to evaluate
+    "rtprofile",  # its words have it
+    "rtdoc", "rtstodot",  # write documents of other forms
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", ASKED)
+def test_records_are_as_their_schema_says(run: Run, line: str) -> None:
+    done = run(line)
+    records = jsonrecords.checked(done.out)
+    assert (done.status, done.err) == (0, "")
+    assert {jsonrecords.kind_of(record) for record in records} == {ASKED[line]}
+
+
+def test_every_schema_is_met_and_explained(met: set[str]) -> None:
+    text = (ROOT / "docs" / "json.md").read_text(encoding="utf-8")
+    for file in jsonrecords.FOLDER.iterdir():
+        kind = file.name.removesuffix(".1.schema.json")
+        assert f"`{kind}`" in text
+        jsonrecords.validator(kind).check_schema(json.loads(file.read_text(encoding="utf-8")))
+        where = ELSEWHERE.get(kind)
+        is_met = kind in met if where is None else _mentions(where, kind)
+        assert is_met, f"no test has a record of {kind}"
+
+
+def _mentions(where: str, kind: str) -> bool:
+    text = (ROOT / "tests" / where).read_text(encoding="utf-8")
+    return "jsonrecords.checked(" in text and kind in text
+
+
+@pytest.fixture
+def met() -> set[str]:
+    """Kinds of records that tests of this file meet."""
+    own = Path(__file__).read_text(encoding="utf-8")
+    kinds = {file.name.removesuffix(".1.schema.json") for file in jsonrecords.FOLDER.iterdir()}
+    return {kind for kind in kinds if f'"{kind}"' in own}
+
+
+def test_every_command_that_reads_has_json() -> None:
+    lacking = {
+        name
+        for name in COMMANDS.values()
+        if name not in WITHOUT
+        and not any("--json" in each.opts for each in _options(f"rtkit.cli.{name}"))
+    }
+    assert lacking == set()
+
+
+def _options(module: str) -> list[click.Parameter]:
+    return list(importlib.import_module(module).main.command.params)
+
+
+def test_the_words_of_rtmgr(capsys: pytest.CaptureFixture[str]) -> None:
+    from rtkit.cli.mgr.words import _tell_status
+    from rtkit.tree.managers import Status
+
+    for address in ("", "localhost:2810"):
+        _tell_status("manager", Status(1, 2.5, 3, 1, "/run/x", address), True)
+    records = jsonrecords.checked(capsys.readouterr().out)
+    assert {jsonrecords.kind_of(record) for record in records} == {"manager-status"}
+
+
+def test_a_state_machine(world: World, run: Run) -> None:
+    world.update(
+        "Std0", fsm_states={"off": {"toggle": "on"}, "on": {}}, fsm_events={"toggle": "RTC::X"}
+    )
+    (record,) = jsonrecords.checked(run(f"rtfsm --json {STD} getstate").out)
+    assert jsonrecords.kind_of(record) == "state-machine"
+    assert (record["state"], list(record["states"])) == (None, ["off", "on"])
+
+
+def test_differences_and_exports(run: Run) -> None:
+    (record,) = jsonrecords.checked(run(f"rtconf --json {STD} diff set1").out)
+    assert jsonrecords.kind_of(record) == "configuration-difference"
+    record = json.loads(run(f"rtconf {STD} export").out)
+    assert jsonrecords.kind_of(record) == "configuration"
+    assert not list(jsonrecords.validator("configuration").iter_errors(record))
+
+
+def test_profiles(run: Run) -> None:
+    files = Path(__file__).parent / "files"
+    checked = jsonrecords.checked(run(f"rtprofile validate --json {files}").out)
+    checked += jsonrecords.checked(run(f"rtprofile check --json {files / 'systems'}").out)
+    assert {jsonrecords.kind_of(record) for record in checked} == {"checked"}
+    line = f"rtprofile diff --json {files / 'pair.xml'} {files / 'pair2.xml'}"
+    found = jsonrecords.checked(run(line).out)
+    assert {jsonrecords.kind_of(record) for record in found} == {"profile-difference"}
+
+
+def test_recordings(tmp_path: Path, run: Run) -> None:
+    file = tmp_path / "run.mcap"
+    with file.open("wb") as stream, Writer(stream) as writer:
+        for name in ("full", "empty"):
+            writer.add_channel(Channel(name, "IDL:RTC/TimedLong:1.0", ("/a",)), TimedLong)
+        for number in range(3):
+            payload = codec_for(TimedLong).encode(TimedLong(Time(number, 5), number))
+            stamp = number * 1_000_000_000 + 5
+            writer.write(Entry("full", stamp, 7_000_000_000 + number, payload))
+    (record,) = jsonrecords.checked(run(f"rtlog --info --json -f {file}").out)
+    assert jsonrecords.kind_of(record) == "recording"
+    assert (record["first"], record["last"]) == (
+        "1970-01-01T00:00:00.000000005Z",
+        "1970-01-01T00:00:02.000000005Z",
+    )
+    full, empty = record["channels"]
+    assert (full["entries"], full["first_index"], full["last_index"]) == (3, 0, 2)
+    assert (empty["entries"], empty["first"], empty["last_index"]) == (0, None, None)
+
+
+def test_values_and_their_statistics() -> None:
+    from rtkit.cli.rtprint import _json_line
+    from rtkit.probe.report import record_of
+    from rtkit.probe.spec import Stream
+    from rtkit.probe.stats import Stats, stamp_reader
+
+    codec = codec_for(TimedDouble)
+    stats = Stats(stamp_reader(TimedDouble))
+    for number in (1.5, float("nan"), float("inf"), float("-inf")):
+        arrival = Arrival("s", 1_700_000_000_000_000_001, codec.encode(TimedDouble(Time(), number)))
+        (record,) = jsonrecords.checked(_json_line(Stream("s", ()), codec.decode, ())(arrival))
+        assert jsonrecords.kind_of(record) == "value"
+        assert record["received"] == "2023-11-14T22:13:20.000000001Z"
+        data = Literal(TimedDouble, json.dumps(record["value"])).at(Time()).data
+        assert repr(data) == repr(number)
+        stats.take(arrival)
+    line = _records.line("stream-stats", record_of(Stream("s", ()), stats.summary(), 0))
+    (record,) = jsonrecords.checked(line)
+    assert jsonrecords.kind_of(record) == "stream-stats"
+
+
+def test_a_record_cannot_steer_a_terminal() -> None:
+    text = _records.line("parameter", {"name": "a\x9b31m", "value": "ü"})
+    assert text.isprintable()
+    assert json.loads(text)["name"] == "a\x9b31m"
+    assert "ü" in _records.line("parameter", {"name": "a", "value": "ü"})
