@@ -31,7 +31,7 @@ def configure(shell: Any, text: str, name: str = "rtc.conf") -> None:
 
 def properties(shell: Any) -> dict[str, str]:
     (line,) = shell.ok(f"rtmgr -g --json {MANAGER}").splitlines()
-    table: dict[str, str] = json.loads(line)
+    table: dict[str, str] = json.loads(line)["properties"]
     return table
 
 

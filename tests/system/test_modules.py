@@ -115,7 +115,8 @@ def test_load_paths_are_properties(shell: Any) -> None:
     refused(shell, "-c Far", "Far is not known")
     shell.ok(f"rtmgr -c Near?manager_name=s1 -s manager.modules.load_path=near,far {MANAGER}")
     shell.ok(f"rtmgr -c Far -c Far?manager_name=s1 -c Far?manager_name=s2 {MANAGER}")
-    listed = json.loads(shell.ok(f"rtmgr -g --json {MANAGER}"))["manager.modules.load_path"]
+    properties = json.loads(shell.ok(f"rtmgr -g --json {MANAGER}"))["properties"]
+    listed = properties["manager.modules.load_path"]
     assert listed.startswith(f"{shell.folder}/near,{shell.folder}/far,{shell.modules},/")
 
 

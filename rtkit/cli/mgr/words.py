@@ -109,7 +109,7 @@ def _tell_status(name: str, status: Status, is_json: bool) -> None:
             "components": status.components,
             "slaves": status.slaves,
             "socket": status.socket,
-            "address": status.address or None,
+            "address": status.address,
         }
         _out.write([_records.line("manager-status", record)])
         return
