@@ -3,7 +3,9 @@
 Rules kept here, each a hang or a loss that was measured otherwise: explicit endpoints and no
 scouting; bounded channels with consolidation off for every get; direct callbacks that only
 enqueue; queries dropped after their reply; sessions closed explicitly; nothing opened before a
-fork; no shared memory but for port data, because a session leaves a segment of it behind.
+fork; no shared memory but for port data, because a session leaves a segment of it behind; a lease
+that outlasts any stand-still, because all links are of one host, where the kernel closes the
+sockets of the dead at once.
 """
 
 from __future__ import annotations
@@ -17,6 +19,9 @@ from rtkit.errors import Malformed, Unreachable
 from rtkit.property.exchange import Reply, Request
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
+LEASE_S = 600.0
+"""How long a peer may be silent until it is given up: a stopped machine is no death [s]."""
+
 NOTHING: Mapping[str, str] = {}
 _ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
 
@@ -30,6 +35,7 @@ def _config(mode: str, settings: dict[str, str], has_shared_memory: bool) -> zen
         "scouting/delay": "0",
         "open/return_conditions/connect_scouted": "false",
         "connect/retry": _RETRY,
+        "transport/link/tx/lease": str(int(LEASE_S * 1000)),
         "transport/shared_memory/enabled": str(has_shared_memory).lower(),
     }
     if has_shared_memory:

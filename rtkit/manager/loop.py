@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import faulthandler
 import logging
 import os
 import queue
@@ -25,13 +24,8 @@ from rtkit.manager.logs.outputs import cut
 from rtkit.manager.processes.lastwords import last_words
 from rtkit.manager.processes.lines import Lines
 from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.watchman import (
-    DEADLINE_S,
-    STACK_SIGNAL,
-    Watchman,
-    callback_deadline_s,
-    stack_path,
-)
+from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.manager.processes.watchman import DEADLINE_S, Watchman, callback_deadline_s
 from rtkit.manager.requests import Desk
 from rtkit.property.exchange import Request, failure
 
@@ -67,8 +61,7 @@ class Loop:
             nursery.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
         )
         self._watchman.watch(ev.OWN_PROCESS, core.state.pid)
-        path = stack_path(nursery.data_pattern, core.state.pid)
-        self._stack = open(path, "a")  # noqa: SIM115 - open for life
+        self._stacks = open_stacks(nursery.data_pattern, core.state.pid)
         self._tidy_at = 0.0
         self._is_finished = False
         self._is_closed = False
@@ -116,8 +109,7 @@ class Loop:
         self._selector.close()
         self._lines.close()
         self._watchman.forget(ev.OWN_PROCESS)
-        self._stack.close()
-        for descriptor in (self._wake_read, self._wake_write):
+        for descriptor in (self._wake_read, self._wake_write, self._stacks):
             os.close(descriptor)
 
     def _patience(self) -> float | None:
@@ -143,11 +135,15 @@ class Loop:
         for event in self._watchman.inspect(key, age_s):
             self.post(event)
 
-    def _ask_for_stack(self, key: int) -> None:
+    def _ask_for_stack(self, key: int, is_urgent: bool) -> None:
         if key == ev.OWN_PROCESS:
-            faulthandler.dump_traceback(self._stack, all_threads=True)
+            write_stacks(self._stacks)
+        elif is_urgent:
+            process = self._core.state.processes.get(key)
+            if process is not None and process.state == "up":  # a stopped one gets it later
+                self._nursery.signal(key, STACK_SIGNAL)
         else:
-            self._nursery.signal(key, STACK_SIGNAL)
+            self._lines.send(key, {"op": ASK})
 
     def _deadline_s(self, instance: str) -> float:
         facts = self._core.state.components.get(instance)

@@ -10,6 +10,7 @@ import pytest
 
 MANAGER = "/localhost/manager.mgr"
 STUCK = '''
+import ctypes
 import re
 import time
 from rtkit.component import Component, Parameter
@@ -24,6 +25,9 @@ class Stuck(Component):
     def on_initialize(self):
         if self.options.get("when") == "initialize":
             time.sleep(60)
+        if self.options.get("when") == "c_sleep":
+            with open("slept", "w") as file:
+                print(ctypes.CDLL(None).usleep(900_000), file=file)
 
     def on_execute(self, context):
         if self.how == "sleep":
@@ -98,3 +102,18 @@ def test_another_command_says_what_it_waited_for(stuck: Any) -> None:
     status, _, err = stuck.run("rtdeact --timeout 0.5 /localhost/S.rtc")
     assert status == 1
     assert "no answer from s in time: S is stuck in on_execute" in err
+
+
+def test_who_is_asked_where_it_is_sleeps_on(stuck: Any) -> None:
+    """A signal would end a sleep of C code, in the thread that makes components."""
+    stuck.ok(f"rtmgr {MANAGER} -c 'Stuck?instance_name=S&manager_name=s'")
+    create = "'Stuck?instance_name=T&manager_name=s&when=c_sleep'"
+    status, _, err = stuck.run(f"rtmgr {MANAGER} --timeout 0.3 -c {create}")
+    assert status == 1
+    assert re.search(r"T is stuck in on_initialize since [\d:]{8} \(Stuck\.py:\d+ in on_init", err)
+    file = stuck.folder / "slept"
+    deadline = time.monotonic() + 10.0
+    while not (told := file.read_text()):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert told == "0\n"

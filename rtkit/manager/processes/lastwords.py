@@ -10,7 +10,7 @@ from typing import NamedTuple
 from rtkit.link import places
 from rtkit.manager.logs.outputs import is_of
 from rtkit.manager.logs.records import printable
-from rtkit.manager.processes.watchman import place_of
+from rtkit.manager.processes.stacks import place_of
 
 _OUTPUT_BYTES = 256 * 1024
 _LOG_BYTES = 16 * 1024

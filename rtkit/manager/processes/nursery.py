@@ -23,7 +23,8 @@ from rtkit.link.streams import remove_socket
 from rtkit.manager.core import events as ev
 from rtkit.manager.processes.fosters import Fosters
 from rtkit.manager.processes.leftovers import end_children, end_sessions, reap_orphans
-from rtkit.manager.processes.watchman import beats_path, stack_path
+from rtkit.manager.processes.stacks import stack_path
+from rtkit.manager.processes.watchman import beats_path
 from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import ENDS, STOPS, reason
 

@@ -23,7 +23,8 @@ from rtkit.manager.holding.holder import Holder
 from rtkit.manager.logs.logs import Log, begin
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact
-from rtkit.manager.processes.watchman import beats_path, stack_path
+from rtkit.manager.processes.stacks import stack_path
+from rtkit.manager.processes.watchman import beats_path
 from rtkit.manager.processes.wire import Channel
 
 _FOLDER = os.path.dirname(os.path.abspath(__file__))

@@ -5,10 +5,12 @@ It outlives its manager (see `rtkit.manager.processes.contact`) and ends when on
 
 from __future__ import annotations
 
+import contextlib
 import faulthandler
 import os
 import signal
 import threading
+from collections.abc import Callable
 from typing import Any
 
 from rtkit import fault
@@ -21,7 +23,8 @@ from rtkit.manager.logs.logs import Log, hand_over
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact, Term
 from rtkit.manager.processes.leftovers import MARK, end_sessions
-from rtkit.manager.processes.watchman import STACK_SIGNAL, beats_path, stack_path
+from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.manager.processes.watchman import beats_path
 
 LAST_S = 5
 """Grace that components have to finalise after a TERM, if nobody sends a KILL before [s]."""
@@ -42,6 +45,7 @@ class Slave:
         self._settings = settings
         self._log = log
         self._contact: Contact
+        self._stacks: int
         wires = Wires(settings["host"], Streams(settings["data"]))
         self._holder = Holder(self._send, wires, Loader(list(settings["load_path"])))
 
@@ -62,8 +66,8 @@ class Slave:
         _name_process(f"rtkit {name}")
         self._contact = contact = Contact(self._settings["control"], name, Term())
         self._holder.show_beats(Beats(beats_path(data, pid)))
-        stack = os.open(stack_path(data, pid), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
-        faulthandler.register(STACK_SIGNAL, stack, all_threads=True)
+        self._stacks = open_stacks(data, pid)
+        faulthandler.register(STACK_SIGNAL, self._stacks, all_threads=True)
         fault.point("slave.greeting")
         contact.greet(key)
         fault.point("slave.greeted")
@@ -73,12 +77,24 @@ class Slave:
         if contact.is_alone:
             end_sessions({pid}, is_heir=False)  # a manager would do it
 
+    def put(self, message: Message) -> None:
+        """Take a message of the manager, on the thread that hears it."""
+        if message.get("op") == ASK:
+            with contextlib.suppress(OSError):  # a component has closed the file
+                write_stacks(self._stacks)
+        else:
+            self._holder.put(message)
+
+    def tell_all(self, tell: Callable[[Message], object]) -> None:
+        """Call `tell` with everything that is held."""
+        self._holder.tell_all(tell)
+
     def _send(self, message: Message) -> None:
         self._contact.send(message)
 
     def _listen(self) -> None:
         try:
-            self._contact.listen(self._holder)
+            self._contact.listen(self)
         finally:
             fault.point("slave.told_to_end")
             self._holder.close()

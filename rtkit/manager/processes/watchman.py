@@ -1,22 +1,19 @@
 """Watches the heartbeats of slaves: names callbacks that are stuck, with the line they are at.
 
-The line comes from the slave's own stack, which it writes at a signal, also while code holds the
-interpreter lock.
+The line comes from the slave's own stacks (see `rtkit.manager.processes.stacks`).
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import re
-import signal
-import sysconfig
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
 from rtkit.manager.holding.beats import Beat, BeatReader
+from rtkit.manager.processes.stacks import place_of, stack_path
 from rtkit.rtc.create import parse_create
 
 POLL_S = 0.025
@@ -25,31 +22,17 @@ POLL_S = 0.025
 _POLL_NS = int(POLL_S * 1e9)
 
 _STACK_POLLS = 20
-"""How many polls a process has to write its stack."""
+"""How many polls a process has to write its stacks."""
 
-STACK_SIGNAL = signal.SIGUSR1
-"""At which a slave writes its stack."""
+_ASKED_POLLS = 4
+"""How many of them it has to answer who asks; then it is sent a signal."""
 
 Told = CallbackStuck | ProcessInspected
-
-_FRAME = re.compile(r'  File "(.+)", line (\d+) in (.+)')
-_OURS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-_LIBRARIES = (
-    f"{_OURS}{os.sep}",
-    f"{sysconfig.get_path('stdlib')}{os.sep}",
-    f"{sysconfig.get_path('purelib')}{os.sep}",
-    "<frozen ",
-)
 
 
 def beats_path(pattern: str, pid: int) -> str:
     """Return where a process keeps its heartbeats; `pattern` is that of its data socket."""
     return pattern.replace("%p", str(pid)).removesuffix(".data") + ".beats"
-
-
-def stack_path(pattern: str, pid: int) -> str:
-    """Return where a process writes its stack."""
-    return pattern.replace("%p", str(pid)).removesuffix(".data") + ".stack"
 
 
 DEADLINE_KEY = "exec_cxt.callback_deadline"
@@ -73,7 +56,7 @@ class _Watched:
     """A process and what is known to be stuck in it, by instance.
 
     Attributes:
-        stack_polls: How many polls it still has to write the stack that it was asked for.
+        stack_polls: How many polls it still has to write the stacks that it was asked for.
         age_s: What to tell though its deadline is not over, because somebody asks.
         due_ns: Before then nothing in it can be late [ns].
     """
@@ -96,7 +79,8 @@ class Watchman:
         pattern: Of the processes' data sockets; heartbeats and stacks lie beside them.
         deadline_s: Returns how long a callback of an instance may take [s].
         shortest_s: Returns the least of all those [s].
-        ask_for_stack: Has a process write its stack.
+        ask_for_stack: Asks a process to write its stacks; then, if it does not, with `is_urgent`,
+            makes it.
     """
 
     def __init__(
@@ -104,7 +88,7 @@ class Watchman:
         pattern: str,
         deadline_s: Callable[[str], float],
         shortest_s: Callable[[], float],
-        ask_for_stack: Callable[[int], object],
+        ask_for_stack: Callable[[int, bool], object],
     ) -> None:
         self._pattern = pattern
         self._deadline_s = deadline_s
@@ -180,7 +164,7 @@ class Watchman:
         if fresh:
             with contextlib.suppress(OSError):
                 os.truncate(stack_path(self._pattern, watched.pid), 0)
-                self._ask_for_stack(key)
+                self._ask_for_stack(key, False)
                 watched.stack_polls = _STACK_POLLS
         if watched.age_s is not None and not watched.stack_polls:
             watched.age_s = None
@@ -214,6 +198,8 @@ class Watchman:
             stacks = ""
         places = {each: place_of(stacks, beat.thread) for each, beat in watched.stuck.items()}
         watched.stack_polls = 0 if all(places.values()) else watched.stack_polls - 1
+        if watched.stack_polls == _STACK_POLLS - _ASKED_POLLS and not stacks:
+            self._ask_for_stack(key, True)
         if not watched.stack_polls:
             for instance, beat in watched.stuck.items():
                 yield CallbackStuck(key, instance, _text(beat, now_ns, places[instance]))
@@ -223,24 +209,3 @@ def _text(beat: Beat, now_ns: int, place: str) -> str:
     began = time.localtime(time.time() - (now_ns - beat.since_ns) / 1e9)
     since = time.strftime("%H:%M:%S", began)
     return f"stuck in {beat.callback} since {since}" + (f" ({place})" if place else "")
-
-
-def place_of(stacks: str, thread: int, *, must_be_own: bool = False) -> str:
-    """Return ``file.py:12 in name`` of a thread's innermost frame that is a component's own.
-
-    Code of libraries and of rtkit is passed over, so that the line is one its author can mend;
-    where there is no other, the innermost frame is returned unless it must be a component's.
-    """
-    _, found, rest = stacks.partition(f"hread 0x{thread:016x}")
-    if not found:
-        return ""
-    frames = []
-    for line in rest.splitlines()[1:]:
-        match = _FRAME.fullmatch(line)
-        if match is None:
-            break
-        frames.append(match.groups())
-    own = [frame for frame in frames if not frame[0].startswith(_LIBRARIES)]
-    for file, number, name in own[:1] or ([] if must_be_own else frames[:1]):
-        return f"{os.path.basename(file)}:{number} in {name}"
-    return ""

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from rtkit.manager.holding.beats import CALLBACKS, BeatReader, Beats
-from rtkit.manager.processes.watchman import DEADLINE_S, callback_deadline_s, place_of
+from rtkit.manager.processes.stacks import place_of
+from rtkit.manager.processes.watchman import DEADLINE_S, callback_deadline_s
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import faulthandler
 import os
 import re
 import threading
@@ -13,7 +12,8 @@ import pytest
 
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
 from rtkit.manager.holding.beats import Beats
-from rtkit.manager.processes.watchman import POLL_S, Watchman, beats_path, stack_path
+from rtkit.manager.processes.stacks import open_stacks, stack_path, write_stacks
+from rtkit.manager.processes.watchman import POLL_S, Watchman, beats_path
 
 KEY = 7
 
@@ -28,22 +28,24 @@ class Watched:
         assert slot is not None
         self.slot = slot
         self.deadline_s = 1000.0
-        self.does_answer = True
-        self._stack = open(stack_path(pattern, os.getpid()), "a")  # noqa: SIM115
-        self.stack = Path(self._stack.name)
+        self.answers = {False, True}
+        self.asked = []
+        self._stacks = open_stacks(pattern, os.getpid())
+        self.stack = Path(stack_path(pattern, os.getpid()))
         self.shortest_s = 0.0
         self.watchman = Watchman(
             pattern, lambda _instance: self.deadline_s, lambda: self.shortest_s, self._dump
         )
         self.watchman.watch(KEY, os.getpid())
 
-    def _dump(self, _key: int) -> None:
-        if self.does_answer:
-            faulthandler.dump_traceback(self._stack, all_threads=True)
+    def _dump(self, _key: int, is_urgent: bool) -> None:
+        self.asked.append(is_urgent)
+        if is_urgent in self.answers:
+            write_stacks(self._stacks)
 
     def close(self) -> None:
         self.watchman.forget(KEY)
-        self._stack.close()
+        os.close(self._stacks)
 
     def poll(self) -> list[object]:
         time.sleep(max(0.0, self.wait_s))
@@ -116,7 +118,7 @@ def test_a_process_without_heartbeats_is_known_to_tell_nothing(watched):
 
 
 def test_a_process_that_writes_no_stack_is_not_waited_for_without_end(watched):
-    watched.does_answer = False
+    watched.answers = set()
     watched.slot.watch("A", "on_execute")
     time.sleep(0.002)
     watched.inspect(0.001)
@@ -126,6 +128,21 @@ def test_a_process_that_writes_no_stack_is_not_waited_for_without_end(watched):
         assert polls < 100
     assert text(told[:1]) == "stuck in on_execute since NOW"
     assert told[1:] == [ProcessInspected(KEY)]
+    assert watched.asked == [False, True]
+
+
+def test_who_answers_is_sent_no_signal_who_does_not_is(watched):
+    for answers, asked in (({False, True}, [False]), ({True}, [False, True])):
+        watched.answers, watched.asked = answers, []
+        watched.slot.watch("A", "on_execute")
+        time.sleep(0.002)
+        told = watched.inspect(0.001)
+        while ProcessInspected(KEY) not in told:
+            told += watched.poll()
+        assert "(test_watchman.py:" in told[-2].text
+        assert watched.asked == asked
+        watched.slot.watch("", "")
+        watched.poll()
 
 
 def test_the_file_of_stacks_does_not_grow(watched):
