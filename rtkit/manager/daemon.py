@@ -24,7 +24,8 @@ from rtkit.manager.core.events import OWN_PROCESS, HolderSaid, Message, Operatio
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.logs.logs import open_log
-from rtkit.manager.processes.nursery import Nursery, become_subreaper
+from rtkit.manager.processes.nursery import Nursery
+from rtkit.manager.processes.parents import become_subreaper
 from rtkit.manager.report import Report
 from rtkit.manager.restarting import execute_again
 from rtkit.manager.settings import formats

@@ -98,6 +98,7 @@ class Loop:
                 self._wake_at = None
                 self._handle(ev.Tick())
             self._lines.check_settled()
+            self._lines.check_zygote()
             self._look()
             self._tidy()
             if self._nursery.sweep_at is not None and time.monotonic() >= self._nursery.sweep_at:
@@ -115,7 +116,8 @@ class Loop:
     def _patience(self) -> float | None:
         look_at = self._watchman.look_at if self._has_callbacks else None
         tidy_at = self._tidy_at if self._core.state.components else None
-        wishes = (self._wake_at, self._lines.deadline, self._nursery.sweep_at, look_at, tidy_at)
+        nursery = (self._nursery.sweep_at, self._nursery.start_at)
+        wishes = (self._wake_at, self._lines.deadline, look_at, tidy_at, *nursery)
         moments = [moment for moment in wishes if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
 

@@ -160,10 +160,14 @@ class CoreMachine(RuleBasedStateMachine):
         self.held.pop(key, None)
         self.shell.end(key, "signal 9")
 
-    @precondition(lambda self: self.slaves("up", "stopped"))
+    @rule(why=st.sampled_from(["", "the zygote ended"]))
+    def bar(self, why):
+        self.shell.feed(ev.BirthsBarred(why))
+
+    @precondition(lambda self: self.slaves("starting", "up", "stopped"))
     @rule(index=indexes, is_halted=st.booleans())
     def halt(self, index, is_halted):
-        living = self.slaves("up", "stopped")
+        living = self.slaves("starting", "up", "stopped")
         self.shell.feed(ev.SlaveHalted(living[index % len(living)].key, is_halted))
 
     # holders

@@ -42,14 +42,21 @@ def manager_lines(snapshot: Snapshot, process: ProcessFacts | None, offers: Offe
         ("Refstring path", known.get("manager.refstring_path", "")),
         ("Components precreate", known.get("manager.components.precreate", "")),
     ]
-    if process is not None and (process.state != "up" or process.reason):
-        rows += [("State", f"{process.state} {process.reason}")]
+    shown = _process(snapshot, process)
+    if shown is not None and (shown.state != "up" or shown.reason):
+        rows += [("State", f"{shown.state} {shown.reason}")]
     lines = _titled(rows)
     lines += ["Modules:", *_titled([(t, known.get(key, "")) for t, key in _MODULES], "  ")]
     lines += ["OS:", *_titled([(t, known.get(key, "")) for t, key in _SYSTEM], "  ")]
     lines += ["Loaded modules:"]
     lines += _titled([("Filepath", module.path) for module in snapshot.modules], "  ")
     return [*lines, "Loadable modules:", *(f"  {_out.printable(id)}" for id in offers.types)]
+
+
+def _process(snapshot: Snapshot, slave: ProcessFacts | None) -> ProcessFacts | None:
+    """Return the facts of the process that is shown: a slave, else the manager's own."""
+    own = (process for process in snapshot.processes if process.pid == snapshot.pid)
+    return slave if slave is not None else next(own, None)
 
 
 def _titled(rows: Iterable[tuple[str, str]], indent: str = "") -> list[str]:
@@ -62,10 +69,12 @@ def manager_record(
     """Return what is known of a manager, or of a slave of it, for JSON."""
     from rtkit.rtc.plain import encode
 
+    shown = _process(snapshot, process)
     return {
         "name": snapshot.manager if process is None else process.name,
         "pid": snapshot.pid if process is None else process.pid,
         "state": "up" if process is None else process.state,
+        "reason": shown.reason if shown is not None else "",
         "version": snapshot.version,
         "modules": [encode(module) for module in snapshot.modules],
         "loadable": [{"type": id, "module": file} for id, file in offers.types.items()],

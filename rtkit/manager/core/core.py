@@ -18,6 +18,7 @@ from rtkit.manager.core.events import (
     AdoptSlave,
     AnswerClient,
     BatchAsked,
+    BirthsBarred,
     CallbackStuck,
     Event,
     Finish,
@@ -107,6 +108,8 @@ class Core:
                 self._ended(key, reason, last)
             case SlaveFailed(key, reason):
                 self._ended(key, reason)
+            case BirthsBarred(why):
+                self.state.barred = why
             case SlaveHalted(key, is_halted):
                 self._halted(key, is_halted)
             case CallbackStuck(key, instance, text):
@@ -301,6 +304,8 @@ class Core:
 
     def _halted(self, key: int, is_halted: bool) -> None:
         process = self.state.processes.get(key)
+        if process is not None and process.state == "starting" and is_halted:
+            self._give_up_birth(process)
         if process is None or not process.is_ready:
             return
         process.state = "stopped" if is_halted else "up"
@@ -308,6 +313,13 @@ class Core:
             self._tasks.give_up(Unreachable(process.unfit), key)
         for instance in self.state.held_by(key):
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
+
+    def _give_up_birth(self, process: Process) -> None:
+        """End a slave that was stopped before it said hello: nobody has use for it."""
+        process.is_wanted = False
+        self._out.append(SignalSlave(process.key, signal.SIGKILL))
+        why = f"slave {process.name} was stopped before it was ready, and is ended"
+        self._tasks.give_up_on(process, Unreachable(why))
 
     def _stuck(self, key: int, instance: str, text: str) -> None:
         process = self.state.processes.get(key)

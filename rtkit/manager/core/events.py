@@ -69,6 +69,13 @@ class SlaveFailed:
 
 
 @dataclass(frozen=True, slots=True)
+class BirthsBarred:
+    """No slave can be made at present, for this reason; or, with none, they can again."""
+
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class SlaveReady:
     """A slave said hello: it can hold components."""
 
@@ -142,6 +149,7 @@ Event = (
     | StopAsked
     | SlaveForked
     | SlaveFailed
+    | BirthsBarred
     | SlaveReady
     | SlaveFound
     | SlaveEnded

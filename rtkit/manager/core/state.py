@@ -122,6 +122,7 @@ class State:
         masters: Managers that this one is registered with.
         slaves: Managers with processes of their own that are registered with this one.
         is_in_haste: It is to end without any grace.
+        barred: Why no slave can be made at present; empty when they can.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
     """
@@ -149,18 +150,22 @@ class State:
     masters: list[str] = field(default_factory=list)
     slaves: list[str] = field(default_factory=list)
     is_in_haste: bool = False
+    barred: str = ""
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
         return "stopped" if process.state == "stopped" else process.stuck.get(instance, "")
 
     def trouble_in(self, process: Process) -> str:
-        """Return what is stuck in a process and is shown at none of its components."""
-        return "; ".join(
+        """Return what is wrong with a process and is shown at none of its components."""
+        told = [
             f"{name} is {text}"
             for name, text in process.stuck.items()
             if self.holders.get(name) != process.key
-        )
+        ]
+        if self.barred and process.key == OWN_PROCESS:
+            told.insert(0, f"no slave can be started: {self.barred}")
+        return "; ".join(told)
 
     def living_process(self, name: str) -> Process | None:
         """Return the living process of that name, or None."""

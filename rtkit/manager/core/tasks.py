@@ -157,12 +157,15 @@ class Tasks:
 
     def process_ended(self, process: Process) -> None:
         """Tell those who wait for this slave that it ended."""
-        error = Unreachable(process.end)
-        for number, _ in self._waiting_for(process.key):
-            self._go_on(number, None, error)
+        self.give_up_on(process, Unreachable(process.end))
         for number, task in list(self._waiting.items()):
             if isinstance(task.wait, AllEnded) and _have_ended(task.wait):
                 self._go_on(number, None)
+
+    def give_up_on(self, process: Process, error: RtkitError) -> None:
+        """Raise an error in every procedure that waits for this slave, whatever it waits for."""
+        for number, _ in self._waiting_for(process.key):
+            self._go_on(number, None, error)
 
     def cancel(self, error: RtkitError) -> None:
         """Raise an error in every procedure whose outcome somebody waits for."""
@@ -206,9 +209,13 @@ class Tasks:
                         return
                     error = Unreachable(process.unfit)
                 case Need():
-                    value = self._needed(task, wish)
-                    if value is None:
+                    slave = self._needed(wish)
+                    if slave is None:
+                        error = Unreachable(f"no slave can be started: {self._state.barred}")
+                    elif slave.state == "starting":
+                        self._wait(task, wish, slave.key)
                         return
+                    value = slave
                 case Pause(time_s):
                     self._wait(task, wish, -1, time_s)
                     return
@@ -233,17 +240,15 @@ class Tasks:
         number = self._wait(task, ask, key, ask.timeout_s or None)
         self._out.append(SendToHolder(key, {**ask.message, "call": number}))
 
-    def _needed(self, task: _Task, need: Need) -> Process | None:
+    def _needed(self, need: Need) -> Process | None:
+        """Return a slave that lives, or is started now; None when none can be."""
         name = need.name
         is_fresh = bool(need.trial_of) or name == FRESH_SLAVE
         process = None if is_fresh else self._state.living_process(name)
-        if process is None:
+        if process is None and not self._state.barred:
             process = self.new_process(name, trial_of=need.trial_of)
             self._out.append(SpawnSlave(process.key, name))
-        if process.state != "starting":
-            return process
-        self._wait(task, need, process.key)
-        return None
+        return process
 
     def _expire(self) -> bool:
         """End the waits whose time is up; return whether there were any."""
@@ -281,7 +286,8 @@ class Tasks:
         if len(self._waiting_for(key)) == 1:
             process.is_wanted = False
             self._out.append(SignalSlave(key, signal.SIGKILL))
-        return Unreachable(f"slave {process.name} did not start in time")
+        barred = f": {self._state.barred}" if self._state.barred else ""
+        return Unreachable(f"slave {process.name} did not start in time{barred}")
 
     def _prune(self) -> None:
         """Drop deadlines of waits that are over, so that long ones do not pile up."""

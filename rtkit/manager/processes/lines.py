@@ -246,7 +246,14 @@ class Lines:
         events = self._nursery.receive()
         if events is None:
             self._selector.unregister(self._nursery)
-            events = self._nursery.restart()
-            self._register(self._nursery, lambda _mask: self._heard_nursery())
+            events = self._nursery.mourn()
         for event in events:
             self._handle(event)
+        self.check_zygote()
+
+    def check_zygote(self) -> None:
+        """Start the next zygote if it is time."""
+        start_at = self._nursery.start_at
+        if start_at is not None and time.monotonic() >= start_at:
+            self._nursery.restart()
+            self._register(self._nursery, lambda _mask: self._heard_nursery())

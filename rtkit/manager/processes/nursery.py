@@ -6,13 +6,9 @@ that their end is still told with its reason. A zygote that died is started agai
 
 from __future__ import annotations
 
-import ctypes
-import json
 import logging
 import os
 import signal
-import socket
-import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -21,6 +17,7 @@ from typing import Any
 from rtkit import fault
 from rtkit.link.streams import remove_socket
 from rtkit.manager.core import events as ev
+from rtkit.manager.processes.forkserver import ForkServer
 from rtkit.manager.processes.fosters import Fosters
 from rtkit.manager.processes.leftovers import end_children, end_sessions, reap_orphans
 from rtkit.manager.processes.stacks import stack_path
@@ -33,16 +30,7 @@ _SWEEP_S = 0.1
 """How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
 
 _log = logging.getLogger(__name__)
-_PR_SET_CHILD_SUBREAPER = 36
-_ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
-
-
-def become_subreaper() -> None:
-    """Have orphans of this process's descendants become its children."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0):
-        raise OSError(ctypes.get_errno(), "cannot become subreaper")
 
 
 class Nursery:
@@ -66,11 +54,17 @@ class Nursery:
         self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
         self.fosters = Fosters(self._settings["zygote"])
-        self._channel, self._zygote = self._start()
+        self._server = ForkServer(self._settings)
+        self._zygotes.add(self._server.pid)
 
     def fileno(self) -> int:
         """Return the descriptor of the socket to the zygote."""
-        return self._channel.fileno()
+        return self._server.fileno()
+
+    @property
+    def start_at(self) -> float | None:
+        """When the next zygote is to be started, monotonic [s]; None while there is one."""
+        return self._server.start_at
 
     @property
     def data_pattern(self) -> str:
@@ -78,10 +72,10 @@ class Nursery:
         return str(self._settings["data"])
 
     def fork(self, key: int, name: str) -> None:
-        """Ask for a slave; when the zygote is just ending, `restart` tells that it failed."""
+        """Ask for a slave; when the zygote is just ending, `mourn` tells that it failed."""
         self._asked[key] = name
         try:
-            self._channel.send({"key": key, "name": name})
+            self._server.send({"key": key, "name": name})
         except OSError as error:
             _log.warning("cannot ask for slave %s: %s", name, error)
 
@@ -91,7 +85,10 @@ class Nursery:
             return False
         if key in self._asked:
             self._born(key, pid)
-        return self._pids.get(key) == pid
+        is_ours = self._pids.get(key) == pid
+        if is_ours:
+            self._server.prove()
+        return is_ours
 
     def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> int | None:
         """Take a slave in that an earlier manager left, or a guest.
@@ -144,22 +141,29 @@ class Nursery:
             _log.debug("slave %d has ended already", key)
 
     def receive(self) -> list[ev.Event] | None:
-        """Return what the zygote reports; None when it ended, and `restart` is due."""
-        messages = self._channel.receive()
+        """Return what the zygote reports; None when it ended, and `mourn` is due."""
+        messages = self._server.receive()
         if messages is None:
             return None
-        self._channel.flush()
-        events = (self._event(message) for message in messages)
-        return [event for event in events if event is not None]
+        return [event for message in messages for event in _some(self._event(message))]
 
-    def restart(self) -> list[ev.Event]:
-        """Start another zygote; return the failures of what the old one had not done yet."""
-        _log.error("the zygote ended; another is started")
-        self._channel.close()
-        self._channel, self._zygote = self._start()
+    def mourn(self) -> list[ev.Event]:
+        """Let go of a zygote that ended; return the failures of what it had not done yet.
+
+        The next one is due at `start_at`.
+        """
+        why = self._server.bury()
+        _log.error("%s", why)
+        self._buried(self._server.pid)
         failed = list(self._asked)
         self._asked.clear()
-        return [ev.SlaveFailed(key, "the zygote ended") for key in failed]
+        barred = [ev.BirthsBarred(why)] if self._server.is_failing else []
+        return [*barred, *(ev.SlaveFailed(key, why) for key in failed)]
+
+    def restart(self) -> None:
+        """Start another zygote."""
+        self._server.start()
+        self._zygotes.add(self._server.pid)
 
     def reap(self) -> Iterator[ev.Event]:
         """Yield what happened to slaves that have become children of the manager itself."""
@@ -183,12 +187,23 @@ class Nursery:
         return zygote is not None and zygote not in self._zygotes
 
     def _zygote_report(self, report: os.waitid_result) -> Iterator[ev.Event]:
-        """Note that a zygote has ended; yield what it had still told."""
+        """Note what a zygote did; yield what it had still told if it has ended."""
         if report.si_code not in ENDS:
+            if report.si_pid == self._server.pid:
+                is_stopped = report.si_code in STOPS
+                yield ev.BirthsBarred(f"the zygote is stopped (pid {report.si_pid})" * is_stopped)
             return
-        self._zygotes.discard(report.si_pid)
-        while report.si_pid == self._zygote and (events := self.receive()):
-            yield from events
+        if report.si_pid == self._server.pid:
+            self._server.ends[report.si_pid] = reason(report)
+            while events := self.receive():
+                yield from events
+        self._buried(report.si_pid)
+
+    def _buried(self, zygote: int) -> None:
+        """Have those ended that it forked last of all, who may still be in its session."""
+        self._zygotes.discard(zygote)
+        self._over.add(zygote)
+        self._sweep_soon()
 
     def sweep(self) -> None:
         """End what the slaves that ended lately have left behind."""
@@ -200,10 +215,10 @@ class Nursery:
     def close(self) -> None:
         """End the zygotes, and whatever components started and left behind."""
         self.sweep()
-        self._channel.close()
+        self._server.close()
         self.fosters.close()
         end_children()
-        self._remove_files(self._zygote)  # it may have been at its rehearsal
+        self._remove_files(self._server.pid)  # it may have been at its rehearsal
 
     def _event(self, message: Mapping[str, Any]) -> ev.Event | None:
         if "forked" in message:
@@ -214,6 +229,8 @@ class Nursery:
             return ev.SlaveFailed(message["failed"], message["reason"])
         if "ended" in message:
             return self._ended(message["ended"], message["reason"])
+        if "ready" in message:
+            return ev.BirthsBarred("")
         key = self._keys.get(message.get("halted", 0))
         return None if key is None else ev.SlaveHalted(key, message["is_halted"])
 
@@ -225,7 +242,7 @@ class Nursery:
 
     def _born(self, key: int, pid: int) -> None:
         if self._asked.pop(key, None) is not None:
-            self._parents[pid] = self._zygote
+            self._parents[pid] = self._server.pid
             self._enter(key, pid)
 
     def _enter(self, key: int, pid: int) -> None:
@@ -253,9 +270,12 @@ class Nursery:
             self._guests.discard(pid)  # what it leaves behind is not ours to end
         else:
             self._over.add(pid)
+        self._sweep_soon()
+        return ev.SlaveEnded(key, why)
+
+    def _sweep_soon(self) -> None:
         if self._over and self.sweep_at is None:
             self.sweep_at = time.monotonic() + _SWEEP_S
-        return ev.SlaveEnded(key, why)
 
     def _remove_files(self, pid: int) -> None:
         """Remove what a process that was killed could not remove itself."""
@@ -264,17 +284,6 @@ class Nursery:
         for path in (beats_path(pattern, pid), stack_path(pattern, pid)):
             with suppress(FileNotFoundError):
                 os.unlink(path)
-
-    def _start(self) -> tuple[Channel, int]:
-        ours, theirs = socket.socketpair()
-        theirs.set_inheritable(True)
-        module = ["-P", "-m", "rtkit.manager.processes.zygote"]
-        arguments = [sys.executable, *module, str(theirs.fileno()), json.dumps(self._settings)]
-        pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
-        theirs.close()
-        ours.setblocking(False)
-        self._zygotes.add(pid)
-        return Channel(ours), pid
 
 
 def _some(event: ev.Event | None) -> list[ev.Event]:

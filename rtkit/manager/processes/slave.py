@@ -23,6 +23,7 @@ from rtkit.manager.logs.logs import Log, hand_over
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact, Term
 from rtkit.manager.processes.leftovers import MARK, end_sessions
+from rtkit.manager.processes.parents import outlive_parent
 from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.manager.processes.watchman import beats_path
 
@@ -70,6 +71,7 @@ class Slave:
         faulthandler.register(STACK_SIGNAL, self._stacks, all_threads=True)
         fault.point("slave.greeting")
         contact.greet(key)
+        outlive_parent()
         fault.point("slave.greeted")
         threading.Thread(target=self._listen, name="control", daemon=True).start()
         self._holder.run()

@@ -24,6 +24,7 @@ from typing import Any, NoReturn
 from rtkit import fault
 from rtkit.manager.core.events import Message
 from rtkit.manager.logs.logs import Log, share_log
+from rtkit.manager.processes.parents import die_with
 from rtkit.manager.processes.rehearsal import rehearse
 from rtkit.manager.processes.slave import Slave
 from rtkit.manager.processes.wire import Channel
@@ -73,6 +74,7 @@ class Zygote:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
         gc.freeze()
+        self._tell({"ready": os.getpid()})
         later: list[Callable[[], object]] = [self._rehearse] * _REHEARSALS
         later += [partial(importlib.import_module, name) for name in _AT_LEISURE]
         while self._channel is not None or self._children:
@@ -143,6 +145,7 @@ class Zygote:
     def _fork(self, message: Message) -> None:
         key = message["key"]
         fault.point("zygote.asked")
+        own = os.getpid()
         try:
             pid = os.fork()
         except OSError as error:
@@ -154,10 +157,11 @@ class Zygote:
             self._tell({"forked": key, "pid": pid})
             fault.point("zygote.told")
         else:
-            self._become_slave(key, message)
+            self._become_slave(key, message, own)
 
-    def _become_slave(self, key: int, message: Message) -> NoReturn:
+    def _become_slave(self, key: int, message: Message, parent: int) -> NoReturn:
         try:
+            die_with(parent)  # until it says hello nobody but the zygote may know of it
             signal.set_wakeup_fd(-1)
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
             os.setsid()

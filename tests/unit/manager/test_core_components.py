@@ -424,6 +424,43 @@ def test_a_slave_that_dies_at_each_stage_of_a_creation(shell, stage):
     assert not shell.state.components
 
 
+def test_a_slave_that_is_stopped_at_its_birth_is_given_up_at_once(shell):
+    asked = [shell.ask(create(f"Thing?instance_name={each}&manager_name=s")) for each in "AB"]
+    key = shell.spawned["s"]
+    shell.feed(ev.SlaveForked(key, 9))
+    shell.feed(ev.SlaveHalted(key, False))
+    assert not any(each.is_answered for each in asked)
+    shell.feed(ev.SlaveHalted(key, True))
+    why = "slave s was stopped before it was ready, and is ended"
+    assert [each.result.why for each in asked] == [why, why]
+    assert shell.signals == [(key, signal.SIGKILL)]
+    shell.feed(ev.SlaveEnded(key, "signal 9"))
+    assert list(shell.state.processes) == [OWN]
+
+
+def test_where_no_slave_can_be_made_each_creation_says_why_at_once(shell):
+    known = shell.make("A", "s")
+    shell.feed(ev.BirthsBarred("the zygote is stopped"))
+    why = "no slave can be started: the zygote is stopped"
+    assert shell.ask(create("Thing?manager_name=t")).result.why == why
+    assert shell.state.snapshot().processes[0].reason == why
+    asked = shell.ask(create("Thing?instance_name=B&manager_name=s"))
+    shell.serve()
+    assert asked.result.ok
+    assert known in shell.state.processes
+    shell.feed(ev.BirthsBarred(""))
+    assert shell.state.snapshot().processes[0].reason == ""
+    assert not shell.ask(create("Thing?manager_name=t")).is_answered
+
+
+def test_who_was_asked_for_when_births_were_barred_says_so_when_time_is_up(shell):
+    asked = shell.ask(create("Thing?manager_name=s"), timeout_s=3.0)
+    shell.feed(ev.BirthsBarred("the zygote is stopped"))
+    assert not asked.is_answered
+    shell.wait(3.1)
+    assert asked.result.why == "slave s did not start in time: the zygote is stopped"
+
+
 def test_a_slave_that_does_not_start_in_time_is_killed_whenever_it_comes(shell):
     asked = shell.ask(create("Thing?manager_name=s"), timeout_s=3.0)
     key = shell.spawned["s"]
