@@ -78,6 +78,14 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtdis -i range /localhost/Sensor0.rtc:range", "Only the one of that id."),
         ("rtdis Sensor0.rtc:range Control0.rtc:range", "Those between two ports."),
     ),
+    "rtdoc": (
+        ("rtdoc /localhost/Robot0.rtc > Robot0.html", "A page about a live component."),
+        ("rtdoc -f markdown -o Robot.md Robot.py", "About a module that nobody has loaded."),
+    ),
+    "rtdoctor": (
+        ("rtdoctor", "What is wrong, and what helps?"),
+        ("rtdoctor --strict --json", "In a script: warnings fail too."),
+    ),
     "rtexit": (
         ("rtexit /localhost/Robot0.rtc", "End a component; its name goes with it."),
         ("rtexit --force /localhost/Robot0.rtc", "End it though it hangs, with its slave."),
@@ -167,6 +175,10 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtstart robot.xml", "Activate the components of a profile in its order."),
         ("rtstart --dry-run robot.xml", "Tell in which order, and what each waits for."),
         ("rtstart --plan robot.xml > robot.dot", "The same as a graph, for Graphviz."),
+    ),
+    "rtstodot": (
+        ("rtstodot robot.xml > robot.dot", "The graph of a system; dot -Tsvg draws it."),
+        ("rtcryo | rtstodot", "Of what is saved now; rtstodot --live shows states too."),
     ),
     "rtstop": (("rtstop robot.xml", "Deactivate them in reverse order."),),
     "rtteardown": (

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 
 from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, End, Scene
 
+NO_FILLS: Mapping[str, str] = {}
+_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _RECORD = str.maketrans({c: f"\\{c}" for c in "{}|<> \\"})
 
 
-def dot_lines(scene: Scene, title: str = "") -> Iterator[str]:
-    """Yield the lines of a digraph; service wires are dashed and end in a ring."""
-    yield f"digraph {_quoted(title or 'system')} {{"
+def dot_lines(scene: Scene, title: str = "", fills: Mapping[str, str] = NO_FILLS) -> Iterator[str]:
+    """Yield the lines of a digraph; service wires are dashed and end in a ring.
+
+    `fills` has the colours of boxes by their titles.
+    """
+    name = title if _NAME.fullmatch(title) else _quoted(title or "system")
+    yield f"digraph {name} {{"
     yield "  rankdir=LR;"
     yield "  node [shape=record, fontname=sans];"
     for index, box in enumerate(scene.boxes):
-        yield f"  c{index} [label={_quoted(_record(box))}];"
+        fill = fills.get(box.title, "")
+        style = f", style=filled, fillcolor={fill}" if fill else ""
+        yield f"  c{index} [label={_quoted(_record(box))}{style}];"
     for wire in scene.wires:
         style = " [arrowhead=odot, style=dashed]" if wire.kind == SERVICE else ""
         yield f"  {_end(scene, wire.source)} -> {_end(scene, wire.target)}{style};"

@@ -52,6 +52,7 @@ ASKED = {
 }
 ELSEWHERE = {
     "built-file": "unit/cli/test_build.py",
+    "diagnosis": "unit/cli/test_doctor.py",
     "deviation": "unit/cli/test_system.py",
 }
 """Kinds that other tests hold against their schemas."""

@@ -62,6 +62,7 @@ OPTIONS = {
     "rtcryo": "-a --abstract -n --system-name -o --output -v --system-version -e --vendor -x -y",
     "rtdel": "-z --zombies",
     "rtdis": "-i --id",
+    "rtdoc": "-f --format -g --graph",
     "rtexit rtcwd rtpwd rtfsm": "",
     "rtfind": "-i --iname -m --maxdepth -n --name -t --type",
     "rtinject": "-c --const -m --mod -n --number -p --path -r --rate -t --timeout",
@@ -71,10 +72,14 @@ OPTIONS = {
     "rtprint": "-m --mod -n --number -p --path -r --rate -t --timeout",
     "rtresurrect": "--dry-run -x -y --strict-path",
     "rtstart rtstop rtteardown": "--dry-run -x -y",
+    "rtstodot": "-x -y",
 }
 COMMON = "-h --help --version --verbose"
-PATHS = "rtact rtcat rtcomp rtcon rtconf rtdeact rtdel rtdis rtexit rtfind rtfsm rtls rtmgr rtreset"
-ON_COMPONENTS = "rtact rtcat rtcomp rtcon rtconf rtdeact rtdis rtexit rtfsm rtreset"
+PATHS = (
+    "rtact rtcat rtcomp rtcon rtconf rtdeact rtdel rtdis rtdoc rtexit rtfind rtfsm rtls rtmgr"
+    " rtreset"
+)
+ON_COMPONENTS = "rtact rtcat rtcomp rtcon rtconf rtdeact rtdis rtdoc rtexit rtfsm rtreset"
 RAISED = {
     "No such object: ": PATHS,
     "Not a component: ": ON_COMPONENTS,

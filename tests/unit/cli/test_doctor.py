@@ -1,0 +1,172 @@
+"""What ``rtdoctor`` makes of what it sees; tests/system has it look at broken set-ups."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import jsonrecords
+import pytest
+
+from rtkit.cli.doctor import folders, installation, live
+from rtkit.cli.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
+from rtkit.cli.rtdoctor import main
+from rtkit.deployment.facts import ProcessFacts, Snapshot
+from rtkit.deployment.listing import Listing, Row
+from rtkit.version import __version__
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folders of this test alone, and none of the variables of who runs it."""
+    for name in [each for each in os.environ if each.startswith("RTKIT_")]:
+        monkeypatch.delenv(name)
+    for name in ("RUNTIME", "STATE"):
+        folder = tmp_path / name
+        folder.mkdir(mode=0o700)
+        monkeypatch.setenv(f"RTKIT_{name}_DIR", str(folder))
+    return tmp_path
+
+
+def bad(found: list[Diagnosis]) -> list[tuple[str, str]]:
+    return [(each.severity, each.cure) for each in found if each.severity != OK]
+
+
+@pytest.mark.parametrize("version", ["1.10.0", "1.12.3"])
+def test_a_fitting_transport(version: str) -> None:
+    assert installation.transport(version) is None
+
+
+@pytest.mark.parametrize("version", ["1.9.9", "2.0.0", "nightly"])
+def test_an_odd_transport(version: str) -> None:
+    found = installation.transport(version)
+    assert found is not None
+    assert (found.severity, found.cure.startswith("python -m pip install")) == (ERROR, True)
+
+
+def test_limits() -> None:
+    assert installation.files(1024, 4096).severity == OK
+    assert installation.files(-1, -1).severity == OK
+    few = installation.files(256, 512)
+    assert (few.severity, few.cure) == (WARNING, "ulimit -n 512")
+    assert installation.shared_memory(1 << 30, True).severity == OK
+    assert installation.shared_memory(1 << 20, True).severity == WARNING
+    assert installation.shared_memory(1 << 30, False).severity == WARNING
+
+
+def test_a_clock_before_the_installation() -> None:
+    assert [each.severity for each in installation.clock(5.0, 10.0)] == [ERROR]
+    assert [each.severity for each in installation.clock(10.0, 5.0)] == [OK]
+
+
+def test_variables(tmp_path: Path) -> None:
+    assert bad(list(installation.variables({"RTKIT_MANAGER": "a", "RTKITTY": "x"}))) == []
+    (near,) = installation.variables({"RTKIT_MANAGR": "a"})
+    assert (near.severity, near.cure) == (WARNING, "unset RTKIT_MANAGR")
+    gone = str(tmp_path / "gone")
+    (folder,) = installation.variables({"RTKIT_MODULE_PATH": f"{tmp_path}:{gone}"})
+    assert (folder.severity, gone in folder.text) == (WARNING, True)
+    (file,) = installation.variables({"RTC_MANAGER_CONFIG": gone})
+    assert file.severity == ERROR
+
+
+def test_the_shell_of_a_person(tmp_path: Path) -> None:
+    told = installation.shell({"SHELL": "/bin/bash"}, str(tmp_path))
+    assert (told.severity, told.cure) == (NOTE, 'add to it: eval "$(rtkit shell-init bash)"')
+    (tmp_path / ".bashrc").write_text('eval "$(rtkit shell-init bash)"\n')
+    assert installation.shell({"SHELL": "/bin/bash"}, str(tmp_path)).severity == OK
+
+
+def test_folders_that_are_open_or_cannot_be_made(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert bad(list(folders.folders())) == []
+    (place / "RUNTIME").chmod(0o755)
+    assert bad(list(folders.folders())) == [(ERROR, f"chmod 700 {place / 'RUNTIME'}")]
+    (place / "file").write_text("")
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(place / "file" / "run"))
+    assert bad(list(folders.folders())) == [(ERROR, "choose another one with RTKIT_RUNTIME_DIR")]
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"/tmp/{'x' * 120}")
+    assert [severity for severity, _ in bad(list(folders.folders()))] == [ERROR]
+
+
+def test_a_secret_that_others_read(place: Path) -> None:
+    secret = place / "STATE" / "door.secret"
+    secret.write_text("a:b\n")
+    secret.chmod(0o644)
+    ((severity, cure),) = bad(list(folders.folders()))
+    assert (severity, cure.startswith(f"rm {secret}")) == (ERROR, True)
+
+
+def test_what_killed_processes_left(place: Path) -> None:
+    assert bad(list(folders.remains())) == []
+    run = place / "RUNTIME"
+    (run / "old.sock").touch()
+    (run / "gone.4194303.data").touch()
+    found = list(folders.remains())
+    assert [each.subject for each in found] == ["old", "gone"]
+    assert {each.severity for each in found} == {ERROR}
+    (run / f"old.{os.getpid()}.data").touch()
+    assert "live on: 1" in next(folders.remains()).text
+
+
+def listing(*rows: Row, slaves: tuple[tuple[str, str, str], ...] = ()) -> Listing:
+    return Listing("box", "m", 1, slaves, rows)
+
+
+def row(name: str, state: str = "Inactive", **more: str) -> Row:
+    plain = Row(name, state, 0, 0, 0, 0, 0, 0, "m", "", "", False, (f"localhost/{name}.rtc",))
+    return plain._replace(**more)  # type: ignore[arg-type]
+
+
+def test_what_a_manager_says() -> None:
+    processes = (ProcessFacts("s", True, 7, "stopped"), ProcessFacts("t", True, 8, "lost"))
+    facts = Snapshot("box", "m", 1, __version__, processes)
+    slaves = (("s", "stopped", ""), ("t", "lost", "signal 9"), ("u", "up", "step sleeps"))
+    rows = (row("A", zombie="signal 9"), row("B", "Error", cause="x"), row("C", trouble="stopped"))
+    assert bad(list(live.judge("m", listing(*rows, slaves=slaves), facts))) == [
+        (ERROR, "kill -CONT 7"),
+        (ERROR, "rtdel -z takes its entries away, rtresurrect makes them again"),
+        (WARNING, "rtexit --force /localhost/m.mgr/u.mgr"),
+        (ERROR, "rtdel -z /localhost/A.rtc, or rtresurrect makes it again"),
+        (WARNING, "rtreset /localhost/B.rtc"),
+        (WARNING, "rtexit --force /localhost/C.rtc if it does not come back"),
+    ]
+    assert bad(list(live.judge("m", listing(row("A")), facts))) == []
+
+
+def test_a_manager_of_another_version() -> None:
+    ((severity, cure),) = bad(list(live.judge("m", listing(), Snapshot("box", "m", 1, "0.0.1"))))
+    assert (severity, cure.startswith("rtmgr restart m")) == (ERROR, True)
+
+
+@pytest.mark.parametrize(
+    ("address", "properties", "asked", "wanted"),
+    [
+        ("localhost:2810", {}, "", OK),
+        ("", {"manager.net_servant": "NO"}, "", OK),
+        ("", {}, "none", OK),
+        ("", {}, "", WARNING),
+    ],
+)
+def test_doors(address: str, properties: dict[str, str], asked: str, wanted: str) -> None:
+    (found,) = live.door("m", address, properties, asked)
+    assert found.severity == wanted
+
+
+def test_the_command_without_a_manager(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert main(["--json"]) == 0
+    records = jsonrecords.checked(capsys.readouterr().out)
+    assert {jsonrecords.kind_of(record) for record in records} == {"diagnosis"}
+    monkeypatch.setenv("RTKIT_MANAGER", "nobody")
+    assert main([]) == 1
+    assert "error: RTKIT_MANAGER names a manager that does not run: nobody\n" in (
+        capsys.readouterr().out
+    )
+    monkeypatch.setenv("RTKIT_MANAGER", "")
+    monkeypatch.setenv("RTKIT_CDW", "/")
+    assert main([]) == 0
+    assert main(["--strict"]) == 1
+    assert main(["x"]) == 1
