@@ -32,7 +32,9 @@ _OWN = ("Data ports", "Service ports", "Ports", "Configuration parameters", "Par
     is_flag=True,
     help="Draw its ports too: in html, rst, and markdown that is written to a file.",
 )
-@click.option("-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it.")
+@click.option(
+    "-o", "--output", default=STDOUT, metavar="FILE", help="Where to write it (default -, stdout)."
+)
 @click.argument("words", nargs=-1, metavar="COMPONENT | MODULE.py[:FACTORY]")
 def main(app: App, words: tuple[str, ...], form: str, graph: bool, output: str) -> None:
     """Write a page about a component.
