@@ -25,6 +25,7 @@ GROUPS = (
     "faults",
     "static",
     "profiles",
+    "prompt",
     "table3",
 )
 _BUSY = 0.5

@@ -328,7 +328,8 @@ def _guarded(command: click.Command, app: App, arguments: list[str]) -> int:
         _process.leave_pipe()
         return _process.BROKEN_PIPE
     except Exception as error:
-        return _failed(command, app, error)
+        status = _failed(command, app, error)
+        _process.give_up()
     return status
 
 

@@ -7,7 +7,7 @@ import gc
 import os
 import signal
 import sys
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 INTERRUPTED = 130
 BROKEN_PIPE = 141
@@ -19,11 +19,16 @@ def prepare() -> None:
     # Else the interpreter ends with a search for cycles, a sixth of the time of a whole rtls.
     atexit.register(gc.freeze)
     if sys.stdout is None:
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115 - lives as long as the process
+        sys.stdout = _closed()
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(errors="backslashreplace")
+
+
+def _closed() -> TextIO:
+    """Return what fails on writing, as a closed stdout does, but is no free descriptor."""
+    return open(os.open(os.devnull, os.O_RDONLY), "w")
 
 
 def hear_interrupts() -> None:
@@ -67,3 +72,26 @@ def leave_pipe() -> None:
     """Forget what is still to be written: nobody reads it, and at exit it would fail aloud."""
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
+
+
+def give_up() -> None:
+    """Forget what cannot be written, once that is told."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        leave_pipe()
+
+
+def write(name: str, text: str) -> int:
+    """Print a text that needs no command, and return the exit status."""
+    prepare()
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        leave_pipe()
+        return BROKEN_PIPE
+    except OSError as error:
+        print(f"{name}: {error.strerror}", file=sys.stderr)
+        leave_pipe()
+        return 1
+    return 0

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli import COMMANDS
+from rtkit.cli._process import write
 
 if TYPE_CHECKING:
     from rtkit.cli._app import Main
@@ -48,7 +49,11 @@ SUMMARIES: dict[str, str] = {
     "wait": "Wait for components, their states, and data of ports.",
 }
 SHELL_INIT = "shell-init"
-WORDS: dict[str, str] = {SHELL_INIT: "Print the functions that a shell needs."}
+COMPLETE = "complete"
+WORDS: dict[str, str] = {
+    COMPLETE: "Tell a shell how a line may go on.",
+    SHELL_INIT: "Print the functions that a shell needs.",
+}
 """Verbs that are no commands of their own."""
 
 _USAGE = "Usage: {} VERB [OPTIONS] [ARGUMENTS]..."
@@ -62,13 +67,15 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     verb = arguments[0] if arguments else "--help"
     if verb in ("-h", "--help"):
-        return _print(_help(name))
+        return write(name, _help(name))
     if verb == "--version":
         from rtkit import __version__
 
-        return _print(f"rtkit {__version__}")
+        return write(name, f"rtkit {__version__}")
     if verb == SHELL_INIT:
         return _shell_init(name, arguments[1:])
+    if verb == COMPLETE:
+        return _complete(name, arguments[1:], tree)
     module = COMMANDS.get(verb) or (verb if verb in COMMANDS.values() else None)
     if module is None:
         return _unknown(name, verb)
@@ -79,21 +86,29 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
 
 
 def _shell_init(name: str, arguments: Sequence[str]) -> int:
-    from rtkit.cli._shell_init import HELP, SCRIPTS
+    from rtkit.cli.prompt.functions import HELP, SHELLS, script
 
     help_text = HELP.format(name)
     if len(arguments) == 1 and arguments[0] in ("-h", "--help"):
-        return _print(help_text)
-    if len(arguments) == 1 and arguments[0] in SCRIPTS:
-        return _print(SCRIPTS[arguments[0]])
+        return write(f"{name} {SHELL_INIT}", help_text)
+    if len(arguments) == 1 and arguments[0] in SHELLS:
+        return write(f"{name} {SHELL_INIT}", script(arguments[0]))
     print(help_text.splitlines()[0], file=sys.stderr)
     if len(arguments) != 1:
         return _WRONG_COUNT
     from rtkit.cli._out import printable
 
-    told = f"{name} shell-init: no such shell: {arguments[0]} (one of {', '.join(SCRIPTS)})"
+    told = f"{name} shell-init: no such shell: {arguments[0]} (one of {', '.join(SHELLS)})"
     print(printable(told), file=sys.stderr)
     return _BAD_LINE
+
+
+def _complete(name: str, arguments: Sequence[str], tree: Tree | None) -> int:
+    from rtkit.cli.prompt.answer import USAGE, complete
+
+    if arguments[:1] in (["-h"], ["--help"]):
+        return write(f"{name} {COMPLETE}", USAGE.format(name, name))
+    return complete(name, arguments, tree)
 
 
 def _help(name: str) -> str:
@@ -112,17 +127,6 @@ Options:
   -h, --help  Show this message.
 
 {name} VERB -h tells more."""
-
-
-def _print(text: str) -> int:
-    try:
-        print(text, flush=True)
-    except BrokenPipeError:
-        from rtkit.cli._process import BROKEN_PIPE, leave_pipe
-
-        leave_pipe()
-        return BROKEN_PIPE
-    return 0
 
 
 def _unknown(name: str, verb: str) -> int:

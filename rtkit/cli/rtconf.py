@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rtkit.tree.view import Node
 
 _GUARD = "\0"
-_FORMS = {
+FORMS = {
     "list": "list",
     "get": "get PARAM",
     "set": "set PARAM VALUE, or set PARAM=VALUE...",
@@ -115,10 +115,10 @@ def _asked(
     if verb not in is_fit:
         from rtkit.rtc.nearest import did_you_mean
 
-        hint = did_you_mean(verb, _FORMS) or f" (one of {', '.join(_FORMS)})"
+        hint = did_you_mean(verb, FORMS) or f" (one of {', '.join(FORMS)})"
         raise WrongArguments(f"no such word: {verb}{hint}")
     if not is_fit[verb]:
-        raise WrongArguments(f"expected: {_FORMS[verb]}; found: {' '.join([verb, *arguments])}")
+        raise WrongArguments(f"expected: {FORMS[verb]}; found: {' '.join([verb, *arguments])}")
     return typed, Asked(verb, tuple(arguments), set_id, has_hidden, is_long, is_json)
 
 

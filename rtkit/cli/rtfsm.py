@@ -22,7 +22,7 @@ _MISSING = {
     "seteventprofiles": "No event profiles specified.",
     "setstructure": "No structure specified.",
 }
-_WORDS = ("getstate", "geteventprofiles", "getstructure", *_MISSING)
+WORDS = ("getstate", "geteventprofiles", "getstructure", *_MISSING)
 
 
 @command("rtfsm")
@@ -67,10 +67,10 @@ def _read(words: Sequence[str]) -> tuple[str, Sequence[str]]:
     if not words:
         raise WrongArguments("No command specified.")
     word, *arguments = words
-    if word not in _WORDS:
+    if word not in WORDS:
         from rtkit.rtc.nearest import did_you_mean
 
-        hint = did_you_mean(word, _WORDS) or f" (one of {', '.join(_WORDS)})"
+        hint = did_you_mean(word, WORDS) or f" (one of {', '.join(WORDS)})"
         raise UsageProblem(f"no such command: {word}{hint}")
     if word in _MISSING and not arguments:
         raise Malformed(_MISSING[word])

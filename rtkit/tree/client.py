@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from rtkit import fault
 from rtkit.deployment.listing import Listing, listing_from_text
@@ -97,15 +97,30 @@ class Tree(ByPath):
         return self._snapshot(f"part/{keys.escape(','.join(instances))}")
 
     def _snapshot(self, name: str) -> Snapshot:
-        import json
-
         from rtkit.deployment.facts import Snapshot
         from rtkit.rtc.plain import decode
 
+        return decode(Snapshot, self._plain(name))
+
+    def plain(self, instances: Sequence[str] | None = None) -> dict[str, Any]:
+        """Return what `part` tells, or without instances `snapshot`, as the plain data it is.
+
+        For whom the records are too heavy: fields that hold their default are left out.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        if instances is None or len(instances) > _MOST_IN_A_PART:
+            return self._plain("snapshot")
+        return self._plain(f"part/{keys.escape(','.join(instances))}")
+
+    def _plain(self, name: str) -> dict[str, Any]:
+        import json
+
         text = self._ask(keys.extension_key(self._service, name))
         try:
-            return decode(Snapshot, json.loads(text))
-        except ValueError as error:
+            return dict(json.loads(text))
+        except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's snapshot cannot be read: {error}") from error
 
     def apply(

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.cli._shell_init import SCRIPTS
+from rtkit.cli.prompt.functions import script as functions
 
 MANAGER = "/localhost/manager.mgr"
 SECOND = "/localhost/manager.mgr/s1.mgr"
@@ -81,7 +81,7 @@ def scripts(manager: Any, tmp_path: Path) -> Any:
 
 def test_a_shell_changes_its_working_directory_in_the_tree(scripts: Any) -> None:
     scripts.ok(f"rtmgr -c ConsoleOut {MANAGER}")
-    script = f"""{SCRIPTS["bash"]}
+    script = f"""{functions("bash")}
 rtpwd
 rtcwd localhost/manager.mgr/ && rtls
 rtcwd ../no || echo "status $?"

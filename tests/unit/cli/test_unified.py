@@ -11,7 +11,7 @@ import pytest
 from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._rtkit import SUMMARIES, WORDS, run
-from rtkit.cli._shell_init import SCRIPTS
+from rtkit.cli.prompt.functions import SHELLS, script
 from rtkit.deployment.world import World
 from rtkit.tree.fake import fake_tree
 
@@ -67,9 +67,9 @@ def test_the_table_of_summaries_is_that_of_the_commands() -> None:
 
 
 def test_a_shell_s_functions_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    for shell, script in SCRIPTS.items():
+    for shell in SHELLS:
         assert run(["shell-init", shell]) == 0
-        assert capsys.readouterr() == (f"{script}\n", "")
+        assert capsys.readouterr() == (f"{script(shell)}\n", "")
     assert run(["shell-init", "-h"]) == 0
     usage = "Usage: rtkit shell-init bash|zsh|fish\n"
     assert capsys.readouterr().out.startswith(usage)
@@ -80,10 +80,10 @@ def test_a_shell_s_functions_are_printed(capsys: pytest.CaptureFixture[str]) -> 
     assert capsys.readouterr() == ("", usage + told)
 
 
-@pytest.mark.parametrize("shell", [name for name in SCRIPTS if shutil.which(name)])
+@pytest.mark.parametrize("shell", [name for name in SHELLS if shutil.which(name)])
 def test_a_shell_takes_its_functions(shell: str) -> None:
     done = subprocess.run(
-        [shell, "-c", f"{SCRIPTS[shell]}\ntype rtcwd"], capture_output=True, text=True, check=False
+        [shell, "-c", f"{script(shell)}\ntype rtcwd"], capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stderr) == (0, "")
     assert "function" in done.stdout

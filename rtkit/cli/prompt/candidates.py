@@ -1,0 +1,42 @@
+"""What may stand at the cursor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+_GOES_ON = ("/", ":", "=")
+
+
+class Candidate(NamedTuple):
+    """One way to go on.
+
+    Attributes:
+        text: The whole word as it would be, without quotes.
+        about: What it is, in a few words, for shells that show it.
+    """
+
+    text: str
+    about: str = ""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the word goes on behind it: no blank is to follow."""
+        return self.text.endswith(_GOES_ON)
+
+
+class Files(NamedTuple):
+    """That a file is to be named, which shells know best how to complete.
+
+    Attributes:
+        endings: Those of files that fit, ``.xml``; none when any does.
+        is_folder: Only folders are meant.
+    """
+
+    endings: tuple[str, ...] = ()
+    is_folder: bool = False
+
+
+def those(words: Iterable[str], typed: str, about: str = "") -> list[Candidate]:
+    """Return the words that begin as typed, each once."""
+    return [Candidate(word, about) for word in dict.fromkeys(words) if word.startswith(typed)]
