@@ -195,18 +195,24 @@ def test_a_reader_that_leaves_is_no_error(monkeypatch: pytest.MonkeyPatch) -> No
         assert process.wait() == 141
 
 
-@pytest.mark.parametrize(("arguments", "status"), [("['-h']", 0), ("[]", 0)])
-def test_output_goes_nowhere_when_stdout_is_closed(arguments: str, status: int) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "body", "status"),
+    [("['-h']", "pass", 1), ("[]", "print('x')", 1), ("[]", "pass", 0)],
+)
+def test_a_closed_stdout_is_told_by_whoever_writes_to_it(
+    arguments: str, body: str, status: int
+) -> None:
     script = (
         "import sys; sys.stdout.close(); sys.stdout = None\n"
         "from rtkit.cli._app import command\n"
         "@command('rtquiet')\n"
-        "def main(app): print('x')\n"
+        f"def main(app): {body}\n"
         f"sys.argv = ['rtquiet', *{arguments}]\n"
         "sys.exit(main())\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
-    assert (done.returncode, done.stderr) == (status, b"")
+    told = b"rtquiet: Bad file descriptor\n" if status else b""
+    assert (done.returncode, done.stderr) == (status, told)
 
 
 def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

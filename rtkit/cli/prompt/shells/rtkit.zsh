@@ -9,7 +9,7 @@ rtcwd() {
 
 _rtkit_complete() {
     local -a answer open shut open_told shut_told
-    local line word about
+    local line word name about
     answer=("${(@f)$(command rtkit complete zsh "${(@Q)words[1,CURRENT-1]}" "${(Q)PREFIX}" \
         2>/dev/null </dev/null)}")
     case "$answer[1]" in
@@ -20,7 +20,8 @@ _rtkit_complete() {
     for line in "${(@)answer[2,-1]}"; do
         word=${line%%$'\t'*}
         about=${line#*$'\t'}
-        about="${word##*/?##}${about:+  -- $about}"
+        name=${${word%/}##*/}${word##*[^/]}
+        about="$name${about:+  -- $about}"
         case "$word" in
             *[/:=]) open+=("$word"); open_told+=("$about") ;;
             *) shut+=("$word"); shut_told+=("$about") ;;
