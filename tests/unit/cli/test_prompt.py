@@ -233,7 +233,7 @@ def test_modules(run: Any, told: Callable[[str], list[str]]) -> None:
     assert told("rtmgr /localhost/manager.mgr -u ") == []
     assert run("rtmgr /localhost/manager.mgr -l b.py:bInit").status == 0
     assert told("rtmgr /localhost/manager.mgr -u ") == ["b.py"]
-    assert "Std" in told("rtmgr /localhost/manager.mgr -c ")
+    assert told("rtmgr /localhost/manager.mgr -c ") == ["Output"]
 
 
 def test_what_fits_is_what_the_rules_let_pass(world: World) -> None:
