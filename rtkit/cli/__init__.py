@@ -36,7 +36,10 @@ COMMANDS: dict[str, str] = {
     "stodot": "rtstodot",
     "stop": "rtstop",
     "teardown": "rtteardown",
+    "top": "rttop",
+    "vlog": "rtvlog",
     "wait": "rtwait",
+    "watch": "rtwatch",
 }
 """Verb of the unified tool to the file, console script and man page of the command."""
 

@@ -46,7 +46,10 @@ SUMMARIES: dict[str, str] = {
     "stodot": "Write the system of an RTS profile as a graph for Graphviz.",
     "stop": "Deactivate every component of an RTS profile.",
     "teardown": "Remove every connection of an RTS profile.",
+    "top": "Show what components do, live.",
+    "vlog": "Print what components log.",
     "wait": "Wait for components, their states, and data of ports.",
+    "watch": "Print what happens to components, as it happens.",
 }
 SHELL_INIT = "shell-init"
 COMPLETE = "complete"

@@ -126,6 +126,14 @@ class ExecutionContext:
         """
         return self._find(component).state
 
+    def has_work_for(self, component: Component) -> bool:
+        """Whether a cycle calls a participant.
+
+        Raises:
+            NotFound: It takes no part in this context.
+        """
+        return self.is_running and self._find(component).has_work
+
     def profile_for(self, component: Component) -> ExecutionContextProfile:
         """Describe this context as one participant sees it.
 

@@ -35,6 +35,21 @@ class Link(Protocol):
         """Offer a service; `enqueue` is called on the transport's threads and must only enqueue."""
         ...
 
+    def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
+        """Open a line on which texts are told; return what tells one, to all who listen.
+
+        It never waits: who does not keep up misses some. `listened` is told, on the transport's
+        threads, when the first one begins to listen and when nobody does any more.
+        """
+        ...
+
+    def listen(self, key: str, heard: Callable[[str], object]) -> Callable[[], object]:
+        """Have `heard` called with each text on a line; return what ends that.
+
+        It is called on the transport's threads and must only enqueue.
+        """
+        ...
+
     def close(self) -> None:
         """Leave; nothing is served or reachable afterwards."""
         ...

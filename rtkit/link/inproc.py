@@ -14,6 +14,8 @@ class InprocLink:
 
     def __init__(self) -> None:
         self._services: dict[str, Callable[[Request], object]] = {}
+        self._lines: dict[str, list[Callable[[str], object]]] = {}
+        self._listened: dict[str, Callable[[bool], object]] = {}
 
     def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
         """See `Link.call`."""
@@ -43,6 +45,30 @@ class InprocLink:
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:
         """See `Link.serve`."""
         self._services[service_key] = enqueue
+
+    def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
+        """See `Link.announce`."""
+        self._listened[key] = listened
+
+        def tell(text: str) -> None:
+            for heard in list(self._lines.get(key, ())):
+                heard(text)
+
+        return tell
+
+    def listen(self, key: str, heard: Callable[[str], object]) -> Callable[[], object]:
+        """See `Link.listen`."""
+        listeners = self._lines.setdefault(key, [])
+        listeners.append(heard)
+        if len(listeners) == 1 and key in self._listened:
+            self._listened[key](True)
+
+        def end() -> None:
+            listeners.remove(heard)
+            if not listeners and key in self._listened:
+                self._listened[key](False)
+
+        return end
 
     def close(self) -> None:
         """See `Link.close`."""

@@ -3,6 +3,7 @@
 ==================================================  =============================================
 ``rt/<realm>/<host>/<manager>[/<instance>]/@/P``    property P of a manager or component
 ``rt/<realm>/<host>/<manager>[/<instance>]/@x/…``   reserved extensions (snapshot, meta, gui)
+``rt/<realm>/<host>/<manager>/@x/line/LINE``        what a manager tells all who listen
 ``rtd/<realm>/<host>/<connector id>``               data of one connector
 ``rtw/<realm>``                                     who the manager at an address is
 ==================================================  =============================================
@@ -61,6 +62,11 @@ def property_key(service_key: str, name: str) -> str:
 def extension_key(service_key: str, name: str) -> str:
     """Return the key of a reserved extension of a service."""
     return f"{service_key}/@x/{name}"
+
+
+def line_key(service_key: str, line: str) -> str:
+    """Return the key on which a manager tells something to all who listen."""
+    return f"{service_key}/@x/line/{line}"
 
 
 def data(host: str, connector_id: str) -> str:

@@ -120,7 +120,7 @@ class ZenohLink:
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
-        self._declared: list[zenoh.Queryable[None]] = []
+        self._declared: list[zenoh.Queryable[None] | zenoh.Publisher] = []
 
     def call(self, key: str, payload: str | None, timeout_s: float) -> Reply:
         """See `Link.call`."""
@@ -150,6 +150,24 @@ class ZenohLink:
                 _receiver(prefix, is_extension, enqueue), indirect=False
             )
             self._declared.append(self._session.declare_queryable(prefix + "**", handler))
+
+    def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
+        """See `Link.announce`."""
+        publisher = self._session.declare_publisher(
+            key, congestion_control=zenoh.CongestionControl.DROP
+        )
+        publisher.declare_matching_listener(lambda status: listened(status.matching))
+        self._declared.append(publisher)
+        return publisher.put
+
+    def listen(self, key: str, heard: Callable[[str], object]) -> Callable[[], object]:
+        """See `Link.listen`."""
+
+        def take(sample: zenoh.Sample) -> None:
+            heard(sample.payload.to_string())
+
+        handler = zenoh.handlers.Callback(take, indirect=False)
+        return self._session.declare_subscriber(key, handler).undeclare
 
     def close(self) -> None:
         """See `Link.close`."""

@@ -197,6 +197,7 @@ def _open_doors(
     stack.callback(remove_socket, places.manager_socket(name))
     stack.callback(link.close)
     fault.point("manager.inner_open")
+    loop.open_lines(link, keys.service(host, name))
     link.serve(keys.service(host, name), loop.post)
     fault.point("manager.serving")
     _open_front(state, session, inner, warn, stack)

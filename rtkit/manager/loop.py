@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 import queue
@@ -12,11 +13,15 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from rtkit import fault
+from rtkit.deployment.figures import FIGURES
+from rtkit.deployment.news import TREE
 from rtkit.errors import RtkitError
-from rtkit.link import places
+from rtkit.link import keys, places
+from rtkit.link.base import Link
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.holding.holder import Holder
@@ -25,6 +30,7 @@ from rtkit.manager.processes.lastwords import last_words
 from rtkit.manager.processes.lines import Lines
 from rtkit.manager.processes.nursery import Nursery
 from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.manager.processes.usage import usage
 from rtkit.manager.processes.watchman import DEADLINE_S, Watchman, callback_deadline_s
 from rtkit.manager.requests import Desk
 from rtkit.property.exchange import Request, failure
@@ -63,6 +69,7 @@ class Loop:
         self._watchman.watch(ev.OWN_PROCESS, core.state.pid)
         self._stacks = open_stacks(nursery.data_pattern, core.state.pid)
         self._tidy_at = 0.0
+        self._announce: dict[str, Callable[[str], object]] = {}
         self._is_finished = False
         self._is_closed = False
         self._selector = selectors.DefaultSelector()
@@ -87,6 +94,12 @@ class Loop:
     def settle(self, settled: Callable[[], object]) -> None:
         """Call `settled` when the slaves of earlier managers are back, or their time is up."""
         self._lines.settle(settled)
+
+    def open_lines(self, link: Link, service: str) -> None:
+        """Tell on the manager's lines, from now on, what the core wants told."""
+        for line in (TREE, FIGURES):
+            listened = partial(self._listened, line)
+            self._announce[line] = link.announce(keys.line_key(service, line), listened)
 
     def run(self) -> None:
         """Work until the core says that all is done."""
@@ -197,7 +210,7 @@ class Loop:
         for instruction in instructions:
             _guarded(self._carry_out, instruction)
         match event:
-            case ev.HolderSaid(key):
+            case ev.HolderSaid(key, message) if "figures" not in message:
                 self._watchman.hasten(key)
             case ev.SlaveReady(key):
                 self._watchman.watch(key, self._core.state.processes[key].pid)
@@ -229,6 +242,20 @@ class Loop:
                     continue
                 cut(places.output_file(state.name, process.name if process.is_slave else ""))
 
+    def _listened(self, line: str, is_heard: bool) -> None:
+        self.post(ev.Listened(line, is_heard))
+
+    def _publish(self, line: str, message: ev.Message) -> None:
+        whole = {**message, "time": time.time()}
+        if line == FIGURES:
+            whole["at_s"] = time.monotonic()
+            for process in whole["processes"]:
+                used = usage(process["pid"])
+                if used is not None:
+                    process.update(used._asdict())
+        if line in self._announce:
+            self._announce[line](json.dumps(whole, separators=(",", ":")))
+
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:
             case ev.SendToHolder(key, message):
@@ -254,6 +281,8 @@ class Loop:
                 fault.point("manager.signalled")
             case ev.Inspect(key, age_s):
                 self._inspect(key, age_s)
+            case ev.Publish(line, message):
+                self._publish(line, message)
             case ev.WakeAt(moment):
                 if self._wake_at is None or moment < self._wake_at:
                     self._wake_at = moment

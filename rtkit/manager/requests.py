@@ -15,7 +15,14 @@ from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
 from rtkit.link.running import managers
 from rtkit.manager.core import configuring, operations
-from rtkit.manager.core.events import BatchAsked, Event, OperationAsked, StopAsked, WatchAsked
+from rtkit.manager.core.events import (
+    BatchAsked,
+    Event,
+    OperationAsked,
+    PictureAsked,
+    StopAsked,
+    WatchAsked,
+)
 from rtkit.manager.core.state import State
 from rtkit.manager.modules.loadable import loadable
 from rtkit.manager.restarting import open_report
@@ -53,6 +60,8 @@ class Desk:
         Raises:
             RtkitError: The request cannot be served.
         """
+        if request.is_extension and request.name == "picture":
+            return PictureAsked(request.answer)
         if request.is_extension:
             request.answer(Reply(self._view(request.name)))
             return None

@@ -17,6 +17,7 @@ from rtkit.tree.api import ByPath, as_text
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action, Result
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.news import Picture
     from rtkit.deployment.watch import Watched
 
 DEFAULT_TIMEOUT_S = 10.0
@@ -183,6 +184,23 @@ class Tree(ByPath):
         key = keys.property_key(self._service, "watch")
         bound = max(timeout_s, self.timeout_s)
         return states_from_text(self._ask(key, watch_to_text(watch), bound))
+
+    def picture(self) -> Picture:
+        """Return all facts, and to which news of the manager they lead up.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        from rtkit.deployment.news import picture_from_text
+
+        return picture_from_text(self._ask(keys.extension_key(self._service, "picture")))
+
+    def listen(self, line: str, heard: Callable[[str], object]) -> Callable[[], object]:
+        """Have `heard` called with what the manager tells on a line; return what ends that.
+
+        For `rtkit.tree.listening`; it is called on threads of the transport.
+        """
+        return self._link.listen(keys.line_key(self._service, line), heard)
 
     def get(self, name: str) -> str:
         """Return the value of a property of the manager: ``tree.get("naming.formats")``.

@@ -12,8 +12,11 @@ from functools import partial
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.batch import results_to_text
+from rtkit.deployment.figures import FIGURES
+from rtkit.deployment.news import TREE
 from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.manager.core import adoption, configuring, facts_in, operations
+from rtkit.manager.core.announcing import Announcer
 from rtkit.manager.core.events import (
     AdoptSlave,
     AnswerClient,
@@ -24,8 +27,10 @@ from rtkit.manager.core.events import (
     Finish,
     HolderSaid,
     Instruction,
+    Listened,
     Message,
     OperationAsked,
+    PictureAsked,
     ProcessInspected,
     SendToHolder,
     SignalSlave,
@@ -43,6 +48,7 @@ from rtkit.manager.core.events import (
 from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
+from rtkit.manager.core.surveying import Survey
 from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.watching import Watchers
 from rtkit.manager.core.wishes import Need, Procedure
@@ -76,6 +82,8 @@ class Core:
         self._out: list[Instruction] = []
         self._tasks = Tasks(state, self._out)
         self._watchers = Watchers(state, self._out)
+        self._announcer = Announcer(state, self._out)
+        self._survey = Survey(state, self._out, self._announcer.run_id)
         self._is_stopping = False
 
     @property
@@ -94,6 +102,10 @@ class Core:
                 self._begin(_Job(event))
             case WatchAsked():
                 self._watch(event)
+            case PictureAsked(answer):
+                self._announcer.send_picture(answer)
+            case Listened(line, is_heard):
+                self._listened(line, is_heard)
             case OperationAsked():
                 self._operate(event)
             case HolderSaid(key, message):
@@ -123,9 +135,10 @@ class Core:
             case Tick():
                 pass
         self._tasks.run(now)
-        until = self._watchers.run(now)
-        if until is not None:
-            self._out.append(WakeAt(until))
+        for until in (self._watchers.run(now), self._survey.run(now)):
+            if until is not None:
+                self._out.append(WakeAt(until))
+        self._announcer.run()
         out = list(self._out)
         self._out.clear()
         return out
@@ -196,6 +209,12 @@ class Core:
         else:
             self._watchers.begin(asked)
 
+    def _listened(self, line: str, is_heard: bool) -> None:
+        if line == TREE:
+            self._announcer.listen(is_heard)
+        elif line == FIGURES:
+            self._survey.listen(is_heard)
+
     # what processes report
 
     def _heard(self, key: int, message: Message) -> None:
@@ -210,6 +229,8 @@ class Core:
                 ends = [end for end in wire.ports if end.instance == facts.instance]
                 if any(facts.port(end.port) is None for end in ends):
                     self._cut(wire)
+        elif "figures" in message:
+            self._survey.hear(process, message["figures"])
         elif "gone" in message:
             self._gone(process, message["gone"])
         else:
@@ -351,4 +372,5 @@ class Core:
         self._tasks.give_up(Unreachable(_STOPPING))
 
     def _stopped(self, _result: Result) -> None:
+        self._announcer.end()
         self._out.append(Finish())

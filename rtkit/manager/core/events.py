@@ -37,6 +37,21 @@ class WatchAsked:
 
 
 @dataclass(frozen=True, slots=True)
+class PictureAsked:
+    """A client that listens to news wants to know what they begin with."""
+
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
+class Listened:
+    """Somebody listens on a line now, or nobody does any more."""
+
+    line: str
+    is_heard: bool
+
+
+@dataclass(frozen=True, slots=True)
 class OperationAsked:
     """A client wants an operation done (see `rtkit.manager.core.operations`)."""
 
@@ -145,6 +160,8 @@ class Tick:
 Event = (
     BatchAsked
     | WatchAsked
+    | PictureAsked
+    | Listened
     | OperationAsked
     | StopAsked
     | SlaveForked
@@ -214,6 +231,14 @@ class AnswerClient:
 
 
 @dataclass(frozen=True, slots=True)
+class Publish:
+    """Tell those who listen on a line; `message` lacks only the time."""
+
+    line: str
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
 class WakeAt:
     """Send a `Tick` at this monotonic time [s]."""
 
@@ -226,5 +251,13 @@ class Finish:
 
 
 Instruction = (
-    SpawnSlave | AdoptSlave | SendToHolder | SignalSlave | Inspect | AnswerClient | WakeAt | Finish
+    SpawnSlave
+    | AdoptSlave
+    | SendToHolder
+    | SignalSlave
+    | Inspect
+    | AnswerClient
+    | Publish
+    | WakeAt
+    | Finish
 )

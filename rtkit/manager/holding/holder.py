@@ -28,11 +28,12 @@ from rtkit.manager.holding.composites import Composites
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.contexts import Contexts, release
 from rtkit.manager.holding.facts_out import facts_of
+from rtkit.manager.holding.figures_out import figures_of
 from rtkit.manager.holding.host import LATER
 from rtkit.manager.holding.links import Links
 from rtkit.manager.holding.machines import Machines
 from rtkit.manager.holding.neighbours import Neighbours
-from rtkit.manager.holding.pacer import Pacer
+from rtkit.manager.holding.pacer import Pacer, Work
 from rtkit.manager.holding.process_settings import complete, configure
 from rtkit.manager.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import CreateString, parse_create
@@ -79,6 +80,7 @@ class Holder:
             "set": self._set,
             "activate_set": self._activate_set,
             "remember": self._remember,
+            "figures": self._tell_figures,
             "configure": lambda message: configure(message, loader),
             **Contexts(self).operations,
             **self._links.operations,
@@ -347,6 +349,14 @@ class Holder:
         instance = message["instance"]
         if instance in self._components:
             self._memory[instance] = message["kept"]
+
+    def _tell_figures(self, _message: Message) -> object:
+        def worked(context: ExecutionContext) -> Work:
+            return work.get((context.owner, context.id), Work())
+
+        work = {key: pacer.work() for key, pacer in self._pacers.items()}
+        self._send({"figures": figures_of(self._components.values(), worked)})
+        return LATER
 
     def _holding(self) -> Message:
         components = [

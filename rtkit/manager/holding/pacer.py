@@ -8,11 +8,20 @@ from __future__ import annotations
 
 import threading
 import time
+from typing import NamedTuple
 
 from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import CPU_AFFINITY
 from rtkit.component.period import Period
 from rtkit.manager.holding import processors
+
+
+class Work(NamedTuple):
+    """What a context has done: its cycles, the time that they took, the longest of late [ns]."""
+
+    ticks: int = 0
+    busy_ns: int = 0
+    longest_ns: int = 0
 
 
 class Pacer:
@@ -25,6 +34,9 @@ class Pacer:
         self._thread: threading.Thread | None = None
         self._alarm = threading.Event()
         self._is_closed = False
+        self._ticks = 0
+        self._busy_ns = 0
+        self._longest_ns = 0
         context.wake = self.wake
 
     def wake(self) -> None:
@@ -34,6 +46,11 @@ class Pacer:
             if self._thread is None and not self._is_closed:
                 self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
                 self._thread.start()
+
+    def work(self) -> Work:
+        """Return what was done so far; the longest cycle is that since the last call."""
+        longest_ns, self._longest_ns = self._longest_ns, 0
+        return Work(self._ticks, self._busy_ns, longest_ns)
 
     def stop(self) -> None:
         """Have the thread end after its present tick, and none begin."""
@@ -64,7 +81,9 @@ class Pacer:
         context, alarm = self._context, self._alarm
         while not self._rest():
             alarm.clear()
+            began_ns = time.monotonic_ns()
             context.tick()
+            self._count(time.monotonic_ns() - began_ns)
             if not context.is_due and not context.is_idle:
                 alarm.wait()
 
@@ -76,12 +95,21 @@ class Pacer:
             context.serve_requests()
             if context.rate != period.rate:
                 period.change_rate(context.rate, time.monotonic_ns())
-            if time.monotonic_ns() >= period.deadline_ns:
+            began_ns = time.monotonic_ns()
+            if began_ns >= period.deadline_ns:
                 context.tick()
-                period.advance(time.monotonic_ns())
+                ended_ns = time.monotonic_ns()
+                self._count(ended_ns - began_ns)
+                period.advance(ended_ns)
             delay = period.wait_s(time.monotonic_ns())
             if delay:
                 alarm.wait(delay)
+
+    def _count(self, spent_ns: int) -> None:
+        self._ticks += 1
+        self._busy_ns += spent_ns
+        if spent_ns > self._longest_ns:
+            self._longest_ns = spent_ns
 
     def _rest(self) -> bool:
         """End the thread when nothing is to be done; a later `wake` makes another."""

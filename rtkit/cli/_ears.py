@@ -1,0 +1,224 @@
+"""What the observers share: ears at managers, which follow them through a restart, and patience."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from time import monotonic, time
+from types import TracebackType
+from typing import TYPE_CHECKING, NamedTuple, Self
+
+from rtkit.cli._app import App
+from rtkit.errors import Refused, RtkitError, Unreachable
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.link.folder import Folder
+    from rtkit.tree.client import Tree
+    from rtkit.tree.listening import Ear, Heard
+
+_AGAIN_S = 0.05
+_KEEN_S = 5.0
+"""How long a door is tried again after something happened beside it [s]."""
+
+_GONE = select.POLLERR | select.POLLHUP | select.POLLNVAL
+
+
+class Told(NamedTuple):
+    """What was heard of a manager; None when it is back."""
+
+    manager: str
+    heard: Heard | None
+
+
+class Ears:
+    """Ears at one manager, or at several of this host; leave it as a context manager.
+
+    Attributes:
+        ears: By the name of the manager, as `connect` takes it; "" for the one that paths lead to.
+        names: The name of each manager, by the same.
+    """
+
+    def __init__(self, app: App, lines: Sequence[str], others: Sequence[str] = ()) -> None:
+        """Begin to listen.
+
+        Args:
+            app: The run of the command.
+            lines: Of which lines.
+            others: Managers beside the one that paths lead to.
+        """
+        from rtkit.tree.listening import Ear
+
+        self._app = app
+        self._lines = tuple(lines)
+        self._trees: dict[str, Tree] = {}
+        self._facts: dict[str, Snapshot] = {}
+        self._away: list[str] = []
+        self._folder: Folder | None = None
+        self._keen_until = 0.0
+        self.names: dict[str, str] = {}
+        self.ears: dict[str, Ear] = {"": Ear(app.tree, self._lines)}
+        self.names[""] = app.tree.manager
+        for name in others:
+            self.names[name] = name
+            if not self._enter(name):
+                app.fail(f"manager {name!r} does not answer")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Listen no more."""
+        for name in list(self.ears):
+            self._leave(name)
+        if self._folder is not None:
+            self._folder.close()
+
+    def listen(
+        self, until: float | None, also: Sequence[int] = (), pulse_s: float | None = None
+    ) -> Iterator[list[Told]]:
+        """Yield what is heard, and an empty list whenever one of the descriptors is readable.
+
+        It ends when the time is up, monotonic [s]. A manager that ends is waited for.
+
+        Args:
+            until: When to end; None for never.
+            also: Descriptors of which to tell when they can be read.
+            pulse_s: Yield at least that often [s].
+
+        Raises:
+            BrokenPipeError: Nobody reads stdout any more.
+        """
+        while until is None or monotonic() < until:
+            ready = self._wait(until, also, pulse_s)
+            told = [
+                Told(name, heard) for name, ear in list(self.ears.items()) for heard in ear.take()
+            ]
+            told += self._follow(told)
+            if told or ready or pulse_s is not None:
+                yield told
+
+    def _wait(self, until: float | None, also: Sequence[int], pulse_s: float | None) -> bool:
+        """Wait for something; whether one of the descriptors `also` is readable."""
+        poll = select.poll()
+        out = _descriptor_of_stdout()
+        if out is not None:
+            poll.register(out, 0)
+        sources = [each for ear in self.ears.values() for each in ear.sources]
+        if self._folder is not None:
+            sources.append(self._folder.fileno())
+        for each in (*sources, *also):
+            poll.register(each, select.POLLIN)
+        bounds = [pulse_s] if pulse_s is not None else []
+        if until is not None:
+            bounds.append(max(0.0, until - monotonic()))
+        if self._away and monotonic() < self._keen_until:
+            bounds.append(_AGAIN_S)  # nothing tells that a door that is there begins to answer
+        ready = dict(poll.poll(min(bounds) * 1000 if bounds else None))
+        if out is not None and ready.get(out, 0) & _GONE:
+            raise BrokenPipeError
+        return any(each in ready for each in also)
+
+    def _follow(self, told: Sequence[Told]) -> list[Told]:
+        """Let go of managers that ended; return those that are back."""
+        from rtkit.tree.listening import Ended
+
+        for manager, heard in told:
+            if isinstance(heard, Ended):
+                self._leave(manager)
+                self._await(manager)
+        if self._folder is not None and self._folder.take():
+            self._keen_until = monotonic() + _KEEN_S
+        back = [name for name in self._away if self._is_there(name) and self._enter(name)]
+        self._away = [name for name in self._away if name not in back]
+        if not self._away and self._folder is not None:
+            self._folder.close()
+            self._folder = None
+        return [each for name in back for each in (Told(name, None), self._missed(name))]
+
+    def _missed(self, name: str) -> Told:
+        """Return what happened to a manager's components while nobody listened."""
+        from rtkit.deployment.happenings import happenings
+        from rtkit.deployment.news import news_between
+        from rtkit.tree.listening import Change
+
+        before, after = self._facts.pop(name), self.ears[name].facts
+        missed = tuple(happenings(before, news_between(before, after, "", 0)))
+        return Told(name, Change(time(), missed))
+
+    def _is_there(self, name: str) -> bool:
+        from rtkit.link.places import manager_socket
+
+        return ":" in name or os.path.exists(manager_socket(self.names[name]))
+
+    def _await(self, name: str) -> None:
+        from rtkit.link.folder import Folder
+        from rtkit.link.places import make_private, runtime_dir
+
+        self._away.append(name)
+        self._keen_until = monotonic() + _KEEN_S
+        if self._folder is None:
+            self._folder = Folder(make_private(runtime_dir()))
+
+    def _enter(self, name: str) -> bool:
+        from rtkit.tree.connect import connect
+        from rtkit.tree.listening import Ear
+
+        try:
+            if not name:
+                self.ears[name] = Ear(self._app.tree, self._lines)
+                return True
+            self._trees[name] = connect(name, self._app.timeout_s)
+            self.ears[name] = Ear(self._trees[name], self._lines)
+        except (Unreachable, Refused):
+            self._leave(name)
+            return False
+        return True
+
+    def _leave(self, name: str) -> None:
+        ear, tree = self.ears.pop(name, None), self._trees.pop(name, None)
+        if ear is not None:
+            self._facts[name] = ear.facts
+            _quietly(ear.close)
+        if tree is not None:
+            _quietly(tree.close)
+        elif not name:
+            _quietly(self._app.close)
+
+
+def _quietly(end: Callable[[], object]) -> None:
+    """End a connection of which the other end may be gone."""
+    try:
+        end()
+    except RtkitError:
+        return
+
+
+def _descriptor_of_stdout() -> int | None:
+    try:
+        return sys.stdout.fileno()
+    except (OSError, ValueError):
+        return None
+
+
+def write_now(lines: Sequence[str]) -> None:
+    """Write lines on stdout at once, for who reads them as they come."""
+    from rtkit.cli import _out
+
+    _out.write(lines)
+    sys.stdout.flush()
+
+
+def manager_names(app: App) -> list[str]:
+    """Return the other managers of this host that run as processes of this user."""
+    return [name for name in app.others() if ":" not in name and os.sep not in name]

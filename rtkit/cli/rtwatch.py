@@ -1,0 +1,220 @@
+"""``rtwatch``: print what happens to components, as it happens."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Container, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._ears import Ears, manager_names, write_now
+from rtkit.cli._moments import clock_time, iso_time
+from rtkit.deployment.happenings import HEARTBEAT, KINDS, beats
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
+from rtkit.tree.view import shown_path
+
+if TYPE_CHECKING:
+    from rtkit.cli._ears import Told
+    from rtkit.deployment.figures import Figures
+    from rtkit.deployment.happenings import Happening
+    from rtkit.tree.scope import Scope
+
+Record = dict[str, Any]
+ALL = "ALL"
+
+
+class _Kind(click.ParamType[str]):
+    """A kind of event, in any case of letters."""
+
+    name = "kind"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        word = str(value).upper().replace("-", "_")
+        if word in (ALL, *KINDS):
+            return word
+        from rtkit.rtc.nearest import did_you_mean
+
+        words = ", ".join((ALL, *KINDS))
+        self.fail(f"unknown kind of event: {value}{did_you_mean(word, KINDS)}; known: {words}")
+
+
+@command("rtwatch")
+@click.option(
+    "-f",
+    "--filter",
+    "kinds",
+    type=_Kind(),
+    multiple=True,
+    metavar="KIND",
+    help="Print only events of this kind (default: all but HEARTBEAT).",
+)
+@click.option(
+    "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N events."
+)
+@click.option(
+    "-t",
+    "--timeout",
+    "duration_s",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Stop after this time.",
+)
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.argument("paths", nargs=-1, metavar="PATH...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    kinds: tuple[str, ...],
+    number: int | None,
+    duration_s: float | None,
+    is_json: bool,
+) -> int:
+    r"""Print what happens to components, as it happens.
+
+    PATH is a component; or a directory or manager, for all that is, or comes, below it; / for
+    everything. Each line has the time, the path, what it happened to, and what happened.
+
+    \b
+    TREE_EVENT         it appeared, vanished, became a zombie; a process began or ended
+    RTC_STATUS         its state in an execution context: ACTIVE INACTIVE ERROR
+    COMPONENT_PROFILE  what changed of its names, members, options
+    EC_EVENT           an execution context: attached, detached, started, shut down, its rate
+    PORT_EVENT         a port: added, removed, connected, disconnected
+    CONFIG_EVENT       a configuration set or parameter: changed, added, removed, activated
+    FSM_EVENT          its state machine: state, structure, events
+    HEARTBEAT          once a second, of the component and each execution context that runs
+
+    A manager that ends is waited for. A state that is left again at once may not be told. The
+    status is 1 when the time is up before N events, or any at all, have come.
+    """
+    from rtkit.deployment.figures import FIGURES
+    from rtkit.deployment.news import TREE
+
+    if not paths:
+        raise WrongArguments("No component specified.")
+    wanted = set(KINDS) if ALL in kinds else set(kinds) or set(KINDS) - {HEARTBEAT}
+    until = None if duration_s is None else time.monotonic() + duration_s
+    scopes = _scopes(app, paths)
+    others = [] if all(scope.is_one_manager for scope in scopes) else manager_names(app)
+    lines = (TREE, FIGURES) if HEARTBEAT in wanted else (TREE,)
+    left = number
+    with Ears(app, lines, others) as ears:
+        app.tell("listening")
+        watch = _Watch(app, ears, scopes, wanted)
+        for told in ears.listen(until):
+            records = list(watch.records(told))[:left]
+            write_now([_json(each) if is_json else _line(each) for each in records])
+            left = None if left is None else left - len(records)
+            if left == 0:
+                return 0
+    return 0 if number is None and watch.count else 1
+
+
+def _scopes(app: App, paths: Sequence[str]) -> list[Scope]:
+    from rtkit.tree.scope import scope_of
+
+    read = [app.path(typed) for typed in paths]
+    scopes = []
+    for path in read:
+        root, hostname = app.root(path, is_deep=False)
+        scopes.append(scope_of(root, path, hostname))
+    return scopes
+
+
+class _Watch:
+    """Makes records of what is heard and wanted.
+
+    Attributes:
+        count: How many.
+    """
+
+    def __init__(
+        self, app: App, ears: Ears, scopes: Sequence[Scope], wanted: Container[str]
+    ) -> None:
+        self._app = app
+        self._ears = ears
+        self._scopes = scopes
+        self._wanted = wanted
+        self._host = app.tree.host
+        self.count = 0
+
+    def records(self, told: Sequence[Told]) -> Iterator[Record]:
+        """Yield a record for each event."""
+        from rtkit.deployment.figures import Figures
+        from rtkit.tree.listening import Change
+
+        for manager, heard in told:
+            if isinstance(heard, Change):
+                if heard.lost:
+                    self._app.fail(f"{heard.lost} news were missed; what they led to is told")
+                yield from self._chosen(manager, heard.time, heard.happenings)
+            elif isinstance(heard, Figures):
+                yield from self._chosen(manager, heard.time, self._beats(manager, heard))
+            elif heard is not None:
+                self._app.fail(f"{heard.why}; waiting for it to come back")
+            else:
+                self._app.fail(f"manager {self._ears.names[manager]!r} is back")
+
+    def _chosen(
+        self, manager: str, moment: float, happened: Iterable[Happening]
+    ) -> Iterator[Record]:
+        for each in happened:
+            if each.kind in self._wanted and self._is_covered(manager, each):
+                self.count += 1
+                yield self._record(manager, moment, each)
+
+    def _is_covered(self, manager: str, happening: Happening) -> bool:
+        return any(
+            scope.covers(happening, self._host) and not (manager and scope.is_one_manager)
+            for scope in self._scopes
+        )
+
+    def _beats(self, manager: str, figures: Figures) -> Iterator[Happening]:
+        ear = self._ears.ears.get(manager)
+        known = {facts.instance: facts for facts in ear.facts.components} if ear else {}
+        for process in figures.processes:
+            for component in process.components:
+                facts = known.get(component.instance)
+                if facts is not None and not facts.trouble:
+                    yield from beats(facts, [c.id for c in component.contexts if c.is_running])
+
+    def _record(self, manager: str, moment: float, happening: Happening) -> Record:
+        return {
+            "schema": "rtkit.event/1",
+            "time": iso_time(moment),
+            "kind": happening.kind,
+            "path": self._path(manager, happening),
+            "manager": self._ears.names[manager],
+            "process": happening.process,
+            "instance": happening.instance,
+            "subject": happening.subject,
+            "event": happening.event,
+            "detail": happening.detail,
+        }
+
+    def _path(self, manager: str, happening: Happening) -> str:
+        """Return where it happened, as it can be typed."""
+        if happening.names and not manager:
+            return shown_path(happening.names[0], self._host)
+        name = self._ears.names[manager]
+        place = f"/{LOCAL}/{name}{MANAGER_SUFFIX}"
+        if happening.instance:
+            return f"{place}/{happening.instance}{COMPONENT_SUFFIX}"
+        is_slave = happening.process not in ("", name)
+        return f"{place}/{happening.process}{MANAGER_SUFFIX}" if is_slave else place
+
+
+def _json(record: Record) -> str:
+    import json
+
+    return json.dumps(record, ensure_ascii=False)
+
+
+def _line(record: Record) -> str:
+    words = [record["path"], record["subject"], record["event"]]
+    if record["detail"]:
+        words.append(f"({record['detail']})")
+    return _out.printable(f"[{clock_time(record['time'])}] {' '.join(filter(None, words))}")

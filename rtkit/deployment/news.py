@@ -1,0 +1,147 @@
+"""What changes at a manager, as it tells those who listen; and their picture of it.
+
+A listener takes a picture of all facts once and then the news, which have a number each. So it
+knows at any time what the manager knows, and notices when it missed something: then it takes a
+new picture.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.errors import Malformed
+from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.profiles import ConnectorProfile
+
+TREE = "tree"
+"""The line on which news of the tree are told."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class News:
+    """What changed since the news of the number before.
+
+    Attributes:
+        run: Which life of the manager this is told in.
+        number: Counts the news of that life.
+        time: When it was told [s since 1970].
+        components: Those that are new or other than before.
+        gone: Instance names of those that are not there any more.
+        connectors: Those that were made or changed.
+        cut: Ids of those that are not there any more.
+        processes: Those that are new or other than before.
+        ended: Pids of those that are not there any more.
+        names: Paths of the manager itself, when those have changed.
+        is_last: The manager ends; none follow.
+    """
+
+    run: str
+    number: int
+    time: float = 0.0
+    components: tuple[ComponentFacts, ...] = ()
+    gone: tuple[str, ...] = ()
+    connectors: tuple[ConnectorProfile, ...] = ()
+    cut: tuple[str, ...] = ()
+    processes: tuple[ProcessFacts, ...] = ()
+    ended: tuple[int, ...] = ()
+    names: tuple[str, ...] | None = None
+    is_last: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """Everything that a manager knows, and the number of the news up to which that holds."""
+
+    run: str
+    number: int
+    facts: Snapshot
+
+
+def news_between(before: Snapshot, after: Snapshot, run: str, number: int) -> News:
+    """Return what changed from one moment to another."""
+    components, gone = _changed(before.components, after.components, "instance")
+    connectors, cut = _changed(before.connectors, after.connectors, "connector_id")
+    processes, ended = _changed(before.processes, after.processes, "pid")
+    return News(
+        run,
+        number,
+        components=components,
+        gone=gone,
+        connectors=connectors,
+        cut=cut,
+        processes=processes,
+        ended=ended,
+        names=after.names if after.names != before.names else None,
+    )
+
+
+def applied(facts: Snapshot, news: News) -> Snapshot:
+    """Return the facts as they are after some news."""
+    return replace(
+        facts,
+        components=_merged(facts.components, news.components, news.gone, "instance"),
+        connectors=_merged(facts.connectors, news.connectors, news.cut, "connector_id"),
+        processes=_merged(facts.processes, news.processes, news.ended, "pid"),
+        names=facts.names if news.names is None else news.names,
+    )
+
+
+def _changed(
+    before: Iterable[T], after: Iterable[T], key: str
+) -> tuple[tuple[T, ...], tuple[Any, ...]]:
+    known = {getattr(each, key): each for each in before}
+    fresh = []
+    for each in after:
+        old = known.pop(getattr(each, key), None)
+        if old is not each and old != each:
+            fresh.append(each)
+    return tuple(fresh), tuple(known)
+
+
+def _merged(
+    present: tuple[T, ...], fresh: tuple[T, ...], gone: Iterable[object], key: str
+) -> tuple[T, ...]:
+    if not fresh and not gone:
+        return present
+    known = {getattr(each, key): each for each in present}
+    for name in gone:
+        known.pop(name, None)
+    for each in fresh:
+        known[getattr(each, key)] = each
+    return tuple(known.values())
+
+
+def picture_to_text(picture: Picture) -> str:
+    """Return a picture as the text that travels."""
+    return json.dumps(encode(picture), separators=(",", ":"))
+
+
+def picture_from_text(text: str) -> Picture:
+    """Rebuild a picture.
+
+    Raises:
+        Malformed: The text is none.
+    """
+    return decode(Picture, _load(text))
+
+
+def news_from_text(text: str) -> News:
+    """Rebuild news.
+
+    Raises:
+        Malformed: The text is none.
+    """
+    return decode(News, _load(text))
+
+
+def _load(text: str) -> object:
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise Malformed(f"not JSON: {error}") from error

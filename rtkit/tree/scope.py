@@ -1,0 +1,59 @@
+"""Which events a path is about: those of one component, or of all that is, or comes, below it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rtkit.deployment.happenings import Happening
+from rtkit.errors import Malformed
+from rtkit.rtc.names import LOCAL, Path
+from rtkit.tree.resolve import entry
+from rtkit.tree.view import Kind, Node, shown_path
+
+
+class Scope(NamedTuple):
+    """What a path is about; everything, if nothing is set.
+
+    Attributes:
+        instance: The component that it names.
+        process: The slave that it names.
+        directory: The directory that it names, absolute.
+        is_one_manager: It names a manager, or what is below one.
+    """
+
+    instance: str = ""
+    process: str = ""
+    directory: str = ""
+    is_one_manager: bool = True
+
+    def covers(self, happening: Happening, hostname: str) -> bool:
+        """Whether it is about something that happened at the manager of a host."""
+        if self.instance:
+            return happening.instance == self.instance
+        if self.process:
+            return happening.process == self.process
+        if self.directory:
+            shown = (shown_path(name, hostname) for name in happening.names)
+            return any(path.startswith(f"{self.directory}/") for path in shown)
+        return True
+
+
+def scope_of(root: Node, path: Path, hostname: str) -> Scope:
+    """Return what a path is about.
+
+    Raises:
+        NotFound: Nothing is there.
+        Malformed: It names a port.
+    """
+    if path.port is not None:
+        raise Malformed(f"Not a component: {path.typed}")
+    node = entry(root, path, hostname)
+    if node.instance:
+        return Scope(instance=node.instance)
+    if node.is_slave:
+        return Scope(process=node.process)
+    if node.kind is Kind.MANAGER:
+        return Scope()
+    if node.kind is Kind.DIRECTORY or (node.kind is Kind.HOST and node.name != LOCAL):
+        return Scope(directory=node.path)
+    return Scope(is_one_manager=False)
