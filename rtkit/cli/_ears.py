@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import select
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from time import monotonic, time
@@ -11,6 +10,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple, Self
 
 from rtkit.cli._app import App
+from rtkit.cli._patience import wait_for
 from rtkit.errors import Refused, RtkitError, Unreachable
 
 if TYPE_CHECKING:
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 _AGAIN_S = 0.05
 _KEEN_S = 5.0
 """How long a door is tried again after something happened beside it [s]."""
-
-_GONE = select.POLLERR | select.POLLHUP | select.POLLNVAL
 
 
 class Told(NamedTuple):
@@ -110,24 +108,17 @@ class Ears:
 
     def _wait(self, until: float | None, also: Sequence[int], pulse_s: float | None) -> bool:
         """Wait for something; whether one of the descriptors `also` is readable."""
-        poll = select.poll()
-        out = _descriptor_of_stdout()
-        if out is not None:
-            poll.register(out, 0)
         sources = [each for ear in self.ears.values() for each in ear.sources]
         if self._folder is not None:
             sources.append(self._folder.fileno())
-        for each in (*sources, *also):
-            poll.register(each, select.POLLIN)
-        bounds = [pulse_s] if pulse_s is not None else []
-        if until is not None:
-            bounds.append(max(0.0, until - monotonic()))
+        bounds = [] if until is None else [until]
+        if pulse_s is not None:
+            bounds.append(monotonic() + pulse_s)
         if self._away and monotonic() < self._keen_until:
-            bounds.append(_AGAIN_S)  # nothing tells that a door that is there begins to answer
-        ready = dict(poll.poll(min(bounds) * 1000 if bounds else None))
-        if out is not None and ready.get(out, 0) & _GONE:
-            raise BrokenPipeError
-        return any(each in ready for each in also)
+            # Nothing tells that a door that is there begins to answer.
+            bounds.append(monotonic() + _AGAIN_S)
+        ready = wait_for([*sources, *also], min(bounds, default=None))
+        return not ready.isdisjoint(also)
 
     def _follow(self, told: Sequence[Told]) -> list[Told]:
         """Let go of managers that ended; return those that are back."""
@@ -202,13 +193,6 @@ def _quietly(end: Callable[[], object]) -> None:
         end()
     except RtkitError:
         return
-
-
-def _descriptor_of_stdout() -> int | None:
-    try:
-        return sys.stdout.fileno()
-    except (OSError, ValueError):
-        return None
 
 
 def write_now(lines: Sequence[str]) -> None:

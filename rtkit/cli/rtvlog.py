@@ -1,0 +1,234 @@
+"""``rtvlog``: print what components log."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._ears import write_now
+from rtkit.cli._patience import wait_for
+from rtkit.errors import Malformed, Unreachable
+
+if TYPE_CHECKING:
+    from rtkit.rtc.names import Path
+    from rtkit.tree.logbook import Entry, Wanted
+
+LEVELS = ("FATAL", "ERROR", "WARN", "INFO", "NORMAL", "DEBUG", "TRACE", "VERBOSE", "PARANOID")
+"""From few words to many; NORMAL is what a component says that is told nothing else."""
+
+_BEFORE = 10
+_SETTLE_S = 0.02
+"""How long what other processes wrote at the same moment is waited for, to be put in order [s]."""
+
+_STYLES: dict[str, dict[str, object]] = {
+    "FATAL": {"fg": "white", "bg": "red", "bold": True},
+    "ERROR": {"fg": "red", "bold": True},
+    "WARN": {"fg": "yellow"},
+    "DEBUG": {"dim": True},
+    "TRACE": {"dim": True},
+    "VERBOSE": {"dim": True},
+    "PARANOID": {"dim": True},
+}
+
+
+class _Level(click.ParamType[str]):
+    """A level, in any case of letters."""
+
+    name = "level"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        word = str(value).upper()
+        if word in LEVELS:
+            return word
+        from rtkit.rtc.nearest import did_you_mean
+
+        self.fail(f"unknown level: {value}{did_you_mean(word, LEVELS)}; known: {', '.join(LEVELS)}")
+
+
+@command("rtvlog")
+@click.option(
+    "-f",
+    "--filter",
+    "sources",
+    multiple=True,
+    metavar="SOURCE",
+    help="Print only what this logger, or one below it, says; ALL for all.",
+)
+@click.option(
+    "-l",
+    "--level",
+    type=_Level(),
+    default="NORMAL",
+    metavar="LEVEL",
+    help="The most talkative level to be printed (default NORMAL).",
+)
+@click.option(
+    "-n",
+    "--number",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="Begin with the last N records (default 10, all with --no-follow).",
+)
+@click.option("--follow/--no-follow", default=True, help="Go on with what comes (default), or end.")
+@click.option(
+    "-t",
+    "--timeout",
+    "duration_s",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Stop after this time.",
+)
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
+@click.argument("paths", nargs=-1, metavar="PATH...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    sources: tuple[str, ...],
+    level: str,
+    number: int | None,
+    follow: bool,
+    duration_s: float | None,
+    is_json: bool,
+) -> None:
+    r"""Print what components log.
+
+    PATH is a component; a slave, for all that its process logs; a manager, for its own log and
+    those of its slaves; or a directory, for the components in it; / for everything. What is there
+    comes first, then what is logged, in the order of time. Zombies, and components of a manager
+    that does not run, have logs too.
+
+    \b
+    levels   FATAL ERROR WARN INFO NORMAL DEBUG TRACE VERBOSE PARANOID
+    sources  of a component its name; else rtkit, stdout, stderr or the name of a logger
+
+    What a component does not log at its level (option logger.log_level) cannot be printed.
+    """
+    from rtkit.link.places import state_dir
+    from rtkit.tree.logbook import Logbook
+
+    if not paths:
+        raise WrongArguments("No component specified.")
+    wanted = _all_of(_about(app, paths), _loud_enough(level), _said_by(sources))
+    before = number if number is not None else _BEFORE if follow else None
+    show = _json if is_json else _text
+    until = None if duration_s is None else time.monotonic() + duration_s
+    logbook = Logbook(state_dir(), wanted)
+    try:
+        write_now([line for entry in logbook.there(before) for line in show(entry)])
+        while follow and wait_for([logbook.fileno()], until):
+            time.sleep(_SETTLE_S)
+            write_now([line for entry in logbook.news() for line in show(entry)])
+        if logbook.unreadable:
+            app.say(f"{app.name}: {logbook.unreadable} lines are no records")
+    finally:
+        logbook.close()
+
+
+def _all_of(*conditions: Wanted) -> Wanted:
+    return lambda entry: all(holds(entry) for holds in conditions)
+
+
+def _loud_enough(level: str) -> Wanted:
+    words = set(LEVELS[: LEVELS.index(level) + 1])
+    return lambda entry: entry.level in words
+
+
+def _said_by(sources: Sequence[str]) -> Wanted:
+    names = tuple(each.casefold() for each in sources)
+    if not names or "all" in names:
+        return lambda entry: True
+
+    def is_said(entry: Entry) -> bool:
+        said = entry.source.casefold()
+        return any(said == name or said.startswith(f"{name}.") for name in names)
+
+    return is_said
+
+
+def _about(app: App, typed: Sequence[str]) -> Wanted:
+    """Return what tells whether a record is about one of the paths."""
+    read = [app.path(each) for each in typed]
+    for path in read:
+        if path.port is not None:
+            raise Malformed(f"Not a component: {path.typed}")
+    try:
+        tests = [_about_node(app, path) for path in read]
+    except Unreachable as error:
+        app.fail(f"{error}; logs are looked for by name")
+        tests = [_about_name(path) for path in read]
+    return lambda entry: any(test(entry) for test in tests)
+
+
+def _about_node(app: App, path: Path) -> Wanted:
+    from rtkit.tree.resolve import entry
+    from rtkit.tree.view import Kind
+
+    root, hostname = app.root(path, is_deep=False)
+    node = entry(root, path, hostname)
+    manager = app.tree.manager
+    if node.instance:
+        return _of_components(manager, {node.instance})
+    if node.is_slave:
+        return _of_file(f"{manager}.{node.process}")
+    if node.kind is Kind.MANAGER:
+        return _of_file(manager, is_deep=True)
+    if node.kind is Kind.DIRECTORY:
+        return _of_components(manager, {each.instance for each in node.walk() if each.instance})
+    return lambda entry: True
+
+
+def _about_name(path: Path) -> Wanted:
+    """Return what tells of a path by its last name, where no manager can be asked."""
+    from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+
+    if len(path.elements) < 2:
+        return lambda entry: True
+    *_, above, name = path.elements
+    if not name.endswith(MANAGER_SUFFIX):
+        return _of_components("", {name.removesuffix(COMPONENT_SUFFIX)})
+    own = name.removesuffix(MANAGER_SUFFIX)
+    if above.endswith(MANAGER_SUFFIX):
+        return _of_file(f"{above.removesuffix(MANAGER_SUFFIX)}.{own}")
+    return _of_file(own, is_deep=True)
+
+
+def _of_file(name: str, *, is_deep: bool = False) -> Wanted:
+    return lambda entry: entry.file == name or (is_deep and entry.file.startswith(f"{name}."))
+
+
+def _of_components(manager: str, instances: Iterable[str]) -> Wanted:
+    """Return what tells whether components, or loggers below theirs, say something."""
+    names = set(instances)
+    is_near = _of_file(manager, is_deep=True) if manager else lambda _entry: True
+
+    def is_about(entry: Entry) -> bool:
+        return (entry.component or entry.source.partition(".")[0]) in names and is_near(entry)
+
+    return is_about
+
+
+def _text(entry: Entry) -> list[str]:
+    from rtkit.cli._moments import clock_time
+
+    who = entry.component or entry.process
+    head = f"[{who} {clock_time(entry.time)}] "
+    first, *others = entry.message.split("\n")
+    rest = f" <{entry.source}> {first}"
+    level = _out.styled(f"{entry.level:<5}", _STYLES.get(entry.level))
+    more = [*others, *entry.exception.splitlines()]
+    printable = _out.printable
+    return [printable(head) + level + printable(rest), *(f"    {printable(each)}" for each in more)]
+
+
+def _json(entry: Entry) -> list[str]:
+    import json
+
+    manager = entry.file.removesuffix(f".{entry.process}")
+    fields = {**entry._asdict(), "manager": manager}
+    del fields["file"]
+    return [json.dumps({"schema": "rtkit.log/1", **fields}, ensure_ascii=False)]
