@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from time import monotonic, time
 from types import TracebackType
 from typing import TYPE_CHECKING, NamedTuple, Self
@@ -12,12 +12,16 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 from rtkit.cli._app import App
 from rtkit.cli._patience import wait_for
 from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
+from rtkit.tree.view import shown_path
 
 if TYPE_CHECKING:
-    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.facts import ComponentFacts, Snapshot
+    from rtkit.deployment.happenings import Happening
     from rtkit.link.folder import Folder
     from rtkit.tree.client import Tree
     from rtkit.tree.listening import Ear, Heard
+    from rtkit.tree.scope import Scope
 
 _AGAIN_S = 0.05
 _KEEN_S = 5.0
@@ -83,7 +87,10 @@ class Ears:
             self._folder.close()
 
     def listen(
-        self, until: float | None, also: Sequence[int] = (), pulse_s: float | None = None
+        self,
+        until: float | None,
+        also: Sequence[int] = (),
+        wake_at: Callable[[], float | None] = lambda: None,
     ) -> Iterator[list[Told]]:
         """Yield what is heard, and an empty list whenever one of the descriptors is readable.
 
@@ -92,28 +99,27 @@ class Ears:
         Args:
             until: When to end; None for never.
             also: Descriptors of which to tell when they can be read.
-            pulse_s: Yield at least that often [s].
+            wake_at: Returns by when to yield whatever happens, monotonic [s].
 
         Raises:
             BrokenPipeError: Nobody reads stdout any more.
         """
         while until is None or monotonic() < until:
-            ready = self._wait(until, also, pulse_s)
+            moment = wake_at()
+            ready = self._wait(until, also, moment)
             told = [
                 Told(name, heard) for name, ear in list(self.ears.items()) for heard in ear.take()
             ]
             told += self._follow(told)
-            if told or ready or pulse_s is not None:
+            if told or ready or moment is not None:
                 yield told
 
-    def _wait(self, until: float | None, also: Sequence[int], pulse_s: float | None) -> bool:
+    def _wait(self, until: float | None, also: Sequence[int], wake_at: float | None) -> bool:
         """Wait for something; whether one of the descriptors `also` is readable."""
         sources = [each for ear in self.ears.values() for each in ear.sources]
         if self._folder is not None:
             sources.append(self._folder.fileno())
-        bounds = [] if until is None else [until]
-        if pulse_s is not None:
-            bounds.append(monotonic() + pulse_s)
+        bounds = [each for each in (until, wake_at) if each is not None]
         if self._away and monotonic() < self._keen_until:
             # Nothing tells that a door that is there begins to answer.
             bounds.append(monotonic() + _AGAIN_S)
@@ -201,6 +207,46 @@ def write_now(lines: Sequence[str]) -> None:
 
     _out.write(lines)
     sys.stdout.flush()
+
+
+def place_of(
+    manager: str, what: Happening | ComponentFacts, hostname: str, *, is_usual: bool
+) -> str:
+    """Return where a component, or a process, of a manager is in the tree.
+
+    Names of components are paths only at the manager that is usually asked.
+    """
+    if what.names and is_usual:
+        return shown_path(what.names[0], hostname)
+    place = f"/{LOCAL}/{manager}{MANAGER_SUFFIX}"
+    if what.instance:
+        return f"{place}/{what.instance}{COMPONENT_SUFFIX}"
+    is_slave = what.process not in ("", manager)
+    return f"{place}/{what.process}{MANAGER_SUFFIX}" if is_slave else place
+
+
+def scopes_of(app: App, paths: Sequence[str]) -> list[Scope]:
+    """Return what paths are about.
+
+    Raises:
+        NotFound: One of them leads nowhere.
+    """
+    from rtkit.tree.scope import scope_of
+
+    scopes = []
+    for path in [app.path(typed) for typed in paths]:
+        root, hostname = app.root(path, is_deep=False)
+        scopes.append(scope_of(root, path, hostname))
+    return scopes
+
+
+def is_covered(
+    scopes: Iterable[Scope], manager: str, what: Happening | ComponentFacts, hostname: str
+) -> bool:
+    """Whether one of the scopes is about that, which is at a manager; "" for the one asked."""
+    return any(
+        scope.covers(what, hostname) and not (manager and scope.is_one_manager) for scope in scopes
+    )
 
 
 def manager_names(app: App) -> list[str]:

@@ -10,11 +10,9 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._ears import Ears, manager_names, write_now
+from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
 from rtkit.cli._moments import clock_time, iso_time
 from rtkit.deployment.happenings import HEARTBEAT, KINDS, beats
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
-from rtkit.tree.view import shown_path
 
 if TYPE_CHECKING:
     from rtkit.cli._ears import Told
@@ -97,7 +95,7 @@ def main(
         raise WrongArguments("No component specified.")
     wanted = set(KINDS) if ALL in kinds else set(kinds) or set(KINDS) - {HEARTBEAT}
     until = None if duration_s is None else time.monotonic() + duration_s
-    scopes = _scopes(app, paths)
+    scopes = scopes_of(app, paths)
     others = [] if all(scope.is_one_manager for scope in scopes) else manager_names(app)
     lines = (TREE, FIGURES) if HEARTBEAT in wanted else (TREE,)
     left = number
@@ -111,17 +109,6 @@ def main(
             if left == 0:
                 return 0
     return 0 if number is None and watch.count else 1
-
-
-def _scopes(app: App, paths: Sequence[str]) -> list[Scope]:
-    from rtkit.tree.scope import scope_of
-
-    read = [app.path(typed) for typed in paths]
-    scopes = []
-    for path in read:
-        root, hostname = app.root(path, is_deep=False)
-        scopes.append(scope_of(root, path, hostname))
-    return scopes
 
 
 class _Watch:
@@ -162,15 +149,9 @@ class _Watch:
         self, manager: str, moment: float, happened: Iterable[Happening]
     ) -> Iterator[Record]:
         for each in happened:
-            if each.kind in self._wanted and self._is_covered(manager, each):
+            if each.kind in self._wanted and is_covered(self._scopes, manager, each, self._host):
                 self.count += 1
                 yield self._record(manager, moment, each)
-
-    def _is_covered(self, manager: str, happening: Happening) -> bool:
-        return any(
-            scope.covers(happening, self._host) and not (manager and scope.is_one_manager)
-            for scope in self._scopes
-        )
 
     def _beats(self, manager: str, figures: Figures) -> Iterator[Happening]:
         ear = self._ears.ears.get(manager)
@@ -182,29 +163,19 @@ class _Watch:
                     yield from beats(facts, [c.id for c in component.contexts if c.is_running])
 
     def _record(self, manager: str, moment: float, happening: Happening) -> Record:
+        name = self._ears.names[manager]
         return {
             "schema": "rtkit.event/1",
             "time": iso_time(moment),
             "kind": happening.kind,
-            "path": self._path(manager, happening),
-            "manager": self._ears.names[manager],
+            "path": place_of(name, happening, self._host, is_usual=not manager),
+            "manager": name,
             "process": happening.process,
             "instance": happening.instance,
             "subject": happening.subject,
             "event": happening.event,
             "detail": happening.detail,
         }
-
-    def _path(self, manager: str, happening: Happening) -> str:
-        """Return where it happened, as it can be typed."""
-        if happening.names and not manager:
-            return shown_path(happening.names[0], self._host)
-        name = self._ears.names[manager]
-        place = f"/{LOCAL}/{name}{MANAGER_SUFFIX}"
-        if happening.instance:
-            return f"{place}/{happening.instance}{COMPONENT_SUFFIX}"
-        is_slave = happening.process not in ("", name)
-        return f"{place}/{happening.process}{MANAGER_SUFFIX}" if is_slave else place
 
 
 def _json(record: Record) -> str:

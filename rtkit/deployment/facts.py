@@ -40,6 +40,7 @@ class ComponentFacts:
         fsm_states: The machine's table: state to event to next state, the initial one first.
         fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
+        restarts: How often it was made again after its process was lost.
     """
 
     instance: str
@@ -63,6 +64,7 @@ class ComponentFacts:
     fsm_state: str = ""
     fsm_states: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     fsm_events: Mapping[str, str] = field(default_factory=dict)
+    restarts: int = 0
 
     @property
     def state(self) -> str:

@@ -62,6 +62,7 @@ class Ear:
     """An ear at one manager; leave it as a context manager.
 
     Attributes:
+        tree: The connection to it.
         facts: What the manager knows, as of what was taken last.
     """
 
@@ -71,7 +72,7 @@ class Ear:
         Raises:
             Unreachable: The manager does not answer, or what it tells does not arrive.
         """
-        self._tree = tree
+        self.tree = tree
         self._heard: deque[tuple[str, str]] = deque(maxlen=QUEUE)
         self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._process: int | None = None
@@ -157,7 +158,7 @@ class Ear:
         """Find out by a new picture what the news that were missed meant."""
         lost = max(0, news.number - self._number - 1) if news.run == self._run else 0
         try:
-            picture = self._tree.picture()
+            picture = self.tree.picture()
         except Unreachable as error:
             return [self._end(str(error))]
         missed = news_between(self.facts, picture.facts, picture.run, picture.number)
@@ -167,7 +168,7 @@ class Ear:
 
     def _end(self, why: str) -> Ended:
         self._is_over = True
-        return Ended(f"manager {self._tree.manager!r} {why}")
+        return Ended(f"manager {self.tree.manager!r} {why}")
 
     def _is_gone(self) -> bool:
         return self._process is not None and bool(select.select([self._process], [], [], 0)[0])
@@ -183,7 +184,7 @@ class Ear:
     def _first_picture(self) -> Picture:
         """Take a picture, again until news of the manager are seen to arrive."""
         for _ in range(_TRIES):
-            picture = self._tree.picture()
+            picture = self.tree.picture()
             until = monotonic() + _HEAR_S
             while not any(line == TREE for line, _ in self._heard):
                 if not select.select([self._bell], [], [], max(0.0, until - monotonic()))[0]:
@@ -192,4 +193,4 @@ class Ear:
             else:
                 os.eventfd_write(self._bell, 1)
                 return picture
-        raise Unreachable(f"what manager {self._tree.manager!r} tells does not arrive")
+        raise Unreachable(f"what manager {self.tree.manager!r} tells does not arrive")

@@ -1,9 +1,10 @@
-"""Which events a path is about: those of one component, or of all that is, or comes, below it."""
+"""What a path is about for observers: one component, or all that is, or comes, below it."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.happenings import Happening
 from rtkit.errors import Malformed
 from rtkit.rtc.names import LOCAL, Path
@@ -26,14 +27,14 @@ class Scope(NamedTuple):
     directory: str = ""
     is_one_manager: bool = True
 
-    def covers(self, happening: Happening, hostname: str) -> bool:
-        """Whether it is about something that happened at the manager of a host."""
+    def covers(self, what: Happening | ComponentFacts, hostname: str) -> bool:
+        """Whether it is about a component, or what happened to one, at the manager of a host."""
         if self.instance:
-            return happening.instance == self.instance
+            return what.instance == self.instance
         if self.process:
-            return happening.process == self.process
+            return what.process == self.process
         if self.directory:
-            shown = (shown_path(name, hostname) for name in happening.names)
+            shown = (shown_path(name, hostname) for name in what.names)
             return any(path.startswith(f"{self.directory}/") for path in shown)
         return True
 

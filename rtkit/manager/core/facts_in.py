@@ -27,15 +27,16 @@ def take(state: State, process: Process, report: object) -> ComponentFacts:
     instance = facts.instance
     known = state.components.get(instance)
     claim = state.claims.get(instance)
+    restarts = known.restarts + bool(known.zombie) if known is not None else 0
     if state.holders.get(instance) != process.key:
         if claim is None or claim.key != process.key:
             raise Malformed(f"{process.name} reports {instance}, which it does not hold")
         if known is not None:
             state.forget(instance)
             known = None
-    state.components[instance] = facts = _completed(
-        facts, known, process, state.trouble_of(instance, process)
-    )
+    trouble = state.trouble_of(instance, process)
+    facts = replace(_completed(facts, known, process, trouble), restarts=restarts)
+    state.components[instance] = facts
     state.holders[instance] = process.key
     return facts
 

@@ -1,0 +1,191 @@
+"""``rttop``: show what components do, live."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, command
+from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
+from rtkit.cli.top.page import TITLES, Look, ordered, short, table
+from rtkit.cli.top.rates import Rater, Row
+from rtkit.rtc.names import LOCAL
+
+if TYPE_CHECKING:
+    from rtkit.cli._ears import Told
+    from rtkit.tree.scope import Scope
+
+
+class _Column(click.ParamType[int]):
+    """A column, by its title or the beginning of it."""
+
+    name = "column"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        word = str(value).upper()
+        found = [index for index, title in enumerate(TITLES) if title.upper().startswith(word)]
+        if word and found:
+            return found[0]
+        from rtkit.rtc.nearest import did_you_mean
+
+        self.fail(f"no such column: {value}{did_you_mean(word, TITLES)}; there are {_TITLES}")
+
+
+_TITLES = ", ".join(TITLES)
+
+
+@command("rttop")
+@click.option("--once", is_flag=True, help="Show one page, after a second, and end.")
+@click.option("-n", "--number", type=click.IntRange(min=1), metavar="N", help="End after N pages.")
+@click.option(
+    "-s",
+    "--sort",
+    type=_Column(),
+    default="NAME",
+    metavar="COLUMN",
+    help=f"Sort by: {_TITLES} (default NAME).",
+)
+@click.option("--reverse", is_flag=True, help="Sort the other way round.")
+@click.option("--json", "is_json", is_flag=True, help="One JSON object a component, a line each.")
+@click.argument("paths", nargs=-1, metavar="[PATH]...")
+def main(
+    app: App,
+    paths: tuple[str, ...],
+    once: bool,
+    number: int | None,
+    sort: int,
+    reverse: bool,
+    is_json: bool,
+) -> None:
+    r"""Show what components do, live.
+
+    PATH is a component, directory or manager; by default all of this host. On a terminal the page
+    is kept up to date, and keys work, h shows which. In a pipe a page is written every second,
+    nothing cut.
+
+    \b
+    RATE/Hz   cycles a second: reached / asked for; - where no cycle calls the component
+    MEAN/ms   time of a cycle; MAX/ms of the longest one in the last second
+    CPU% MEM  of the whole process, which several components may share
+    IN/s      values read from in ports; OUT/s written to out ports
+    RST       how often it was made again after its process was lost
+
+    A line below a component tells why it is in Error, does not answer or is a zombie.
+    """
+    from rtkit.deployment.figures import FIGURES
+    from rtkit.deployment.news import TREE
+
+    scopes = scopes_of(app, paths or (f"/{LOCAL}",))
+    others = [] if all(scope.is_one_manager for scope in scopes) else manager_names(app)
+    look = Look(sort, reverse)
+    with Ears(app, (TREE, FIGURES), others) as ears:
+        top = Top(app, ears, scopes)
+        if is_json or once or number or not _is_live():
+            _write_pages(top, look, 1 if once else number, is_json=is_json)
+        else:
+            from rtkit.cli.top.live import run
+
+            run(top, look)
+
+
+def _is_live() -> bool:
+    return _out.is_terminal() and os.environ.get("TERM", "dumb") != "dumb"
+
+
+def _write_pages(top: Top, look: Look, number: int | None, *, is_json: bool) -> None:
+    left = number
+    for told in top.ears.listen(None):
+        if not top.take(told) or not top.has_rates:
+            continue
+        rows = ordered(top.rows(), look)
+        if is_json:
+            write_now([_json(row, top.time) for row in rows])
+        else:
+            gap = [""] if left != number else []
+            write_now([*gap, top.summary(rows), *table(rows, look)])
+        left = None if left is None else left - 1
+        if left == 0:
+            return
+        left = left or -1
+
+
+class Top:
+    """What is known of the components of some managers.
+
+    Attributes:
+        ears: At the managers.
+        time: Of the last figures [s since 1970].
+    """
+
+    def __init__(self, app: App, ears: Ears, scopes: Sequence[Scope]) -> None:
+        self.app = app
+        self.ears = ears
+        self.time = time.time()
+        self._scopes = scopes
+        self._host = app.tree.host
+        self._raters: dict[str, Rater] = {}
+
+    def take(self, told: Sequence[Told]) -> bool:
+        """Take what was heard in; whether there were figures."""
+        from rtkit.deployment.figures import Figures
+
+        has_figures = False
+        for manager, heard in told:
+            if isinstance(heard, Figures):
+                self._raters.setdefault(manager, Rater()).take(heard)
+                self.time, has_figures = heard.time, True
+        for manager in list(self._raters):
+            if manager not in self.ears.ears:
+                del self._raters[manager]
+        return has_figures
+
+    @property
+    def has_rates(self) -> bool:
+        """Whether all managers have told figures twice."""
+        raters = self._raters
+        return bool(raters) and all(
+            name in raters and raters[name].has_rates for name in self.ears.ears
+        )
+
+    def rows(self) -> list[Row]:
+        """Return a row for each component."""
+        return [row for name in self.ears.ears for row in self._rows(name)]
+
+    def _rows(self, manager: str) -> Iterator[Row]:
+        facts = self.ears.ears[manager].facts
+        paths = {
+            each.instance: place_of(facts.manager, each, self._host, is_usual=not manager)
+            for each in facts.components
+            if is_covered(self._scopes, manager, each, self._host)
+        }
+        shown = {instance: path.removeprefix(f"/{LOCAL}/") for instance, path in paths.items()}
+        yield from self._raters.setdefault(manager, Rater()).rows(facts, shown)
+
+    def summary(self, rows: Sequence[Row]) -> str:
+        """Return one line about all of it."""
+        states = Counter(row.state for row in rows)
+        counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
+        totals = [rater.totals() for rater in self._raters.values()]
+        cpu = [each.cpu_percent for each in totals if each.cpu_percent is not None]
+        memory = sum(each.memory_bytes for each in totals) / 2**20
+        used = f"CPU {short(sum(cpu) if cpu else None)}%  memory {short(memory)}M"
+        clock = time.strftime("%H:%M:%S", time.localtime(self.time))
+        many = f"{len(rows)} component{'s' * (len(rows) != 1)}"
+        return f"{clock}  {many}{': ' * bool(counts)}{counts}  {used}"
+
+
+def _json(row: Row, moment: float) -> str:
+    import json
+
+    from rtkit.cli._moments import iso_time
+
+    fields = row._asdict()
+    fields["path"] = f"/{LOCAL}/{row.path}" if not row.path.startswith("/") else row.path
+    record = {"schema": "rtkit.top/1", "time": iso_time(moment), **fields}
+    return json.dumps(record, ensure_ascii=False)

@@ -1,0 +1,1 @@
+"""What ``rttop`` shows: rates from figures, the page they make, the terminal it is shown on."""
