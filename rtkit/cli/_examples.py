@@ -185,8 +185,25 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtteardown robot.xml", "Remove the connections of a profile."),
         ("rtteardown --exit robot.xml", "End its components too."),
     ),
+    "rttop": (
+        ("rttop", "All components of this host, live; h shows the keys."),
+        ("rttop -s CPU% /localhost/manager.mgr", "Those of one manager, the busiest first."),
+        ("rttop --once --json", "One look, for another program."),
+    ),
+    "rtvlog": (
+        ("rtvlog /localhost/Robot0.rtc", "What a component logs: the last lines, then what comes."),
+        ("rtvlog -l warn /", "Warnings and errors of everything."),
+        ("rtvlog --no-follow -n 20 Robot0.rtc", "The last 20 records, also of a zombie."),
+        ("rtvlog -f stdout /localhost/manager.mgr/drives.mgr", "What code in a slave printed."),
+    ),
     "rtwait": (
         ("rtwait -t 10 Robot0.rtc active", "Until it is active, or 10 s are over."),
         ("rtwait A.rtc B.rtc active Laser0.rtc:scan data", "A and B active, and a scan came."),
+    ),
+    "rtwatch": (
+        ("rtwatch /", "Everything that happens on this host."),
+        ("rtwatch -f rtc_status Robot0.rtc Arm0.rtc", "Only states of two components."),
+        ("rtwatch -n 1 -t 60 -f tree_event Robot0.rtc", "Until it goes; status 1 if it does not."),
+        ("rtwatch --json / > events.jsonl", "For another program."),
     ),
 }

@@ -181,11 +181,8 @@ class Top:
 
 
 def _json(row: Row, moment: float) -> str:
-    import json
+    from rtkit.cli._records import line, time_text
 
-    from rtkit.cli._moments import iso_time
-
-    fields = row._asdict()
-    fields["path"] = f"/{LOCAL}/{row.path}" if not row.path.startswith("/") else row.path
-    record = {"schema": "rtkit.top/1", "time": iso_time(moment), **fields}
-    return json.dumps(record, ensure_ascii=False)
+    path = row.path if row.path.startswith("/") else f"/{LOCAL}/{row.path}"
+    fields = {"time": time_text(int(moment * 1e9)), **row._asdict(), "path": path}
+    return line("activity", fields)

@@ -213,10 +213,12 @@ def _of_components(manager: str, instances: Iterable[str]) -> Wanted:
 
 
 def _text(entry: Entry) -> list[str]:
-    from rtkit.cli._moments import clock_time
+    from datetime import datetime
+
+    from rtkit.cli._moments import clock
 
     who = entry.component or entry.process
-    head = f"[{who} {clock_time(entry.time)}] "
+    head = f"[{who} {clock(datetime.fromisoformat(entry.time).timestamp())}] "
     first, *others = entry.message.split("\n")
     rest = f" <{entry.source}> {first}"
     level = _out.styled(f"{entry.level:<5}", _STYLES.get(entry.level))
@@ -226,9 +228,9 @@ def _text(entry: Entry) -> list[str]:
 
 
 def _json(entry: Entry) -> list[str]:
-    import json
+    from rtkit.cli._records import line
 
     manager = entry.file.removesuffix(f".{entry.process}")
-    fields = {**entry._asdict(), "manager": manager}
+    fields = {**entry._asdict(), "manager": manager, "time": f"{entry.time[:-1]}000Z"}
     del fields["file"]
-    return [json.dumps({"schema": "rtkit.log/1", **fields}, ensure_ascii=False)]
+    return [line("log-record", fields)]

@@ -11,7 +11,9 @@ import click
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
-from rtkit.cli._moments import clock_time, iso_time
+from rtkit.cli._moments import clock
+from rtkit.cli._records import line as json_line
+from rtkit.cli._records import time_text
 from rtkit.deployment.happenings import HEARTBEAT, KINDS, beats
 
 if TYPE_CHECKING:
@@ -165,8 +167,7 @@ class _Watch:
     def _record(self, manager: str, moment: float, happening: Happening) -> Record:
         name = self._ears.names[manager]
         return {
-            "schema": "rtkit.event/1",
-            "time": iso_time(moment),
+            "time": moment,
             "kind": happening.kind,
             "path": place_of(name, happening, self._host, is_usual=not manager),
             "manager": name,
@@ -179,13 +180,11 @@ class _Watch:
 
 
 def _json(record: Record) -> str:
-    import json
-
-    return json.dumps(record, ensure_ascii=False)
+    return json_line("event", {**record, "time": time_text(int(record["time"] * 1e9))})
 
 
 def _line(record: Record) -> str:
     words = [record["path"], record["subject"], record["event"]]
     if record["detail"]:
         words.append(f"({record['detail']})")
-    return _out.printable(f"[{clock_time(record['time'])}] {' '.join(filter(None, words))}")
+    return _out.printable(f"[{clock(record['time'])}] {' '.join(filter(None, words))}")

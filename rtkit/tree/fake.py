@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
+from collections.abc import Callable
+from dataclasses import replace
 from threading import RLock
 
 from rtkit.deployment.batch import batch_from_text, results_to_text
+from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import listing_of, listing_to_text
+from rtkit.deployment.news import TREE, Picture, news_between, picture_to_text
 from rtkit.deployment.part import part_of
 from rtkit.deployment.watch import Watch, look, states_to_text, watch_from_text
 from rtkit.deployment.world import World
@@ -17,22 +22,29 @@ from rtkit.property.exchange import Reply, Request, failure
 from rtkit.rtc.plain import encode
 from rtkit.tree.client import Tree
 
+_RUN = "fake"
+
 
 def fake_tree(world: World, timeout_s: float = 1.0) -> Tree:
     """Return the real client of a fake manager that keeps its facts in `world`."""
     link = InprocLink()
-    link.serve(keys.service(world.host, world.manager), _Server(world).serve)
+    service = keys.service(world.host, world.manager)
+    tell = link.announce(keys.line_key(service, TREE), lambda _is_heard: None)
+    link.serve(service, _Server(world, tell).serve)
     return Tree(link, world.host, world.manager, timeout_s)
 
 
 class _Server:
-    """Answers as a manager would; a watch when the world changes."""
+    """Answers as a manager would; a watch, and who listens, when the world changes."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, tell: Callable[[str], object]) -> None:
         self._world = world
+        self._tell = tell
+        self._told = self._facts()
+        self._number = 0
         self._lock = RLock()
         self._watching: list[tuple[Watch, Request]] = []
-        world.changed = self._look
+        world.changed = self._changed
 
     def serve(self, request: Request) -> None:
         try:
@@ -41,10 +53,32 @@ class _Server:
                     self._watching.append((watch_from_text(request.payload), request))
                     self._look()
                     return
-                reply = Reply(_answer(self._world, request))
+                if request.is_extension and request.name == "picture":
+                    reply = Reply(self._picture())
+                else:
+                    reply = Reply(_answer(self._world, request))
         except RtkitError as error:
             reply = failure(error)
         request.answer(reply)
+
+    def _changed(self) -> None:
+        self._look()
+        self._publish()
+
+    def _facts(self) -> Snapshot:
+        """Return what listeners are told; the manager is this process."""
+        return replace(self._world.snapshot(), pid=os.getpid(), modules=(), properties={})
+
+    def _publish(self) -> None:
+        self._number += 1
+        now = self._facts()
+        news = news_between(self._told, now, _RUN, self._number)
+        self._told = now
+        self._tell(json.dumps(encode(news)))
+
+    def _picture(self) -> str:
+        self._publish()
+        return picture_to_text(Picture(_RUN, self._number, self._told))
 
     def _look(self) -> None:
         with self._lock:

@@ -51,9 +51,12 @@ ASKED = {
     f"rtwait --json {STD} inactive": "goal",
 }
 ELSEWHERE = {
+    "activity": "system/test_observers.py",
     "built-file": "unit/cli/test_build.py",
     "diagnosis": "unit/cli/test_doctor.py",
     "deviation": "unit/cli/test_system.py",
+    "event": "system/test_observers.py",
+    "log-record": "system/test_observers.py",
 }
 """Kinds that other tests hold against their schemas."""
 

@@ -73,6 +73,8 @@ OPTIONS = {
     "rtresurrect": "--dry-run -x -y --strict-path",
     "rtstart rtstop rtteardown": "--dry-run -x -y",
     "rtstodot": "-x -y",
+    "rtvlog": "-f --filter -l --level",
+    "rtwatch": "-n --number -f --filter",
 }
 COMMON = "-h --help --version --verbose"
 PATHS = (
