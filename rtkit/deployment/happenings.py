@@ -208,12 +208,9 @@ def _sets(old: ComponentFacts, new: ComponentFacts) -> Iterator[Happening]:
 
 
 def _machine(old: ComponentFacts, new: ComponentFacts) -> Iterator[Happening]:
-    def event(subject: str, word: str) -> Happening:
-        return _of(FSM_EVENT, new, subject, word)
-
     if new.fsm_states != old.fsm_states:
-        yield event("", "FSM_STRUCTURE")
+        yield _of(FSM_EVENT, new, "", "FSM_STRUCTURE")
     if new.fsm_events != old.fsm_events:
-        yield event("", "FSM_PROFILE")
+        yield _of(FSM_EVENT, new, "", "FSM_PROFILE")
     if new.fsm_state != old.fsm_state:
-        yield event("FSM_STATUS", new.fsm_state)
+        yield _of(FSM_EVENT, new, "", "FSM_STATUS", new.fsm_state)

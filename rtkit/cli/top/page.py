@@ -135,17 +135,19 @@ def table(rows: Sequence[Row], look: Look) -> list[str]:
             break
         columns.remove(leaving.pop())
     has_marker = bool(look.width)
+    is_tight = look.width is not None and _total(widths, look.width) > look.width
     head = _fields(columns, titles, widths)
     lines = [_whole(head, look, " " if has_marker else "", "title")]
     for row, texts in zip(rows, cells, strict=True):
         is_selected = has_marker and row.path == look.selected
         marker = (">" if is_selected else " ") if has_marker else ""
         fields = _fields(columns, texts, widths)
-        if not is_selected:
+        if not is_selected and not is_tight:
             fields = [
                 _coloured(column, row, field) for column, field in zip(columns, fields, strict=True)
             ]
-        lines.append(_whole(fields, look, marker, "selected" if is_selected else ""))
+        line = _whole(fields, look, marker, "selected" if is_selected else "")
+        lines.append(cut(line, look.width) if is_tight and not is_selected else line)
         if row.why:
             why = cut(f"{marker and ' '}  {_out.printable(row.why)}", look.width)
             lines.append(_out.styled(why, _STYLES["why"]))

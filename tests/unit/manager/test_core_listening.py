@@ -1,0 +1,158 @@
+"""What a manager tells those who listen, and what that costs it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rtkit.deployment.figures import FIGURES, Figures
+from rtkit.deployment.news import TREE, News, Picture, picture_from_text
+from rtkit.manager.core import events as ev
+from rtkit.manager.fake import OWN, FakeShell, facts
+from rtkit.property.exchange import Reply
+from rtkit.rtc.plain import decode
+
+
+class Listener:
+    """Hears what a fake shell publishes."""
+
+    def __init__(self, shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.shell = shell
+        self.messages: list[tuple[str, Any]] = []
+        carry_out = shell._carry_out
+
+        def hear(instruction: ev.Instruction) -> None:
+            if isinstance(instruction, ev.Publish):
+                self.messages.append((instruction.line, instruction.message))
+            carry_out(instruction)
+
+        monkeypatch.setattr(shell, "_carry_out", hear)
+
+    def picture(self) -> Picture:
+        replies: list[Reply] = []
+        self.shell.feed(ev.PictureAsked(replies.append))
+        return picture_from_text(replies[0].value())
+
+    def news(self) -> list[News]:
+        told = [decode(News, message) for line, message in self.messages if line == TREE]
+        self.messages.clear()
+        return told
+
+    def figures(self) -> list[Figures]:
+        told = [decode(Figures, message) for line, message in self.messages if line == FIGURES]
+        self.messages.clear()
+        return told
+
+
+@pytest.fixture
+def shell() -> FakeShell:
+    return FakeShell()
+
+
+@pytest.fixture
+def listener(shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> Listener:
+    return Listener(shell, monkeypatch)
+
+
+def test_nothing_is_told_while_nobody_listens(shell: FakeShell, listener: Listener) -> None:
+    shell.make("A")
+    assert listener.messages == []
+    picture = listener.picture()
+    assert [each.instance for each in picture.facts.components] == ["A"]
+    (ping,) = listener.news()[-1:]
+    assert (ping.run, ping.number) == (picture.run, picture.number)
+    shell.feed(ev.Listened(TREE, False))
+    shell.make("B")
+    assert listener.messages == []
+
+
+def test_news_follow_the_picture_number_by_number(shell: FakeShell, listener: Listener) -> None:
+    picture = listener.picture()
+    listener.news()
+    shell.make("A", "slave")
+    told = listener.news()
+    numbers = [each.number for each in told]
+    assert numbers == list(range(picture.number + 1, picture.number + 1 + len(told)))
+    assert [process.state for each in told for process in each.processes] == ["starting", "up"]
+    # It appears once, with its names: not while it is being made.
+    (made,) = (component for each in told for component in each.components)
+    assert made.names == ("localhost/A.rtc",)
+    shell.feed(ev.Tick())
+    assert listener.news() == []
+
+
+def test_an_older_listener_sees_a_gap(shell: FakeShell, listener: Listener) -> None:
+    first = listener.picture()
+    shell.feed(ev.Listened(TREE, False))
+    listener.news()
+    shell.make("A")
+    shell.feed(ev.Listened(TREE, True))
+    (ping,) = listener.news()
+    assert ping.number > first.number + 1
+
+
+def test_the_end_is_told(shell: FakeShell, listener: Listener) -> None:
+    listener.picture()
+    shell.stop()
+    shell.serve()
+    assert shell.is_finished
+    assert [each.is_last for each in listener.news()][-1]
+
+
+def report(instance: str) -> dict[str, Any]:
+    return {"instance": instance, "written": {"out": 3}}
+
+
+def test_figures_are_asked_for_only_while_wanted(shell: FakeShell, listener: Listener) -> None:
+    shell.make("A")
+    shell.wait(5.0)
+    assert shell.told == []
+    shell.feed(ev.Listened(FIGURES, True))
+    assert shell.told == [(OWN, {"op": "figures"})]
+    assert listener.figures() == []
+    shell.say(OWN, figures=[report("A")])
+    (figures,) = listener.figures()
+    (process,) = figures.processes
+    assert (process.answered, process.components[0].written) == (True, {"out": 3})
+    shell.wait(1.0)
+    assert len(shell.told) == 2
+    shell.feed(ev.Listened(FIGURES, False))
+    shell.wait(5.0)
+    assert len(shell.told) == 2
+
+
+def test_who_does_not_answer_is_told_of_and_not_asked_again(
+    shell: FakeShell, listener: Listener
+) -> None:
+    key = shell.make("A", "slave")
+    shell.feed(ev.Listened(FIGURES, True))
+    for count in (1, 2, 3):
+        shell.say(OWN, figures=[])
+        shell.wait(1.0)
+        assert [each for each in shell.told if each[0] == key] == [(key, {"op": "figures"})]
+        told = listener.figures()
+        assert told[-1].number == count
+        assert [each.answered for each in told[-1].processes] == [True, False]
+    shell.say(key, figures=[report("A")])
+    shell.say(OWN, figures=[])
+    shell.wait(1.0)
+    assert len([each for each in shell.told if each[0] == key]) == 2
+
+
+def test_figures_that_are_none_change_nothing(shell: FakeShell, listener: Listener) -> None:
+    shell.make("A")
+    shell.feed(ev.Listened(FIGURES, True))
+    with pytest.raises(ValueError, match="figures"):
+        shell.say(OWN, figures="many")
+    shell.wait(2.0)
+    assert len(listener.figures()) >= 1
+
+
+def test_what_is_made_again_after_a_loss_is_a_restart(shell: FakeShell) -> None:
+    key = shell.make("A", "slave")
+    shell.say(key, facts=facts("A"))
+    assert shell.state.components["A"].restarts == 0
+    shell.end(key)
+    shell.make("A", "slave")
+    assert shell.state.components["A"].restarts == 1
