@@ -39,7 +39,10 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "rtprofile new": ("component-or-system",),
     "rtpwd": (),
     "rtreset": ("faulty",),
+    "rttop": ("anything",),
+    "rtvlog": ("anything",),
     "rtwait": ("waited-for",),
+    "rtwatch": ("anything",),
 }
 """What the arguments of a command are, the last one for all that follow."""
 
