@@ -26,6 +26,7 @@ GROUPS = (
     "static",
     "profiles",
     "prompt",
+    "planner",
     "table3",
 )
 _BUSY = 0.5

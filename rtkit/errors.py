@@ -61,6 +61,20 @@ class Unreachable(RtkitError, OSError):
     detail = 5
 
 
+class Impossible(RtkitError):
+    """Nothing leads to what is wanted: all that can be done was looked at."""
+
+    kind = "impossible"
+    detail = 7
+
+
+class LimitReached(RtkitError):
+    """A search was given up before it knew an answer; nothing is told of what is possible."""
+
+    kind = "limit"
+    detail = 8
+
+
 class Partial(RtkitError):
     """Some actions were done and some failed.
 
@@ -78,7 +92,16 @@ class Partial(RtkitError):
 
 _BY_KIND: dict[str, type[RtkitError]] = {
     error.kind: error
-    for error in (UsageProblem, Malformed, Refused, InvalidDocument, NotFound, Unreachable)
+    for error in (
+        UsageProblem,
+        Malformed,
+        Refused,
+        InvalidDocument,
+        NotFound,
+        Unreachable,
+        Impossible,
+        LimitReached,
+    )
 }
 
 

@@ -1,0 +1,91 @@
+"""A plan that is good enough, with proof how good: any guide may lead, a lower bound judges."""
+
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from itertools import count
+from time import perf_counter
+
+from rtkit.errors import Impossible, LimitReached, Malformed
+from rtkit.planner.problem import Problem, State
+from rtkit.planner.result import Limits, Plan, Statistics, Step
+from rtkit.planner.search import NO_LIMITS, Heuristic
+
+
+def plan_within(
+    problem: Problem,
+    factor: float,
+    guide: Heuristic,
+    heuristic: Heuristic | None = None,
+    limits: Limits = NO_LIMITS,
+) -> Plan:
+    """Return a plan that costs at most `factor` times the cheapest; it tells what is proved.
+
+    Args:
+        problem: What is to be solved.
+        factor: At least 1.
+        guide: Guess of what is left to be paid; it may be too high.
+        heuristic: Never too high; 0 if None. It alone decides what is proved.
+        limits: How far the search may go.
+
+    Raises:
+        Impossible: All that can be reached was looked at, and no goal is there.
+        LimitReached: Nothing is known yet, as a limit was reached before.
+        Malformed: `factor` is below 1.
+    """
+    if not factor >= 1:
+        raise Malformed(f"a plan cannot be cheaper than the cheapest: factor {factor:g}")
+    begin = perf_counter()
+    bound = heuristic or (lambda _: 0)
+    costs: dict[State, float] = {problem.start: 0}
+    ways: dict[State, Step] = {}
+    number = count()
+    # Each state is in both; what was taken from one is passed over in the other.
+    by_bound = [(bound(problem.start), next(number), 0.0, problem.start)]
+    by_guide = [(guide(problem.start), next(number), 0.0, problem.start)]
+    done: dict[State, float] = {}
+    expanded = generated = 0
+    while by_bound:
+        lowest, _, cost, state = by_bound[0]
+        if done.get(state) == costs[state] or cost > costs[state]:
+            heappop(by_bound)
+            continue
+        while by_guide and _is_old(by_guide[0], costs, done):
+            heappop(by_guide)
+        guided = by_guide[0][3]
+        if costs[guided] + bound(guided) <= factor * lowest:
+            state = guided
+        if problem.is_goal(state):
+            statistics = Statistics(expanded, generated, perf_counter() - begin)
+            whole = costs[state]
+            return Plan(_way(problem, ways, state), whole, min(lowest, whole), statistics)
+        if limits.states is not None and expanded >= limits.states:
+            raise LimitReached(f"no plan among the first {expanded} states looked at")
+        if limits.seconds is not None and perf_counter() - begin >= limits.seconds:
+            raise LimitReached(f"no plan found within {limits.seconds:g} s")
+        done[state] = costs[state]
+        expanded += 1
+        for command, after, price in problem.successors(state):
+            generated += 1
+            whole = costs[state] + price
+            if after not in costs or whole < costs[after]:
+                costs[after] = whole
+                ways[after] = Step(command, state, after, price)
+                heappush(by_bound, (whole + bound(after), next(number), whole, after))
+                heappush(by_guide, (guide(after), next(number), whole, after))
+    raise Impossible(f"no goal among all {len(costs)} states that can be reached")
+
+
+def _is_old(
+    entry: tuple[float, int, float, State], costs: dict[State, float], done: dict[State, float]
+) -> bool:
+    _, _, cost, state = entry
+    return done.get(state) == costs[state] or cost > costs[state]
+
+
+def _way(problem: Problem, ways: dict[State, Step], state: State) -> tuple[Step, ...]:
+    steps = []
+    while state != problem.start:
+        steps.append(ways[state])
+        state = steps[-1].before
+    return tuple(reversed(steps))

@@ -1,0 +1,170 @@
+"""A problem: variables, a start, what is desired, and commands whose successors are made on demand.
+
+The product of the domains is never built: a state's neighbours come to be when it is expanded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
+
+from rtkit.errors import Malformed
+from rtkit.planner.costs import CostTable, Price
+
+State = tuple[Any, ...]
+"""One value for each variable, in the order of the problem's variables; each can be hashed."""
+
+
+class Condition(NamedTuple):
+    """What must hold of a state, and its name for messages."""
+
+    name: str
+    holds: Callable[[State], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What can be done in a state.
+
+    Attributes:
+        name: Tells what is done; costs and messages refer to it.
+        effect: From a state in which all conditions hold to the state after.
+        parameters: What it is done with, told behind the name.
+    """
+
+    name: str
+    effect: Callable[[State], State]
+    conditions: tuple[Condition, ...] = ()
+    parameters: tuple[Any, ...] = ()
+
+    def __str__(self) -> str:
+        return " ".join(map(str, (self.name, *self.parameters)))
+
+    @property
+    def identity(self) -> tuple[Any, ...]:
+        """What makes it this command and no other: its name and its parameters."""
+        return (self.name, *self.parameters)
+
+
+class OneOf(frozenset[Any]):
+    """Values of which each is as good as the other, in what is desired of a variable."""
+
+
+Goal = Mapping[str, Any] | Callable[[State], bool]
+"""Values of some variables (`OneOf` where several will do), or a predicate of the whole state."""
+
+Commands = Sequence[Command] | Callable[[State], Iterable[Command]]
+"""All commands, or a function that offers in a state those which may be possible there."""
+
+
+class Problem:
+    """State variables with finite domains, a start, a goal, commands and their costs.
+
+    Attributes:
+        variables: Domain of each variable; a state has their values in this order.
+        start: The state in which plans begin.
+        goal: What is desired.
+        commands: What can be done; their order breaks ties between plans.
+        costs: Of each command, in numbers greater than 0: a table, or a function.
+        frozen: Places of the variables that no command may change (see `restrict`).
+    """
+
+    def __init__(
+        self,
+        variables: Mapping[str, Container[Any]],
+        start: Mapping[str, Any] | State,
+        goal: Goal,
+        commands: Commands,
+        costs: Mapping[str, float] | CostTable | Price | None = None,
+        frozen: tuple[int, ...] = (),
+    ) -> None:
+        """Describe a problem.
+
+        Raises:
+            Malformed: Start or goal name a variable or value that there is not.
+        """
+        self.variables = variables
+        self.names = tuple(variables)
+        self._places = {name: place for place, name in enumerate(self.names)}
+        self.start = self.state(start) if isinstance(start, Mapping) else start
+        self._check(self.start)
+        self.goal = goal
+        self.is_goal = goal if callable(goal) else self._goal_test(goal)
+        self.commands = commands
+        self.costs = costs
+        self.price = CostTable.price_of(costs, self.names)
+        self.frozen = frozen
+
+    def state(self, values: Mapping[str, Any]) -> State:
+        """Return the state that has these values.
+
+        Raises:
+            Malformed: A variable has no value, or there is no such variable.
+        """
+        if values.keys() != self._places.keys():
+            names = ", ".join(map(str, sorted(values.keys() ^ self._places.keys())))
+            raise Malformed(f"state and variables differ in: {names}")
+        return tuple(values[name] for name in self.names)
+
+    def named(self, state: State) -> dict[str, Any]:
+        """Return the values of a state by the names of the variables."""
+        return dict(zip(self.names, state, strict=True))
+
+    def place(self, name: str) -> int:
+        """Return where in a state the value of a variable stands.
+
+        Raises:
+            Malformed: There is no such variable.
+        """
+        if name not in self._places:
+            raise Malformed(f"no such variable: {name}")
+        return self._places[name]
+
+    def commands_at(self, state: State) -> Iterable[Command]:
+        """Return the commands that may be possible in a state."""
+        return self.commands(state) if callable(self.commands) else self.commands
+
+    def successors(self, state: State) -> Iterator[tuple[Command, State, float]]:
+        """Yield what can be done in a state, the state after it, and what it costs.
+
+        Raises:
+            Malformed: A cost is not greater than 0.
+        """
+        price, frozen = self.price, self.frozen
+        for command in self.commands_at(state):
+            for condition in command.conditions:
+                if not condition.holds(state):
+                    break
+            else:
+                after = command.effect(state)
+                if frozen and any(after[place] != state[place] for place in frozen):
+                    continue
+                cost = price(command, state, after)
+                if not cost > 0:
+                    raise Malformed(f"cost of {command} is not greater than 0: {cost}")
+                yield command, after, cost
+
+    def replaced(self, **changes: Any) -> Self:
+        """Return the same problem with another start, goal, costs, or frozen places."""
+        kept = {
+            name: getattr(self, name)
+            for name in ("variables", "start", "goal", "commands", "costs", "frozen")
+        }
+        return type(self)(**(kept | changes))
+
+    def _check(self, state: State) -> None:
+        for (name, domain), value in zip(self.variables.items(), state, strict=True):
+            if value not in domain:
+                raise Malformed(f"{name} cannot be {value!r}")
+
+    def _goal_test(self, goal: Mapping[str, Any]) -> Callable[[State], bool]:
+        wanted = []
+        for name, value in goal.items():
+            place = self.place(name)
+            values = value if isinstance(value, OneOf) else (value,)
+            for each in values:
+                if each not in self.variables[name]:
+                    raise Malformed(f"{name} cannot be {each!r}")
+            wanted.append((place, frozenset(values)))
+        return lambda state: all(state[place] in values for place, values in wanted)

@@ -1,0 +1,81 @@
+"""What a search comes to: a plan, all cheapest plans, and how much was looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rtkit.planner.problem import Command, State
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """How far a search may go; None for as far as it takes.
+
+    Attributes:
+        states: That are expanded.
+        seconds: That it takes [s].
+    """
+
+    states: int | None = None
+    seconds: float | None = None
+
+
+class Statistics(NamedTuple):
+    """What a search looked at: states expanded and generated, and how long it took [s]."""
+
+    expanded: int
+    generated: int
+    time_s: float
+
+
+class Step(NamedTuple):
+    """One command of a plan, the states before and after it, and what it costs there."""
+
+    command: Command
+    before: State
+    after: State
+    cost: float
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Commands that lead from a start to what is desired.
+
+    Attributes:
+        lower_bound: No plan is cheaper than this, which the search has proved.
+    """
+
+    steps: tuple[Step, ...]
+    cost: float
+    lower_bound: float
+    statistics: Statistics
+
+    @property
+    def is_optimal(self) -> bool:
+        """Whether it is proved that no plan is cheaper."""
+        return self.cost <= self.lower_bound
+
+    @property
+    def commands(self) -> tuple[str, ...]:
+        """The commands, as they are told."""
+        return tuple(str(step.command) for step in self.steps)
+
+
+@dataclass(frozen=True, slots=True)
+class OptimalPlans:
+    """Every cheapest plan of a problem.
+
+    Attributes:
+        count: How many there are.
+        make: Yields them, in the order of their commands.
+    """
+
+    cost: float
+    count: int
+    statistics: Statistics
+    make: Callable[[], Iterator[Plan]]
+
+    def __iter__(self) -> Iterator[Plan]:
+        return self.make()

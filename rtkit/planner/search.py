@@ -1,0 +1,240 @@
+"""A* over states made on demand: the cheapest plan with proof, or all of them.
+
+States are taken up in the order of (cost so far + heuristic, steps so far). With a consistent
+heuristic that order never turns back, so every cheapest way of fewest steps to a state is known
+before any goal is reached; of these the plan whose commands come first is returned.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from heapq import heappop, heappush
+from itertools import count
+from time import perf_counter
+
+from rtkit.errors import Impossible, LimitReached, Malformed
+from rtkit.planner.problem import Problem, State
+from rtkit.planner.result import Limits, OptimalPlans, Plan, Statistics, Step
+
+Heuristic = Callable[[State], float]
+"""At most what the cheapest way from a state to a goal costs; consistent."""
+
+NO_LIMITS = Limits()
+_SLACK = 1e-9
+"""What rounding may take from the consistency of a heuristic, as a part."""
+
+
+def plan(problem: Problem, heuristic: Heuristic | None = None, limits: Limits = NO_LIMITS) -> Plan:
+    """Return the cheapest plan; of several that of fewest steps, then of first commands.
+
+    Raises:
+        Impossible: All that can be reached was looked at, and no goal is there.
+        LimitReached: Nothing is known yet, as a limit was reached before.
+        Malformed: The heuristic is negative or not consistent, or a cost not above 0.
+    """
+    search = _Search(problem, heuristic, limits)
+    search.run(finds_all=False)
+    way = search.first_way()
+    cost = sum(step.cost for step in way)
+    return Plan(way, cost, cost, search.statistics())
+
+
+def optimal_plans(
+    problem: Problem, heuristic: Heuristic | None = None, limits: Limits = NO_LIMITS
+) -> OptimalPlans:
+    """Return every cheapest plan, counted and to be listed; costs should be whole numbers.
+
+    Raises:
+        Impossible: All that can be reached was looked at, and no goal is there.
+        LimitReached: Nothing is known yet, as a limit was reached before.
+        Malformed: The heuristic is negative or not consistent, or a cost not above 0.
+    """
+    search = _Search(problem, heuristic, limits)
+    cost = search.run(finds_all=True)
+    statistics = search.statistics()
+
+    def make() -> Iterator[Plan]:
+        return (Plan(way, cost, cost, statistics) for way in search.ways())
+
+    return OptimalPlans(cost, search.count(), statistics, make)
+
+
+class _Node:
+    """What is known of a state; ways into it are pairs of state before and place of command."""
+
+    __slots__ = ("cost", "heuristic", "is_closed", "steps", "ways")
+
+    def __init__(self, cost: float, steps: int, heuristic: float) -> None:
+        self.cost = cost
+        self.steps = steps
+        self.heuristic = heuristic
+        self.is_closed = False
+        self.ways: list[tuple[State, int]] = []
+
+
+class _Search:
+    def __init__(self, problem: Problem, heuristic: Heuristic | None, limits: Limits) -> None:
+        self._problem = problem
+        self._heuristic = heuristic or _nothing
+        self._limits = limits
+        self._nodes: dict[State, _Node] = {}
+        self._heap: list[tuple[float, int, int, State]] = []
+        self._number = count(1)
+        self._goals: list[State] = []
+        self._expanded = 0
+        self._generated = 0
+        self._begin = perf_counter()
+
+    def statistics(self) -> Statistics:
+        return Statistics(self._expanded, self._generated, perf_counter() - self._begin)
+
+    def run(self, *, finds_all: bool) -> float:
+        """Search until all goals of least cost (and of fewest steps) are known; return the cost."""
+        nodes, heap, is_goal = self._nodes, self._heap, self._problem.is_goal
+        start = self._problem.start
+        nodes[start] = _Node(0, 0, self._estimate(start))
+        heap.append((nodes[start].heuristic, 0, 0, start))
+        best: tuple[float, int] | None = None
+        while heap:
+            total, steps, _, state = heappop(heap)
+            if best is not None and (total > best[0] if finds_all else (total, steps) > best):
+                break
+            node = nodes[state]
+            if node.is_closed:
+                continue
+            node.is_closed = True
+            if is_goal(state):
+                if node.heuristic > 0:
+                    raise Malformed(f"heuristic of a goal is not 0: {state}")
+                self._goals.append(state)
+                best = best or (total, steps)
+                continue
+            self._check_limits()
+            self._expanded += 1
+            self._expand(state, node)
+        if best is None:
+            raise Impossible(f"no goal among all {len(nodes)} states that can be reached")
+        return best[0]
+
+    def _expand(self, state: State, node: _Node) -> None:
+        """Take in what follows a state."""
+        # The innermost loop of all that is planned: nothing is looked up twice here.
+        nodes, heap, estimate, number = self._nodes, self._heap, self._heuristic, self._number
+        cost_before, steps, own = node.cost, node.steps + 1, node.heuristic
+        place = 0
+        for place, (_, after, cost) in enumerate(self._problem.successors(state), 1):
+            whole = cost_before + cost
+            known = nodes.get(after)
+            if known is None:
+                rest = estimate(after)
+                known = nodes[after] = _Node(whole, steps, rest)
+                known.ways.append((state, place))
+                if not rest >= 0:
+                    raise Malformed(f"heuristic is negative at {after}: {rest}")
+                heappush(heap, (whole + rest, steps, next(number), after))
+            elif whole < known.cost and not known.is_closed:
+                known.cost, known.steps = whole, steps
+                known.ways = [(state, place)]
+                heappush(heap, (whole + known.heuristic, steps, next(number), after))
+            elif whole == known.cost:
+                known.ways.append((state, place))
+                if steps < known.steps and not known.is_closed:
+                    known.steps = steps
+                    heappush(heap, (whole + known.heuristic, steps, next(number), after))
+            rest = cost + known.heuristic
+            if own > rest and own > rest * (1 + _SLACK):
+                raise Malformed(f"heuristic is not consistent between {state} and {after}")
+        self._generated += place
+
+    def _estimate(self, state: State) -> float:
+        value = self._heuristic(state)
+        if not value >= 0:
+            raise Malformed(f"heuristic is negative at {state}: {value}")
+        return value
+
+    def _check_limits(self) -> None:
+        limits = self._limits
+        if limits.states is not None and self._expanded >= limits.states:
+            raise LimitReached(f"no plan among the first {self._expanded} states looked at")
+        is_time = limits.seconds is not None and not self._expanded & 255
+        if is_time and perf_counter() - self._begin >= (limits.seconds or 0):
+            raise LimitReached(f"no plan found within {limits.seconds:g} s")
+
+    # what comes of it
+
+    def first_way(self) -> tuple[Step, ...]:
+        """Return the way of fewest steps whose commands come first."""
+        nodes = self._nodes
+        fewest = min(nodes[goal].steps for goal in self._goals)
+        goals = {goal for goal in self._goals if nodes[goal].steps == fewest}
+        following = self._following(goals, is_fewest=True)
+        steps, state = [], self._problem.start
+        while state not in goals:
+            place, _ = min(following[state])
+            steps.append(self._step(state, place))
+            state = steps[-1].after
+        return tuple(steps)
+
+    def ways(self) -> Iterator[tuple[Step, ...]]:
+        """Yield all cheapest ways, those of first commands first."""
+        goals = set(self._goals)
+        following = self._following(goals, is_fewest=False)
+        ahead = [iter(sorted(following.get(self._problem.start, ())))]
+        steps: list[Step] = []
+        if self._problem.start in goals:
+            yield ()
+            return
+        while ahead:
+            found = next(ahead[-1], None)
+            if found is None:
+                ahead.pop()
+                if steps:
+                    steps.pop()
+                continue
+            place, before = found
+            steps.append(self._step(before, place))
+            after = steps[-1].after
+            if after in goals:
+                yield tuple(steps)
+                steps.pop()
+            else:
+                ahead.append(iter(sorted(following[after])))
+
+    def count(self) -> int:
+        """Return how many cheapest ways there are."""
+        nodes, goals = self._nodes, set(self._goals)
+        following = self._following(goals, is_fewest=False)
+        involved = goals | following.keys()
+        ways = {self._problem.start: 1}
+        for state in sorted(involved, key=lambda state: nodes[state].cost):
+            if state != self._problem.start:
+                ways[state] = sum(ways.get(before, 0) for before, _ in nodes[state].ways)
+        return sum(ways[goal] for goal in goals)
+
+    def _following(
+        self, goals: set[State], *, is_fewest: bool
+    ) -> dict[State, list[tuple[int, State]]]:
+        """Return the commands by their place, of each state on a cheapest way to a goal."""
+        nodes = self._nodes
+        following: dict[State, list[tuple[int, State]]] = {}
+        seen, left = set(goals), list(goals)
+        while left:
+            state = left.pop()
+            for before, place in nodes[state].ways:
+                if is_fewest and nodes[before].steps + 1 != nodes[state].steps:
+                    continue
+                following.setdefault(before, []).append((place, before))
+                if before not in seen:
+                    seen.add(before)
+                    left.append(before)
+        return following
+
+    def _step(self, state: State, place: int) -> Step:
+        for number, (command, after, cost) in enumerate(self._problem.successors(state), 1):
+            if number == place:
+                return Step(command, state, after, cost)
+        raise Malformed(f"commands at {state} differ from one look to the next")
+
+
+def _nothing(_state: State) -> float:
+    return 0

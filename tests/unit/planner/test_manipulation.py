@@ -1,0 +1,198 @@
+"""The cases of Whitney's manipulation tasks, each with its known answer."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+sys.path.insert(0, str(EXAMPLES))
+
+from manipulation import explore, large, line, spar, take  # noqa: E402
+
+from rtkit.errors import Impossible, LimitReached  # noqa: E402
+from rtkit.planner import (  # noqa: E402
+    Evaluator,
+    Limits,
+    execute,
+    optimal_plans,
+    plan,
+    restrict,
+    verify,
+)
+
+LEFT, RIGHT = "Move left", "Move right"
+
+
+@pytest.mark.parametrize(
+    ("problem", "cost", "plans"),
+    [
+        (
+            line.jaws((4, 1), (1, 1)),
+            5,
+            [("Open", LEFT, LEFT, LEFT, "Close"), (LEFT, "Open", LEFT, LEFT, "Close")],
+        ),
+        (
+            line.jaws((4, 1), (1, 1), line.OPEN_MOVES_COST_2),
+            7,
+            [(LEFT, "Open", LEFT, LEFT, "Close")],
+        ),
+        (line.jaws((4, 1), (2, 1), line.OPEN_MOVES_COST_2), 5, [(LEFT, "Open", LEFT, "Close")]),
+        (
+            line.jaws((4, 1), (1, 1), line.OPEN_MOVES_COST_2, block=1),
+            6,
+            [(LEFT, LEFT, "Open", LEFT, "Close")],
+        ),
+        (
+            line.carrying((5, 0, 2), {"y": 4}),
+            8,
+            [(LEFT, LEFT, LEFT, "Close", "Carry right", "Carry right")],
+        ),
+        (line.carrying((5, 1, 4), {"y": 2}), 4, [("Push left", "Push left")]),
+        (
+            line.carrying((5, 1, 4), {"y": 2}, may_push=False),
+            7,
+            [("Open", LEFT, "Close", "Carry left", "Carry left")],
+        ),
+        (
+            spar.spar((2, 2, 1), (3, 3, 0), move=2, rotate=3),
+            11,
+            [("-x", "+y", "rotate", "+x", "+x"), ("-x", "+y", "+x", "rotate", "+x")],
+        ),
+        (
+            spar.spar((2, 2, 1), (3, 3, 0), move=2, rotate=1),
+            7,
+            [("rotate", "+x", "rotate", "+y", "rotate")],
+        ),
+    ],
+)
+def test_every_cheapest_plan_is_found(problem, cost, plans):
+    found = optimal_plans(problem)
+    assert found.cost == cost
+    assert sorted(each.commands for each in found) == sorted(plans)
+    assert found.count == len(plans)
+    assert [verify(problem, each) for each in found] == [""] * len(plans)
+    best = plan(problem)
+    assert best.is_optimal
+    assert best.cost == cost
+    assert best.commands == next(iter(found)).commands
+
+
+def test_plans_are_counted_without_being_listed():
+    pushed = optimal_plans(line.carrying((5, 1, 3), {"x": 5, "h": 0, "y": 1}))
+    assert (pushed.cost, pushed.count) == (9, 4)
+    turned = optimal_plans(spar.spar((2, 2, 1), (3, 3, 0), move=1, rotate=1))
+    assert (turned.cost, turned.count) == (5, 3)
+
+
+def test_the_direct_way_of_the_spar_is_dearer():
+    problem = spar.spar((2, 2, 1), (3, 3, 0), move=2, rotate=3)
+    guarded = problem.replaced(
+        commands=lambda s: problem.commands if spar.is_direct(s) else (),
+    )
+    direct = plan(guarded)
+    assert (direct.cost, direct.commands.count("rotate")) == (13, 3)
+    assert plan(problem).commands.count("rotate") == 1
+
+
+def test_switch():
+    site = take.switch_site()
+    table = [
+        [take.switch(site, x, y)(site.state).cost for y in ((4, 4), (6, 4))]
+        for x in ((4, 5), (5, 5), (6, 5))
+    ]
+    assert table == [[31, 31], [33, 31], [35, 31]]
+
+
+def test_blocked_doorway_by_fewer_and_fewer_evaluations():
+    counts = []
+    for is_caching, bounded in ((False, False), (True, False), (True, True)):
+        evaluator = Evaluator(is_caching=is_caching)
+        site = take.doorway_site(evaluator)
+        path = take.pass_doorway(site, bounded=bounded)(site.state)
+        assert path.cost == sum(step.cost for step in path.steps) == 39
+        assert path.end[1] == (9, 3)
+        counts.append(evaluator.evaluations)
+    assert counts[0] == 130
+    assert counts[0] > counts[1] > counts[2]
+
+
+def test_one_blocker_alone_is_never_enough():
+    site = take.doorway_site(Evaluator())
+    direct = site.take("A", (9, 3))
+    for name in ("B1", "B2"):
+        assert site.take_all([name], take.REGION, direct)(site.state) is None
+
+
+def test_an_unknown_object_is_planned_around_and_remembered():
+    done = execute(explore.route, explore.TouchWorld([(6, 2)]), plan)
+    assert [each.cost for each in done.plans] == [8, 14]
+    assert done.cost == 18
+    assert done.facts == {(6, 2)}
+    again = execute(explore.route, explore.TouchWorld([(6, 2)]), plan, done.facts)
+    assert [each.cost for each in again.plans] == [12]
+    assert again.cost == 12
+
+
+def test_a_way_that_turns_out_closed_is_impossible():
+    wall = [(8, y) for y in range(1, 6)]
+    with pytest.raises(Impossible):
+        execute(explore.route, explore.TouchWorld(wall), plan)
+
+
+def test_a_large_space_is_seen_only_where_it_must_be():
+    instance = large.Large(2)
+    problem = instance.problem()
+    assert instance.weights == [4, 2, 4, 4, 3, 4]
+    found = plan(problem, instance.heuristic, Limits(states=100_000))
+    assert found.cost == 196
+    assert found.statistics.expanded < 100_000
+    assert verify(problem, found) == ""
+    with pytest.raises(LimitReached):
+        plan(problem, instance.heuristic, Limits(states=1000))
+
+
+@pytest.mark.campaign
+@pytest.mark.timeout(600)
+def test_a_million_states_are_searched_within_two_gibibytes():
+    code = (
+        "from manipulation.large import Large; from rtkit.planner import plan;"
+        "instance = Large(1); print(plan(instance.problem(), instance.heuristic).cost)"
+    )
+    limit = 2 * 2**30
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=EXAMPLES,
+        capture_output=True,
+        text=True,
+        check=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
+    )
+    assert done.stdout == "176\n"
+
+
+def test_a_cross_section_of_a_large_space_is_small():
+    instance = large.Large(1)
+    problem = restrict(instance.problem(), ["v0", "v1"]).replaced(goal=lambda s: s[0] + s[1] >= 6)
+    found = plan(problem)
+    assert found.statistics.expanded <= 100
+    assert all(step.after[2:] == (0, 0, 0, 0) for step in found.steps)
+    with pytest.raises(Impossible):
+        plan(problem.replaced(goal={"v5": 1}))
+
+
+def test_the_example_runs():
+    done = subprocess.run(
+        [sys.executable, "-m", "manipulation"],
+        cwd=EXAMPLES,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "spar, turning is dear: cost 11, plans: 2" in done.stdout
+    assert "planned 8, then 14; travelled 18; found {(6, 2)}" in done.stdout
+    assert done.stderr == ""
