@@ -1,0 +1,384 @@
+"""Settles what becomes of each component, so that the whole costs least.
+
+What is dearer than another fate whatever becomes of the neighbours is struck out first (Goldstein's
+criterion); mostly nothing is left to be chosen. What is left falls into clusters that have nothing
+to do with each other, and each is searched on its own. So independent items never multiply.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from math import inf
+from typing import NamedTuple
+
+from rtkit.deployment.planning.fates import Fate, Fates
+from rtkit.deployment.planning.model import ABSENT, DOWN, LOADED, UP, Model, is_inproc, manager_of
+from rtkit.errors import Impossible, LimitReached
+from rtkit.planner import Command, Condition, Limits, Problem, State, plan
+
+SEARCH_LIMIT = 20_000
+"""States that may be expanded before what is left settles for less, a little for each cluster."""
+_ROUNDS = 10
+"""How often a choice that is not proved to be the cheapest is gone through for a better one."""
+
+
+class Stuck(Impossible):
+    """Some components cannot be as wished.
+
+    Attributes:
+        units: Their names.
+    """
+
+    def __init__(self, units: Iterable[str]) -> None:
+        self.units = tuple(units)
+        super().__init__(f"cannot be as wished: {', '.join(self.units)}")
+
+
+class Pair(NamedTuple):
+    """What two components (or one with itself) cost together."""
+
+    one: str
+    other: str
+    cost: Callable[[Fate, Fate], float]
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What becomes of each component.
+
+    Attributes:
+        gap: By how much it may be dearer than the cheapest; 0 when that is proved.
+        looked_at: Combinations that were looked at.
+    """
+
+    fates: Mapping[str, Fate]
+    gap: float
+    looked_at: int
+
+
+def decide(model: Model) -> Decision:
+    """Return the cheapest fate of all components together.
+
+    Raises:
+        Stuck: There is none; names components of which one must be otherwise.
+    """
+    return _Deciding(model).run()
+
+
+class _Deciding:
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._fates = Fates(model)
+        self._left = {name: self._fates.of(unit) for name, unit in model.units.items()}
+        self._pairs: dict[str, list[Pair]] = {name: [] for name in model.units}
+        self._known: dict[tuple[int, Fate, Fate], float] = {}
+        for pair in self._all_pairs():
+            self._pairs[pair.one].append(pair)
+            if pair.other != pair.one:
+                turned = Pair(pair.other, pair.one, lambda a, b, c=pair.cost: c(b, a))  # type: ignore[misc]
+                self._pairs[pair.other].append(turned)
+        self._users: dict[str, set[str]] = {}
+        for name, fates in self._left.items():
+            for use in frozenset().union(*(fate.uses for fate in fates)):
+                self._users.setdefault(use, set()).add(name)
+        self._paid = {use for use in self._users if not self._is_open(use)}
+        self._looked_at = 0
+
+    def run(self) -> Decision:
+        self._hold_modules()
+        self._strike_out()
+        gap = 0.0
+        for cluster in self._clusters():
+            gap += self._settle(cluster)
+        return Decision({n: fates[0] for n, fates in self._left.items()}, gap, self._looked_at)
+
+    def _all_pairs(self) -> Iterator[Pair]:
+        model, fates = self._model, self._fates
+        for name, wire in model.wires.items():
+            one, other = wire.ends[0], wire.ends[-1]
+            yield Pair(one, other, lambda a, b, name=name: fates.wire(name, (a, b)))  # type: ignore[misc]
+        for unit in model.units.values():
+            lives = model.now(f"cmp:{unit.name}") != ABSENT
+            for member in unit.members:
+                if member in model.units:
+                    yield Pair(
+                        member,
+                        unit.name,
+                        lambda a, b, lives=lives: fates.whole(a, b, lives=lives),  # type: ignore[misc]
+                    )
+
+    def _is_open(self, use: str) -> bool:
+        """Whether it is open if somebody must pay for a module or a manager that is not there."""
+        return self._model.allows(use, self._model.now(use)) and (
+            use.startswith("mod:") or not self._is_started(use[4:])
+        )
+
+    def _is_started(self, manager: str) -> bool:
+        wished = (each for each in self._model.desired if each.startswith(f"mod:{manager}/"))
+        return any(not self._model.allows(each, self._model.now(each)) for each in wished)
+
+    def _hold_modules(self) -> None:
+        """Have nobody stay in a process from which his module is to be unloaded."""
+        for variable in [each for each in self._model.desired if each.startswith("mod:")]:
+            if self._model.allows(variable, LOADED):
+                continue
+            manager, _, module = variable[4:].partition("/")
+            for name, unit in self._model.units.items():
+                if unit.module == module:
+                    self._left[name] = [
+                        fate
+                        for fate in self._left[name]
+                        if not (is_inproc(fate.place) and manager_of(fate.place) == manager)
+                    ]
+
+    # striking out
+
+    def _strike_out(self) -> None:
+        todo = dict.fromkeys(self._left)
+        while todo:
+            name, _ = todo.popitem()
+            before = len(self._left[name])
+            self._left[name] = [f for f in self._left[name] if self._can_be(name, f)]
+            if not self._left[name]:
+                raise Stuck([name, *self._neighbours(name)])
+            self._strike_dearer(name)
+            if len(self._left[name]) < before:
+                todo.update(dict.fromkeys(self._neighbours(name)))
+            certain = frozenset.intersection(*(fate.uses for fate in self._left[name]))
+            for use in certain - self._paid:
+                self._paid.add(use)
+                todo.update(dict.fromkeys(self._users[use] - {name}))
+
+    def _neighbours(self, name: str) -> list[str]:
+        return [p.other for p in self._pairs[name] if p.other != name]
+
+    def _can_be(self, name: str, fate: Fate) -> bool:
+        return all(
+            any(self._cost(pair, fate, other) < inf for other in self._others(pair, fate))
+            for pair in self._pairs[name]
+        )
+
+    def _others(self, pair: Pair, fate: Fate) -> list[Fate]:
+        return [fate] if pair.one == pair.other else self._left[pair.other]
+
+    def _cost(self, pair: Pair, one: Fate, other: Fate) -> float:
+        key = (id(pair), one, other)
+        if key not in self._known:
+            self._known[key] = pair.cost(one, other)
+        return self._known[key]
+
+    def _strike_dearer(self, name: str) -> None:
+        left = self._left[name]
+        for worse in reversed(list(left)):
+            if any(each is not worse and self._is_as_good(name, each, worse) for each in left):
+                left.remove(worse)
+
+    def _is_as_good(self, name: str, better: Fate, worse: Fate) -> bool:
+        """Whether one fate costs no more than another, whatever becomes of all others."""
+        paid = sum(self._price(use) for use in better.uses - worse.uses - self._paid)
+        more = better.cost - worse.cost + paid
+        for pair in self._pairs[name]:
+            if pair.one == pair.other:
+                more += self._cost(pair, better, better) - self._cost(pair, worse, worse)
+            else:
+                more += max(self._differences(pair, better, worse), default=0)
+            if more == inf:
+                return False
+        return more <= 0
+
+    def _differences(self, pair: Pair, better: Fate, worse: Fate) -> Iterator[float]:
+        for other in self._left[pair.other]:
+            one, two = self._cost(pair, better, other), self._cost(pair, worse, other)
+            if two < inf:
+                yield one - two
+
+    def _price(self, use: str) -> float:
+        kind = "start_manager" if use.startswith("mgr:") else "load"
+        return self._model.cost(kind, use[4:])
+
+    # searching
+
+    def _clusters(self) -> list[list[str]]:
+        """Return who is still open, together with whom his choice has to do."""
+        open_ = {name for name, fates in self._left.items() if len(fates) > 1}
+        clusters = []
+        while open_:
+            cluster, todo = [], [min(open_)]
+            open_ -= set(todo)
+            while todo:
+                name = todo.pop()
+                cluster.append(name)
+                uses = frozenset().union(*(f.uses for f in self._left[name])) - self._paid
+                near = {pair.other for pair in self._pairs[name] if self._matters(pair)}
+                near.update(*(self._users[use] for use in uses))
+                todo += sorted(near & open_)
+                open_ -= near
+            clusters.append(cluster)
+        return clusters
+
+    def _matters(self, pair: Pair) -> bool:
+        """Whether what two cost together has to do with what becomes of them."""
+        ones, others = self._left[pair.one], self._left[pair.other]
+        first = self._cost(pair, ones[0], others[0])
+        return any(self._cost(pair, one, other) != first for one in ones for other in others)
+
+    def _settle(self, cluster: list[str]) -> float:
+        """Settle one cluster; return by how much that may be dearer than need be."""
+        search = _Cluster(cluster, self._left, self._marginal, self._least)
+        most = max(SEARCH_LIMIT - self._looked_at, SEARCH_LIMIT // 100)
+        try:
+            found = plan(search.problem, search.heuristic, Limits(states=most))
+        except LimitReached:
+            self._looked_at += most
+            choice, gap = search.good_enough()
+        except Impossible as error:
+            raise Stuck(cluster) from error
+        else:
+            self._looked_at += found.statistics.expanded
+            choice, gap = found.steps[-1].after, 0.0
+        for name, number in zip(cluster, choice, strict=True):
+            self._left[name] = [self._left[name][number]]
+        return gap
+
+    def _marginal(self, name: str, fate: Fate, settled: Mapping[str, Fate]) -> float:
+        """Return what a fate costs beside what is settled already."""
+        used = frozenset().union(*(each.uses for each in settled.values()))
+        cost = fate.cost + sum(self._price(use) for use in fate.uses - self._paid - used)
+        for pair in self._pairs[name]:
+            if pair.other == name:
+                cost += self._cost(pair, fate, fate)
+            elif pair.other in settled:
+                cost += self._cost(pair, fate, settled[pair.other])
+            elif len(self._left[pair.other]) == 1:
+                cost += self._cost(pair, fate, self._left[pair.other][0])
+        return cost
+
+    def _least(self, name: str, fate: Fate, before: Mapping[str, list[Fate]]) -> float:
+        """Return what a fate costs at least, beside any of the fates of those before it."""
+        cost = fate.cost
+        for pair in self._pairs[name]:
+            if pair.other in before or len(self._left[pair.other]) == 1 or pair.other == name:
+                others = self._others(pair, fate)
+                cost += min(self._cost(pair, fate, other) for other in others)
+        return cost
+
+
+class _Cluster:
+    """The choices of one cluster as a problem: one component after the other is settled.
+
+    A state has the number of each fate that is chosen. Each choice costs 1 more than it does, as
+    commands cost something; all ways have the same number of choices.
+    """
+
+    def __init__(
+        self,
+        names: list[str],
+        left: Mapping[str, list[Fate]],
+        marginal: Callable[[str, Fate, Mapping[str, Fate]], float],
+        least: Callable[[str, Fate, Mapping[str, list[Fate]]], float],
+    ) -> None:
+        self._names = names
+        self._fates = [left[name] for name in names]
+        self._marginal = marginal
+        self._least = [0.0]
+        for number in reversed(range(len(names))):
+            before = dict(zip(names[:number], self._fates[:number], strict=True))
+            cost = min(least(names[number], fate, before) for fate in self._fates[number])
+            self._least.append(self._least[-1] + 1 + cost)
+        self._least.reverse()
+        variables = {name: [None, *range(len(left[name]))] for name in names}
+        self.problem = Problem(
+            variables,
+            (None,) * len(names),
+            lambda state: state[-1] is not None,
+            self._choices,
+            lambda command, before, _: 1 + self._cost(before, command.parameters[0]),
+        )
+
+    def heuristic(self, state: State) -> float:
+        """Return what is left to be paid at least."""
+        return self._least[_settled(state)]
+
+    def good_enough(self) -> tuple[State, float]:
+        """Return a choice that no other choice for one component betters; and its gap.
+
+        Raises:
+            Stuck: None was found; that does not prove that there is none.
+        """
+        best = min((self._bettered(s) for s in self._guesses()), key=self._whole)
+        cost = self._whole(best)
+        if cost == inf:
+            raise Stuck(self._names)
+        return best, cost + len(self._names) - self._least[0]
+
+    def _guesses(self) -> Iterator[State]:
+        state = self.problem.start
+        for fates in self._fates:
+            prices = [self._cost(state, number) for number in range(len(fates))]
+            state = _with(state, prices.index(min(prices)))
+        yield state
+        costs = [[fate.cost for fate in fates] for fates in self._fates]
+        yield tuple(each.index(min(each)) for each in costs)
+
+    def _bettered(self, state: State) -> State:
+        for _ in range(_ROUNDS):
+            before = state
+            for place, fates in enumerate(self._fates):
+                settled = {n: f[c] for n, f, c in zip(self._names, self._fates, state, strict=True)}
+                del settled[self._names[place]]
+                costs = [self._marginal(self._names[place], fate, settled) for fate in fates]
+                state = (*state[:place], costs.index(min(costs)), *state[place + 1 :])
+            if state == before:
+                break
+        return state
+
+    def _whole(self, state: State) -> float:
+        empty = [None] * len(state)
+        return sum(self._cost((*state[:n], *empty[n:]), each) for n, each in enumerate(state))
+
+    def _choices(self, state: State) -> Iterator[Command]:
+        for number in range(len(self._fates[_settled(state)])):
+            possible = Condition("fits", lambda s, n=number: self._cost(s, n) < inf)  # type: ignore[misc]
+            yield Command(
+                "choose",
+                lambda s, n=number: _with(s, n),  # type: ignore[misc]
+                (possible,),
+                (number,),
+            )
+
+    def _cost(self, state: State, number: int) -> float:
+        count = _settled(state)
+        chosen = zip(self._names[:count], self._fates[:count], state[:count], strict=True)
+        settled = {name: fates[each] for name, fates, each in chosen}
+        return self._marginal(self._names[count], self._fates[count][number], settled)
+
+
+def _settled(state: State) -> int:
+    return next((n for n, each in enumerate(state) if each is None), len(state))
+
+
+def _with(state: State, number: int) -> State:
+    count = _settled(state)
+    return (*state[:count], number, *state[count + 1 :])
+
+
+def check_managers(model: Model) -> None:
+    """Refuse wishes of managers and modules that nothing can fulfil.
+
+    Raises:
+        Impossible: Names the wish.
+    """
+    for variable, wish in model.desired.items():
+        kind, _, name = variable.partition(":")
+        if kind == "mgr" and model.now(variable) == UP and not model.allows(variable, UP):
+            raise Impossible(f"{variable}={wish}: nothing ends a manager")
+        if kind == "mod" and not model.allows(variable, model.now(variable)):
+            manager, _, module = name.partition("/")
+            found = model.managers.get(manager, frozenset())
+            is_found = found is None or module in found
+            can_be = is_found and not (
+                model.now(f"mgr:{manager}") == DOWN and not model.allows(f"mgr:{manager}", UP)
+            )
+            if model.allows(variable, LOADED) and not can_be:
+                raise Impossible(f"{variable}={wish}: {manager} does not find module {module}")

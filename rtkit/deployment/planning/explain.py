@@ -1,0 +1,112 @@
+"""Why there is no plan: wishes that cannot hold together, and what stands behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+
+from rtkit.deployment.planning.decide import Stuck, check_managers, decide
+from rtkit.deployment.planning.model import ABSENT, NO, Model, Wish, manager_of
+from rtkit.errors import Impossible
+from rtkit.planner import minimal_conflict
+
+Wished = tuple[str, Wish]
+
+
+class NoPlan(Impossible):
+    """Nothing leads to what is wished.
+
+    Attributes:
+        wishes: Of which each can be left out, and then the others can hold: ``VARIABLE=VALUE``.
+        reasons: What stands in the way of them.
+    """
+
+    def __init__(self, wishes: Sequence[str], reasons: Sequence[str]) -> None:
+        self.wishes = tuple(wishes)
+        self.reasons = tuple(reasons)
+        together = "cannot hold together" if len(wishes) > 1 else "cannot hold"
+        told = f"impossible: {', '.join(wishes)} {together}"
+        super().__init__(told + (f" ({'; '.join(reasons)})" if reasons else ""))
+
+
+def explained(model: Model, error: Impossible) -> NoPlan:
+    """Return a minimal set of wishes that make it impossible, with reasons."""
+    near = _near(model, error.units) if isinstance(error, Stuck) else None
+    wishes = list(model.desired.items())
+    local = [w for w in wishes if near is None or _concerns(model, w[0], near)]
+    if near is not None and _is_possible(model, local):
+        local = wishes
+    found = minimal_conflict(local, lambda some: _is_possible(model, some))
+    told = [_told(wish) for wish in found or local]
+    return NoPlan(told, list(dict.fromkeys(_reasons(model, found))))
+
+
+def _is_possible(model: Model, wishes: Sequence[Wished]) -> bool:
+    asked = model.wishing(wishes)
+    try:
+        check_managers(asked)
+        decide(asked)
+    except Impossible:
+        return False
+    return True
+
+
+def _near(model: Model, units: Collection[str]) -> set[str]:
+    return {
+        *units,
+        *(end for name in units for wire in model.wires_of[name] for end in model.wires[wire].ends),
+    }
+
+
+def _concerns(model: Model, variable: str, units: Collection[str]) -> bool:
+    kind, _, name = variable.partition(":")
+    if kind == "con":
+        return any(end in units for end in model.wires[name].ends)
+    return kind in ("mgr", "mod") or name.partition(".")[0] in units
+
+
+def _told(wish: Wished) -> str:
+    variable, value = wish
+    return f"{variable}={value if isinstance(value, str) else '|'.join(value)}"
+
+
+def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:
+    asked = model.wishing(wishes)
+    for variable, _ in wishes:
+        kind, _, name = variable.partition(":")
+        if kind == "con":
+            wire = model.wires[name]
+            if wire.why_not and not asked.allows(variable, NO):
+                yield wire.why_not
+            for end in dict.fromkeys(wire.ends):
+                yield from _unit_reasons(asked, end)
+        elif kind == "mod":
+            manager, _, module = name.partition("/")
+            found = model.managers.get(manager, frozenset())
+            if found is not None and module not in found and not asked.allows(variable, ABSENT):
+                yield f"{manager} does not find module {module}"
+        elif kind in ("cmp", "act", "cfg"):
+            yield from _unit_reasons(asked, name.partition(".")[0])
+
+
+def _unit_reasons(model: Model, name: str) -> Iterator[str]:
+    """Yield why a component cannot be made, where it does not live."""
+    unit = model.units[name]
+    variable = f"cmp:{name}"
+    if model.now(variable) != ABSENT and model.allows(variable, model.now(variable)):
+        return
+    if unit.why_not:
+        yield unit.why_not
+    for place in unit.places:
+        manager = manager_of(place)
+        found = model.managers.get(manager, frozenset())
+        if manager not in model.managers:
+            yield f"there is no manager {manager}"
+        elif found is not None and unit.module and unit.module not in found:
+            yield f"{manager} does not find module {unit.module}"
+    if not unit.why_not and unit.places and variable in model.desired:
+        fits = [place for place in unit.places if model.allows(variable, place)]
+        if not fits and not model.allows(variable, ABSENT):
+            yield f"{name} can only be at {' or '.join(unit.places)}"
+    missing = [m for m in unit.members if m not in model.units]
+    if missing:
+        yield f"{name} is composed of {missing[0]}, which there is not"

@@ -1,0 +1,199 @@
+"""A deployment as state variables: what there may be, what is, and what is wished.
+
+A variable is a text, ``mgr:M`` (down, up), ``mod:M/X`` (absent, loaded), ``cmp:C`` (absent, or a
+place), ``act:C`` (inactive, active, error), ``cfg:C.KEY`` (a value), ``con:K`` (no, yes, other:
+of that name, but not as wished). A place is ``M:inproc`` or ``M:slave``, with ``/NAME`` behind it
+where a certain slave is meant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+DOWN, UP = "down", "up"
+ABSENT, LOADED = "absent", "loaded"
+INACTIVE, ACTIVE, ERROR = "inactive", "active", "error"
+NO, YES, OTHER = "no", "yes", "other"
+ANY = "*"
+"""As a wish: anything but absent."""
+UNKNOWN = "\0"
+"""As a default: nobody knows which value a new component has."""
+
+Facts = Mapping[str, str]
+Wish = str | tuple[str, ...]
+"""A value, `ANY`, or several of which each will do."""
+
+DEFAULT_COSTS: Mapping[str, float] = {
+    "start_manager": 8,
+    "load": 4,
+    "unload": 2,
+    "create": 3,
+    "create_slave": 6,
+    "delete": 2,
+    "connect": 1,
+    "disconnect": 1,
+    "configure": 1,
+    "activate": 1,
+    "deactivate": 1,
+    "reset": 1,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A component as it may be.
+
+    Attributes:
+        module: What must be loaded to make it; empty for nothing.
+        places: Where it may be made.
+        why_not: Why it cannot be made, where there is no place for it.
+        members: Other components that must be there while it is, as it is composed of them.
+    """
+
+    name: str
+    module: str = ""
+    places: tuple[str, ...] = ()
+    why_not: str = ""
+    members: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """A configuration parameter.
+
+    Attributes:
+        default: What it is in a component just made; `UNKNOWN` if nobody knows.
+        is_hot: It may be set while the component is active.
+    """
+
+    default: str = UNKNOWN
+    is_hot: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """A connection between two components.
+
+    Attributes:
+        why_not: Why it cannot be made.
+    """
+
+    ends: tuple[str, ...]
+    why_not: str = ""
+
+
+@dataclass(frozen=True)
+class Model:
+    """All that a deployment may be, what it is, and what is wished.
+
+    Attributes:
+        managers: Modules that each manager finds; None where it may find any.
+        keys: Parameters by ``C.KEY``.
+        live: What is; a variable that is not named has its usual value (see `usual`).
+        desired: What is wished; what is not named may be anything.
+        costs: Of each kind of command; ``KIND NAME`` for what concerns one component only.
+        slaves_need_modules: A module must be loaded also for what is made in a slave.
+    """
+
+    managers: Mapping[str, frozenset[str] | None]
+    units: Mapping[str, Unit]
+    wires: Mapping[str, Wire] = field(default_factory=dict)
+    keys: Mapping[str, Key] = field(default_factory=dict)
+    live: Facts = field(default_factory=dict)
+    desired: Mapping[str, Wish] = field(default_factory=dict)
+    costs: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
+    slaves_need_modules: bool = False
+
+    def usual(self, variable: str) -> str:
+        """Return the value of a variable of which nothing is told."""
+        kind, _, name = variable.partition(":")
+        if kind == "cfg":
+            return self.keys[name].default
+        return {"mgr": DOWN, "mod": ABSENT, "cmp": ABSENT, "act": INACTIVE, "con": NO}[kind]
+
+    def now(self, variable: str) -> str:
+        """Return the value that a variable has in what lives."""
+        found = self.live.get(variable)
+        return self.usual(variable) if found is None else found
+
+    def allows(self, variable: str, value: str) -> bool:
+        """Whether a value of a variable is as wished."""
+        wish = self.desired.get(variable)
+        return wish is None or is_granted(wish, value)
+
+    def cost(self, kind: str, subject: str = "") -> float:
+        """Return what a command costs, for what it is done to."""
+        return self.costs.get(f"{kind} {subject}", self.costs[kind])
+
+    @cached_property
+    def keys_of(self) -> dict[str, list[str]]:
+        """The parameters of each component, by its name."""
+        found: dict[str, list[str]] = {name: [] for name in self.units}
+        for key in self.keys:
+            found[key.partition(".")[0]].append(key)
+        return found
+
+    @cached_property
+    def wires_of(self) -> dict[str, list[str]]:
+        """The connections of each component, by its name."""
+        found: dict[str, list[str]] = {name: [] for name in self.units}
+        for name, wire in self.wires.items():
+            for end in dict.fromkeys(wire.ends):
+                found[end].append(name)
+        return found
+
+    @cached_property
+    def wholes_of(self) -> dict[str, list[str]]:
+        """Who is composed of each component, by its name."""
+        found: dict[str, list[str]] = {name: [] for name in self.units}
+        for unit in self.units.values():
+            for member in unit.members:
+                if member in found:
+                    found[member].append(unit.name)
+        return found
+
+    def needed_module(self, unit: Unit, place: str) -> str:
+        """Return the ``M/X`` that must be loaded to make a component at a place; or nothing."""
+        if not unit.module or not (is_inproc(place) or self.slaves_need_modules):
+            return ""
+        return f"{manager_of(place)}/{unit.module}"
+
+    def wishing(self, desired: Iterable[tuple[str, Wish]]) -> Model:
+        """Return the same with other wishes."""
+        return replace(self, desired=dict(desired))
+
+    def variables(self) -> Iterator[str]:
+        """Yield every variable."""
+        yield from (f"mgr:{name}" for name in self.managers)
+        modules = dict.fromkeys(
+            f"{manager_of(place)}/{unit.module}"
+            for unit in self.units.values()
+            for place in unit.places
+            if unit.module
+        )
+        named = (name[4:] for name in (*self.live, *self.desired) if name.startswith("mod:"))
+        yield from (f"mod:{name}" for name in dict.fromkeys([*modules, *named]))
+        for name in self.units:
+            yield f"cmp:{name}"
+            yield f"act:{name}"
+        yield from (f"cfg:{key}" for key in self.keys)
+        yield from (f"con:{name}" for name in self.wires)
+
+
+def is_granted(wish: Wish, value: str) -> bool:
+    """Whether a value is what is wished."""
+    if isinstance(wish, tuple):
+        return any(is_granted(each, value) for each in wish)
+    return value != ABSENT if wish == ANY else value == wish
+
+
+def manager_of(place: str) -> str:
+    """Return the manager of a place."""
+    return place.partition(":")[0]
+
+
+def is_inproc(place: str) -> bool:
+    """Whether a place is the process of the manager itself."""
+    return place.endswith(":inproc")

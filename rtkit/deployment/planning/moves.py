@@ -1,0 +1,270 @@
+"""The commands of a deployment: what each needs, what it changes, what it costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rtkit.deployment.planning.model import (
+    ABSENT,
+    ACTIVE,
+    DOWN,
+    ERROR,
+    INACTIVE,
+    LOADED,
+    NO,
+    OTHER,
+    UP,
+    YES,
+    Model,
+    Unit,
+    is_inproc,
+    manager_of,
+)
+
+
+class Need(NamedTuple):
+    """What must hold of a variable: one of these values, or none of them."""
+
+    variable: str
+    values: tuple[str, ...]
+    is_not: bool = False
+
+    def holds(self, value: str) -> bool:
+        """Whether it holds of a value."""
+        return (value in self.values) != self.is_not
+
+    def __str__(self) -> str:
+        return f"{self.variable} is {'not ' if self.is_not else ''}{' or '.join(self.values)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """One command.
+
+    Attributes:
+        kind: Of the table of costs.
+        subject: What it is done to: a manager, ``M/X``, a component, ``C.KEY``, a connection.
+        text: As it is told.
+        needs: All of them must hold.
+        changes: Values after it.
+        value: Place or value that is given; empty for most.
+        heeds: Variables that it should find settled, though it needs nothing of them.
+    """
+
+    kind: str
+    subject: str
+    text: str
+    needs: tuple[Need, ...]
+    changes: tuple[tuple[str, str], ...]
+    cost: float
+    value: str = ""
+    heeds: tuple[str, ...] = ()
+
+
+class Moves:
+    """Makes the commands of one model."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+
+    def start(self, manager: str) -> Move:
+        """Start a manager."""
+        variable = f"mgr:{manager}"
+        return Move(
+            "start_manager",
+            manager,
+            f"start manager {manager}",
+            (Need(variable, (DOWN,)),),
+            ((variable, UP),),
+            self._model.cost("start_manager", manager),
+        )
+
+    def load(self, name: str) -> Move:
+        """Load a module: ``M/X``."""
+        manager, _, module = name.partition("/")
+        return Move(
+            "load",
+            name,
+            f"load {module} on {manager}",
+            (Need(f"mgr:{manager}", (UP,)), Need(f"mod:{name}", (ABSENT,))),
+            ((f"mod:{name}", LOADED),),
+            self._model.cost("load", name),
+        )
+
+    def unload(self, name: str) -> Move:
+        """Unload a module: ``M/X``."""
+        manager, _, module = name.partition("/")
+        held = tuple(
+            Need(f"cmp:{unit.name}", (f"{manager}:inproc",), is_not=True)
+            for unit in self._model.units.values()
+            if unit.module == module
+        )
+        return Move(
+            "unload",
+            name,
+            f"unload {module} from {manager}",
+            (Need(f"mod:{name}", (LOADED,)), *held),
+            ((f"mod:{name}", ABSENT),),
+            self._model.cost("unload", name),
+        )
+
+    def create(self, name: str, place: str) -> Move:
+        """Make a component at a place."""
+        unit = self._model.units[name]
+        needs = [Need(f"mgr:{manager_of(place)}", (UP,)), Need(f"cmp:{name}", (ABSENT,))]
+        module = self._model.needed_module(unit, place)
+        if module:
+            needs.append(Need(f"mod:{module}", (LOADED,)))
+        needs += [Need(f"cmp:{each}", (ABSENT,), is_not=True) for each in unit.members]
+        manager, _, how = place.partition(":")
+        slave = how.partition("/")[2]
+        where = "" if is_inproc(place) else f" in slave {slave}" if slave else " in a slave"
+        kind = "create" if is_inproc(place) else "create_slave"
+        return Move(
+            kind,
+            name,
+            f"create {name} on {manager}{where}",
+            tuple(needs),
+            ((f"cmp:{name}", place),),
+            self._model.cost(kind, name),
+            place,
+        )
+
+    def delete(self, name: str) -> Move:
+        """End a component; its configuration returns to the defaults."""
+        model = self._model
+        reset = [(f"cfg:{key}", model.keys[key].default) for key in model.keys_of[name]]
+        return Move(
+            "delete",
+            name,
+            f"delete {name}",
+            (
+                Need(f"cmp:{name}", (ABSENT,), is_not=True),
+                Need(f"act:{name}", (INACTIVE, ERROR)),
+                *(Need(f"con:{wire}", (NO,)) for wire in model.wires_of[name]),
+                *(Need(f"cmp:{whole}", (ABSENT,)) for whole in model.wholes_of[name]),
+            ),
+            ((f"cmp:{name}", ABSENT), (f"act:{name}", INACTIVE), *reset),
+            model.cost("delete", name),
+        )
+
+    def connect(self, name: str) -> Move:
+        """Make a connection."""
+        ends = dict.fromkeys(self._model.wires[name].ends)
+        return Move(
+            "connect",
+            name,
+            f"connect {name}",
+            (
+                Need(f"con:{name}", (NO,)),
+                *(Need(f"cmp:{end}", (ABSENT,), is_not=True) for end in ends),
+            ),
+            ((f"con:{name}", YES),),
+            self._model.cost("connect", name),
+        )
+
+    def disconnect(self, name: str) -> Move:
+        """Remove a connection."""
+        ends = dict.fromkeys(self._model.wires[name].ends)
+        return Move(
+            "disconnect",
+            name,
+            f"disconnect {name}",
+            (Need(f"con:{name}", (YES, OTHER)),),
+            ((f"con:{name}", NO),),
+            self._model.cost("disconnect", name),
+            heeds=tuple(f"act:{end}" for end in ends),
+        )
+
+    def configure(self, key: str, value: str) -> Move:
+        """Set a parameter: ``C.KEY``."""
+        name = key.partition(".")[0]
+        needs = [Need(f"cmp:{name}", (ABSENT,), is_not=True)]
+        if not self._model.keys[key].is_hot:
+            needs.append(Need(f"act:{name}", (INACTIVE,)))
+        return Move(
+            "configure",
+            key,
+            f"set {key}={value}",
+            tuple(needs),
+            ((f"cfg:{key}", value),),
+            self._model.cost("configure", key),
+            value,
+        )
+
+    def activate(self, name: str) -> Move:
+        """Activate a component: after its connections and its parameters."""
+        model = self._model
+        return Move(
+            "activate",
+            name,
+            f"activate {name}",
+            (Need(f"cmp:{name}", (ABSENT,), is_not=True), Need(f"act:{name}", (INACTIVE,))),
+            ((f"act:{name}", ACTIVE),),
+            model.cost("activate", name),
+            heeds=(
+                *(f"con:{wire}" for wire in model.wires_of[name]),
+                *(f"cfg:{key}" for key in model.keys_of[name]),
+                *(f"cmp:{whole}" for whole in model.wholes_of[name]),
+            ),
+        )
+
+    def deactivate(self, name: str) -> Move:
+        """Deactivate a component."""
+        variable = f"act:{name}"
+        cost = self._model.cost("deactivate", name)
+        need = Need(variable, (ACTIVE,))
+        return Move(
+            "deactivate", name, f"deactivate {name}", (need,), ((variable, INACTIVE),), cost
+        )
+
+    def reset(self, name: str) -> Move:
+        """Reset a component that is in Error."""
+        variable = f"act:{name}"
+        cost = self._model.cost("reset", name)
+        return Move(
+            "reset",
+            name,
+            f"reset {name}",
+            (Need(variable, (ERROR,)),),
+            ((variable, INACTIVE),),
+            cost,
+        )
+
+    def every(self) -> Iterator[Move]:
+        """Yield every command that may be possible at some time; for models that are small."""
+        model = self._model
+        yield from (self.start(manager) for manager in model.managers)
+        for variable in model.variables():
+            if variable.startswith("mod:"):
+                if self.finds(variable[4:]):
+                    yield self.load(variable[4:])
+                yield self.unload(variable[4:])
+        for name, unit in model.units.items():
+            for place in unit.places:
+                # What must be loaded before is looked for when it is loaded.
+                if model.needed_module(unit, place) or self._finds_for(unit, place):
+                    yield self.create(name, place)
+            yield from (self.delete(name), self.activate(name))
+            yield from (self.deactivate(name), self.reset(name))
+        for key in model.keys:
+            yield from (self.configure(key, value) for value in self._values(key))
+        for name, wire in model.wires.items():
+            yield self.disconnect(name)
+            if not wire.why_not:
+                yield self.connect(name)
+
+    def finds(self, name: str) -> bool:
+        """Whether a manager finds a module: ``M/X``."""
+        manager, _, module = name.partition("/")
+        found = self._model.managers.get(manager, frozenset())
+        return found is None or module in found
+
+    def _finds_for(self, unit: Unit, place: str) -> bool:
+        return not unit.module or self.finds(f"{manager_of(place)}/{unit.module}")
+
+    def _values(self, key: str) -> list[str]:
+        wish = self._model.desired.get(f"cfg:{key}", ())
+        return [wish] if isinstance(wish, str) else list(wish)
