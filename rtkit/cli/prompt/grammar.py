@@ -27,6 +27,7 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "rtdeact": ("active",),
     "rtdel": ("deletable",),
     "rtdis": ("connected", "connected-to"),
+    "rtdoctor": (),
     "rtexit": ("component|slave",),
     "rtfind": ("directory",),
     "rtfsm": ("component", "word"),
