@@ -141,6 +141,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "rtprint": (
         ("rtprint Robot0.rtc:pose", "Every value, until Ctrl-C."),
         ("rtprint -n 1 -f data.position.x Robot0.rtc:pose", "One field of the next value."),
+        ("rtprint --plot Robot0.rtc:pose", "The numbers of its pose as curves."),
         ("rtprint -t 5 --json A0.rtc:out B0.rtc:out", "All values of 5 s as JSON lines."),
     ),
     "rtprofile": (

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 import signal
+import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import IO, TYPE_CHECKING, Protocol
 
+from rtkit.cli import _reader
 from rtkit.cli._app import App
+from rtkit.cli._atomic import STDOUT
 from rtkit.cli._data import named_streams
 from rtkit.errors import Refused
 
@@ -49,20 +52,24 @@ def record(
     limit = _Limit(part, duration_s)
     with (
         _ended_in_order(),
-        _open(name) as file,
+        _opened(name, form) as file,
         _sink(form, file, streams, types) as sink,
         Probe(app.tree, "rtlog_recorder", streams, tap_ports(streams)) as probe,
+        _reading(name, probe) as reader,
     ):
         probe.connect(LOSSLESS if is_lossless else {})
         app.tell(f"{probe.component.instance} is connected")
         app.say(limit.announcement)
         _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()})
+        reader.check()
         lost, is_cut = probe.lost, not probe.is_connected
     if lost:
         app.say(f"{app.name}: {lost} values were lost")
     app.tell(f"{sink.count} entries in {name}")
     if is_cut:
         raise Refused("no connection is left: the components or the connections have gone")
+    if not sink.count:
+        raise Refused(f"nothing was recorded: no value came, {name} has no entries")
 
 
 def _name(_number: int, ref: PortRef) -> str:
@@ -91,16 +98,29 @@ def _ended_in_order() -> Iterator[None]:
         signal.signal(signal.SIGTERM, former)
 
 
-def _open(name: str) -> IO[bytes]:
-    """Open a new file.
+@contextmanager
+def _opened(name: str, form: str) -> Iterator[IO[bytes]]:
+    """Open a new file, or stdout for ``-``.
 
     Raises:
-        Refused: There is one of that name.
+        Refused: There is one of that name, or a terminal is to show what is no text.
     """
+    if name == STDOUT:
+        if form != "text" and sys.stdout.isatty():
+            raise Refused("a terminal cannot show MCAP: -f FILE, a pipe, or -l text")
+        yield sys.stdout.buffer
+        return
     try:
-        return open(name, "xb")
+        file = open(name, "xb")  # noqa: SIM115 - closed below; only opening it may find another
     except FileExistsError:
         raise Refused(f"file exists already: {name}") from None
+    with file:
+        yield file
+
+
+def _reading(name: str, probe: Probe) -> AbstractContextManager[_reader.Reader]:
+    """Watch who reads stdout, where the recording goes there."""
+    return _reader.while_read(probe.stop) if name == STDOUT else nullcontext(_reader.Reader())
 
 
 class _Sink(Protocol):
@@ -126,7 +146,7 @@ def _sink(
     form: str, file: IO[bytes], streams: Sequence[Stream], types: Mapping[str, type]
 ) -> Iterator[_Sink]:
     if form == "text":
-        yield _TextSink(file, types)
+        yield _TextSink(file, types, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
         return
     from rtkit.recording.entries import Channel
     from rtkit.recording.mcap_file import Writer
@@ -139,12 +159,13 @@ def _sink(
 
 
 class _TextSink:
-    """Writes a line for each value."""
+    """Writes a line for each value; none waits longer than `delay_s` [s]."""
 
-    def __init__(self, file: IO[bytes], types: Mapping[str, type]) -> None:
+    def __init__(self, file: IO[bytes], types: Mapping[str, type], delay_s: float) -> None:
         from rtkit.component.codec import codec_for
 
         self._file = file
+        self._delay_s = delay_s
         self._decode = {name: codec_for(cls).decode for name, cls in types.items()}
         self.count = 0
         self.flush_at: float | None = None
@@ -157,7 +178,7 @@ class _TextSink:
         self._file.write(f"{line_of(entry.channel, entry.time_ns, value)}\n".encode())
         self.count += 1
         if self.flush_at is None:
-            self.flush_at = time.monotonic() + _FLUSH_S
+            self.flush_at = time.monotonic() + self._delay_s
 
     def flush(self) -> None:
         self._file.flush()

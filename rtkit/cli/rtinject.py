@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import IO, TYPE_CHECKING
 
 import click
 
 from rtkit.cli._app import App, command
 from rtkit.cli._data import module_options, named_streams
-from rtkit.errors import Refused, UsageProblem
+from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.probe.probe import Probe
@@ -76,7 +76,7 @@ def main(
     """
     from rtkit.probe.probe import LOSSLESS, SURE, Probe, out_ports
     from rtkit.probe.types import data_type, import_modules
-    from rtkit.probe.values import Template, templates
+    from rtkit.probe.values import templates
     from rtkit.rtc.enums import PortType
 
     if const is not None and file is not None:
@@ -87,21 +87,36 @@ def main(
     streams = named_streams(app, ports, PortType.IN)
     types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
     if const is not None:
-        values = _repeated(Template(const, types), 1 if number is None else number)
+        times = 1 if number is None else number
+        values = _repeated(_typed(const, types), times if duration_s is None else _ENDLESS)
+    elif file is not None:
+        values = templates(file, types, file.name)
     else:
-        values = templates(file if file is not None else sys.stdin, types)
+        values = templates(sys.stdin, types, "<stdin>")
     period_s = 1.0 / rate if rate else (1.0 if const is not None else 0.0)
     limit = _ENDLESS if number is None else number
     if duration_s is not None:
         limit = _ENDLESS
-        if const is not None:
-            values = _repeated(Template(const, types), _ENDLESS)
     with Probe(app.tree, "rtinject_writer", streams, out_ports(types)) as probe:
         probe.connect(LOSSLESS if lossless else SURE)
         app.tell(f"{probe.component.instance} is connected")
         _write(probe, values, period_s, limit, duration_s)
         if not probe.flush():
             raise Refused("cannot say whether all values have arrived: the other end is silent")
+
+
+def _typed(text: str, types: Mapping[str, type]) -> Template:
+    """Read what was typed behind -c.
+
+    Raises:
+        Malformed: It is no value of the ports' types.
+    """
+    from rtkit.probe.values import Template
+
+    try:
+        return Template(text, types)
+    except Malformed as error:
+        raise Malformed(f"-c {text}: {error}") from error
 
 
 def _repeated(template: Template, number: int) -> Iterator[Template]:

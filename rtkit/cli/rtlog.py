@@ -22,7 +22,7 @@ _NS = 1_000_000_000
     "-f",
     "--filename",
     metavar="FILE",
-    help="The recording (default when recording: rtlog_SECONDS.mcap).",
+    help="The recording; - is stdout (default when recording: rtlog_SECONDS.mcap).",
 )
 @click.option("-p", "--play", "is_play", is_flag=True, help="Play the recording into in ports.")
 @click.option(

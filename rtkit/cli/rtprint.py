@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import sys
 import time
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli import _records
+from rtkit.cli import _reader
 from rtkit.cli._app import App, command
 from rtkit.cli._data import module_options, named_streams
-from rtkit.errors import Refused
+from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
+    from rtkit.cli._printing import Sink, Wish
     from rtkit.probe.spec import Stream
     from rtkit.probe.tap import Arrival
 
-Line = Callable[["Arrival"], str]
+LINES, STATS, PLOT = "lines", "stats", "plot"
 
 
 @command("rtprint")
@@ -30,7 +30,7 @@ Line = Callable[["Arrival"], str]
     "--rate",
     type=click.FloatRange(min=0.0, min_open=True, max=100_000),
     metavar="HZ",
-    help="Look this often and take at most one value of each port; -n then counts looks.",
+    help="Look this often and take the newest value of each port; -n then counts looks.",
 )
 @click.option(
     "-t",
@@ -47,12 +47,13 @@ Line = Callable[["Arrival"], str]
     "fields",
     multiple=True,
     metavar="FIELD",
-    help="Print only data.x (repeatable).",
+    help="Only data.x, or ranges[0] (repeatable).",
 )
 @click.option("--full", "is_full", is_flag=True, help="Do not shorten long contents.")
 @click.option(
-    "--stats", "is_stats", is_flag=True, help="Print no values but how they came, at the end."
+    "--stats", "form", flag_value=STATS, help="Print no values but how they came, at the end."
 )
+@click.option("--plot", "form", flag_value=PLOT, help="Draw the numbers in them over time.")
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.option(
     "--lossless", is_flag=True, help="Rather hold up the component that writes than lose a value."
@@ -68,7 +69,7 @@ def main(
     folders: tuple[str, ...],
     fields: tuple[str, ...],
     is_full: bool,
-    is_stats: bool,
+    form: str | None,
     is_json: bool,
     lossless: bool,
 ) -> int:
@@ -78,29 +79,45 @@ def main(
     when nothing came at all. While it runs a component of its own, rtprint_reader0, is connected
     to the ports.
 
-    A value of nothing but a time stamp and data is printed as [seconds] data. FORMATTER is a
-    function of one argument, MODULE.NAME, or rawpy for the full text of every value.
+    A value of nothing but a time stamp and data is printed as [seconds] data; of an image only
+    what it is like; of several ports each line begins with the port. FORMATTER is a function of
+    one argument, MODULE.NAME, or rawpy for the full text of every value.
 
     With --stats: how many values came, their rate, the intervals between them with the standard
-    deviation as jitter, their size in CDR, and their age on arrival by their time stamps.
+    deviation as jitter, their size in CDR, their age on arrival by their time stamps, and how the
+    numbers in the fields of -f are spread. With --plot: the last 30 s as curves, on a terminal as
+    they come, else at the end.
     """
+    from rtkit.cli._printing import Wish
+    from rtkit.probe.fields import check_field
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
-    from rtkit.probe.types import import_modules
+    from rtkit.probe.types import data_type, import_modules
     from rtkit.rtc.enums import PortType
+
+    if form == PLOT and is_json:
+        raise UsageProblem("--plot draws: no --json")
 
     import_modules(modules, folders)
     streams = named_streams(app, ports, PortType.OUT)
-    sink = _Counter(streams) if is_stats else _Printer(streams, fields, is_full, is_json)
+    types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
+    for cls in types.values():
+        for field in fields:
+            check_field(cls, field)
+    sink = _sink(form or LINES, streams, types, Wish(fields, is_full, is_json))
     until = None if duration_s is None else time.monotonic() + duration_s
     limit = None if duration_s is not None else number
-    with Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe:
+    with (
+        Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe,
+        _reader.while_read(probe.stop) as reader,
+    ):
         probe.connect(LOSSLESS if lossless else {})
         app.tell(f"{probe.component.instance} is connected")
         for piece in _limited(probe.arrivals(until), limit, is_by_piece=rate is not None):
             sink.take(piece)
-        lost = probe.lost
+        reader.check()
+        lost = 0 if rate else probe.lost  # at a rate values are passed over on purpose
         is_cut = not probe.is_connected
-    sink.finish(is_json, lost)
+    sink.finish(lost)
     if lost:
         app.say(f"{app.name}: {lost} values were lost")
     if is_cut:
@@ -108,55 +125,14 @@ def main(
     return 0 if sink.count else 1
 
 
-class _Printer:
-    """Prints every value."""
+def _sink(form: str, streams: tuple[Stream, ...], types: dict[str, type], wish: Wish) -> Sink:
+    from rtkit.cli import _printing
 
-    def __init__(
-        self, streams: tuple[Stream, ...], fields: tuple[str, ...], is_full: bool, is_json: bool
-    ) -> None:
-        self._lines = _lines(streams, fields, is_full=is_full, is_json=is_json)
-        self.count = 0
-
-    def take(self, piece: list[Arrival]) -> None:
-        self.count += len(piece)
-        sys.stdout.write("".join(f"{self._lines[each.stream](each)}\n" for each in piece))
-        sys.stdout.flush()
-
-    def finish(self, is_json: bool, lost: int) -> None:
-        """Do nothing: all is printed."""
-
-
-class _Counter:
-    """Tells at the end how values came."""
-
-    def __init__(self, streams: tuple[Stream, ...]) -> None:
-        from rtkit.probe.stats import Stats, stamp_reader
-        from rtkit.probe.types import data_type
-
-        self._streams = streams
-        self._stats = {
-            each.name: Stats(stamp_reader(data_type(each.data_type, each.ends[0].path.typed)))
-            for each in streams
-        }
-
-    @property
-    def count(self) -> int:
-        return sum(stats.count for stats in self._stats.values())
-
-    def take(self, piece: list[Arrival]) -> None:
-        for arrival in piece:
-            self._stats[arrival.stream].take(arrival)
-
-    def finish(self, is_json: bool, lost: int) -> None:
-        from rtkit.cli._out import printable, write
-        from rtkit.probe.report import lines_of, record_of
-
-        for stream in self._streams:
-            told = self._stats[stream.name].summary()
-            if is_json:
-                write([_records.line("stream-stats", record_of(stream, told, lost))])
-            else:
-                write(map(printable, lines_of(stream, told)))
+    if form == STATS:
+        return _printing.Counter(streams, types, wish)
+    if form == PLOT:
+        return _printing.Plotter(streams, types, wish)
+    return _printing.Printer(streams, types, wish)
 
 
 def _limited(
@@ -171,60 +147,3 @@ def _limited(
             left -= 1 if is_by_piece else len(taken)
             if left <= 0:
                 return
-
-
-def _lines(
-    streams: tuple[Stream, ...], fields: tuple[str, ...], *, is_full: bool, is_json: bool
-) -> dict[str, Line]:
-    """Return what makes a line of an arrival, by stream."""
-    from rtkit.component.codec import codec_for
-    from rtkit.probe.types import data_type
-
-    made: dict[str, Line] = {}
-    for stream in streams:
-        decode = codec_for(data_type(stream.data_type, stream.ends[0].path.typed)).decode
-        if is_json:
-            made[stream.name] = _json_line(stream, decode, fields)
-        else:
-            show = _shower(stream, fields, is_full=is_full)
-            made[stream.name] = _text_line(decode, show)
-    return made
-
-
-def _text_line(decode: Callable[[bytes], Any], show: Callable[[Any], str]) -> Line:
-    return lambda arrival: show(decode(arrival.payload))
-
-
-def _json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str, ...]) -> Line:
-    from rtkit.probe.text import field_reader, plain
-
-    readers = {text: field_reader(text) for text in fields}
-    ports = [str(end.path) for end in stream.ends]
-
-    def line(arrival: Arrival) -> str:
-        value = decode(arrival.payload)
-        told = {text: plain(read(value)) for text, read in readers.items()} or plain(value)
-        record = {
-            "stream": stream.name,
-            "ports": ports,
-            "type": stream.data_type,
-            "received": _records.time_text(arrival.time_ns),
-            "value": told,
-        }
-        return _records.line("value", record)
-
-    return line
-
-
-def _shower(stream: Stream, fields: tuple[str, ...], *, is_full: bool) -> Callable[[Any], str]:
-    from rtkit.cli._out import printable
-    from rtkit.probe.formatters import formatter
-    from rtkit.probe.text import field_reader, text_of
-
-    if stream.formatter:
-        form = formatter(stream.formatter)
-        return lambda value: printable(form(value))
-    readers = [field_reader(text) for text in fields] or [lambda value: value]
-    return lambda value: "\t".join(
-        printable(text_of(read(value), is_full=is_full)) for read in readers
-    )

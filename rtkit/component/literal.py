@@ -26,6 +26,7 @@ from rtkit.component.layout import (
 )
 from rtkit.component.types import Time
 from rtkit.errors import Malformed
+from rtkit.rtc.nearest import did_you_mean
 
 _STAMP = "tm"
 _DATA = "data"
@@ -54,7 +55,7 @@ class Literal:
             return
         layout = layout_of(cls)
         names = [name for name, _ in layout.fields]
-        if names == [_STAMP, _DATA] and not (isinstance(data, dict) and _DATA in data):
+        if names == [_STAMP, _DATA] and not _is_whole(data, dict(layout.fields)[_DATA]):
             data = {_DATA: data}
         value = _read(layout, data, cls.__name__)
         reason = complaint(layout, value, cls.__name__)
@@ -90,6 +91,11 @@ def zero_value(cls: type, now: Time) -> Any:
         return value
     fields = {name: getattr(value, name) for name, _ in layout.fields}
     return cls(**{**fields, _STAMP: now})
+
+
+def _is_whole(data: Any, inner: Layout) -> bool:
+    """Whether a literal of a type of a stamp and data is of all of it, not of the data alone."""
+    return isinstance(data, dict) and (_DATA in data or not isinstance(inner, (Struct, Octets)))
 
 
 def _has_stamp(layout: Struct) -> bool:
@@ -132,7 +138,8 @@ def _record(layout: Struct, data: Any, where: str) -> Any:
     known = dict(layout.fields)
     for name in data:
         if name not in known:
-            raise Malformed(f"{where}: no field {name}; it has {', '.join(known)}")
+            hint = did_you_mean(name, known)
+            raise Malformed(f"{where}: no field {name}{hint}; it has {', '.join(known)}")
     values = {}
     for name, item in layout.fields:
         own = f"{where}.{name}"

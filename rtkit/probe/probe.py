@@ -54,7 +54,7 @@ class Tool(Component):
     def on_execute(self, context: str) -> None:
         """Hand over what arrived, in one piece."""
         if self._is_polling:
-            arrivals = [tap.take_one() for tap in self._taps if tap.is_new()]
+            arrivals = [tap.take()[-1] for tap in self._taps if tap.is_new()]
         else:
             arrivals = [arrival for tap in self._taps for arrival in tap.take()]
         if arrivals:
@@ -64,8 +64,8 @@ class Tool(Component):
 class Probe:
     """A visit with one component of a tool; leave it as a context manager.
 
-    With a rate [Hz] it takes at most one value of each port at a time, that often; else all that
-    there are, as they come.
+    With a rate [Hz] it takes the newest value of each port that often; else all that there are,
+    as they come.
 
     Attributes:
         component: The tool's component.
@@ -172,6 +172,11 @@ class Probe:
         """Wait until everything that was written has arrived; False when that cannot be said."""
         return self._guest.flush(_FLUSH_S)
 
+    def stop(self) -> None:
+        """Have nothing more arrive: what waits for it goes on; for any thread."""
+        self._ended.set()
+        self.component.arrived.put([])
+
     def close(self) -> None:
         """End the component and the visit."""
         self._guest.changed = lambda: None
@@ -198,8 +203,7 @@ class Probe:
 
     def _look(self) -> None:
         if not (self._guest.holds and self.is_connected):
-            self._ended.set()
-            self.component.arrived.put([])
+            self.stop()
 
 
 def _polling(rate: float) -> dict[str, str]:

@@ -23,6 +23,9 @@ def lines_of(stream: Stream, told: Summary) -> Iterator[str]:
         yield f"  size      {least}" + (f" to {most}" if least != most else "")
     if told.latency_s is not None:
         yield f"  latency   {_times(told.latency_s)}"
+    for name, spread in told.fields.items():
+        if spread is not None:
+            yield f"  {name:<8}  {_numbers(spread)}"
 
 
 def record_of(stream: Stream, told: Summary, lost: int) -> dict[str, Any]:
@@ -38,6 +41,7 @@ def record_of(stream: Stream, told: Summary, lost: int) -> dict[str, Any]:
         "interval_s": told.interval_s._asdict() if told.interval_s else None,
         "size_bytes": told.size_bytes._asdict() if told.size_bytes else None,
         "latency_s": told.latency_s._asdict() if told.latency_s else None,
+        "fields": {name: each._asdict() if each else None for name, each in told.fields.items()},
     }
 
 
@@ -51,15 +55,22 @@ def size_text(size: float) -> str:
 
 
 def _times(spread: Spread) -> str:
-    parts = (
+    return ", ".join(f"{name} {_time_text(value)}" for name, value in _parts(spread, "jitter"))
+
+
+def _numbers(spread: Spread) -> str:
+    return ", ".join(f"{name} {value:.6g}" for name, value in _parts(spread, "deviation"))
+
+
+def _parts(spread: Spread, deviation: str) -> tuple[tuple[str, float], ...]:
+    return (
         ("mean", spread.mean),
-        ("jitter", spread.deviation),
+        (deviation, spread.deviation),
         ("min", spread.least),
         ("median", spread.median),
         ("99 %", spread.p99),
         ("max", spread.most),
     )
-    return ", ".join(f"{name} {_time_text(value)}" for name, value in parts)
 
 
 def _time_text(seconds: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import struct
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from rtkit.component.layout import Struct, layout_of
@@ -18,6 +18,8 @@ _KEPT = 100_000
 _HEADER = 4
 _STAMP = {b"\x00\x01": struct.Struct("<II"), b"\x00\x00": struct.Struct(">II")}
 Stamp = Callable[[bytes], "int | None"]
+Number = Callable[[bytes], float]
+NO_NUMBERS: Mapping[str, Number] = {}
 
 
 class Spread(NamedTuple):
@@ -39,6 +41,7 @@ class Summary(NamedTuple):
         interval_s: Between arrivals [s]; None for fewer than two values.
         size_bytes: Of the values in CDR; None without any.
         latency_s: From time stamp to arrival [s]; None where values have no stamp.
+        fields: Of the numbers in the fields that were asked for.
     """
 
     values: int
@@ -47,13 +50,16 @@ class Summary(NamedTuple):
     interval_s: Spread | None
     size_bytes: Spread | None
     latency_s: Spread | None
+    fields: Mapping[str, Spread | None] = {}
 
 
 class Stats:
     """Takes arrivals of one stream and tells what they were like, in bounded memory."""
 
-    def __init__(self, stamp: Stamp) -> None:
+    def __init__(self, stamp: Stamp, numbers: Mapping[str, Number] = NO_NUMBERS) -> None:
         self._stamp = stamp
+        self._numbers = numbers
+        self._fields: dict[str, deque[float]] = {name: deque(maxlen=_KEPT) for name in numbers}
         self._first_ns = self._last_ns = 0
         self._bytes = 0
         self.count = 0
@@ -75,6 +81,10 @@ class Stats:
         stamp = self._stamp(arrival.payload)
         if stamp:
             self._latencies.append((arrival.time_ns - stamp) * 1e-9)
+        for name, number in self._numbers.items():
+            value = number(arrival.payload)
+            if math.isfinite(value):
+                self._fields[name].append(value)
 
     def summary(self) -> Summary:
         """Return what has come so far."""
@@ -89,6 +99,7 @@ class Stats:
             _spread(self._intervals),
             _spread(self._sizes),
             _spread(self._latencies),
+            {name: _spread(values) for name, values in self._fields.items()},
         )
 
 

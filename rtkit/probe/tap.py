@@ -39,10 +39,6 @@ class Tap(InPort[bytes]):
         """Return what arrived since it was last asked."""
         return cast("list[Arrival]", self.read_all())
 
-    def take_one(self) -> Arrival:
-        """Return the oldest value that is there."""
-        return cast(Arrival, self.read())
-
     def _heard(self, write: Sink[bytes]) -> Sink[bytes]:
         keep = super()._heard(write)
         name = self.name

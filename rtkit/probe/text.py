@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import base64
-import re
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
 from rtkit.component.types import Time
-from rtkit.errors import Malformed, NotFound
+from rtkit.errors import NotFound
+from rtkit.probe.fields import steps_of
 
 _MOST_BYTES = 32
 _MOST_ITEMS = 16
-_STEP = re.compile(r"([A-Za-z_]\w*)|\[(\d{1,9})\]")
+_STAMP = "tm"
 Show = Callable[[Any], str]
 
 
@@ -33,6 +33,8 @@ def stamp_text(time: Time) -> str:
 
 def _text(value: Any, is_full: bool) -> str:
     if is_dataclass(value) and not isinstance(value, type):
+        if not is_full and _is_image(value):
+            return _image(value)
         parts = (f"{f.name}={_text(getattr(value, f.name), is_full)}" for f in fields(value))
         return f"{type(value).__name__}({', '.join(parts)})"
     if isinstance(value, Enum):
@@ -45,6 +47,26 @@ def _text(value: Any, is_full: bool) -> str:
         rest = f", … {len(value)} values" if len(shown) < len(value) else ""
         return f"[{', '.join(_text(item, is_full) for item in shown)}{rest}]"
     return repr(value)
+
+
+def _is_image(value: Any) -> bool:
+    return isinstance(getattr(value, "width", None), int) and isinstance(
+        getattr(value, "height", None), int
+    )
+
+
+def _image(value: Any) -> str:
+    """Return what an image is like, but not its pixels."""
+    told = [f"{value.width} x {value.height}"]
+    for each in fields(value):
+        item = getattr(value, each.name)
+        if isinstance(item, bytes):
+            told.append(f"{len(item)} bytes")
+        elif each.name == _STAMP:
+            told.insert(0, f"[{stamp_text(item)}]")
+        elif each.name not in ("width", "height"):
+            told.append(f"{each.name} {_text(item, False)}")
+    return f"{type(value).__name__}({', '.join(told)})"
 
 
 def plain(value: Any) -> Any:
@@ -68,17 +90,7 @@ def field_reader(text: str) -> Callable[[Any], Any]:
     Raises:
         Malformed: It is no such text. The function raises NotFound for a value without it.
     """
-    steps: list[str | int] = []
-    for part in text.split("."):
-        position = 0
-        while position < len(part):
-            match = _STEP.match(part, position)
-            if match is None or (position == 0) is (match[1] is None):
-                raise Malformed(f"Bad field: {text} (it is NAME.NAME or NAME[INDEX])")
-            steps.append(match[1] or int(match[2]))
-            position = match.end()
-        if not part:
-            raise Malformed(f"Bad field: {text} (it is NAME.NAME or NAME[INDEX])")
+    steps = steps_of(text)
 
     def read(value: Any) -> Any:
         for step in steps:

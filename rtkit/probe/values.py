@@ -11,6 +11,7 @@ from rtkit.component.types import Time
 from rtkit.errors import Malformed
 
 _TIME = "{time}"
+_SHOWN = 60
 
 
 class Template:
@@ -33,11 +34,11 @@ class Template:
         return {name: Literal(cls, text) for name, cls in self._types.items()}
 
 
-def templates(lines: Iterable[str], types: Mapping[str, type]) -> Iterator[Template]:
+def templates(lines: Iterable[str], types: Mapping[str, type], source: str) -> Iterator[Template]:
     """Yield what is written on each line; empty ones and those that begin with # say nothing.
 
     Raises:
-        Malformed: A line is no literal of the types; names its number.
+        Malformed: A line is no literal of the types; names `source` and its number.
     """
     for number, line in enumerate(lines, start=1):
         text = line.strip()
@@ -46,7 +47,11 @@ def templates(lines: Iterable[str], types: Mapping[str, type]) -> Iterator[Templ
         try:
             yield Template(text, types)
         except Malformed as error:
-            raise Malformed(f"line {number}: {error}") from None
+            raise Malformed(f"{source}:{number}: {_short(text)}: {error}") from None
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _SHOWN else f"{text[: _SHOWN - 1]}…"
 
 
 def _as_json(text: str) -> str:

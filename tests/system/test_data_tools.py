@@ -89,6 +89,47 @@ def test_a_reader_runs_on_while_the_manager_is_killed_and_started_again(doubler:
     assert (printing.returncode, out.strip()) == (0, "42"), err
 
 
+def test_a_tool_ends_with_the_reader_of_its_pipe(doubler: Any) -> None:
+    for line in ("rtprint", "rtlog -l text -f -"):
+        process = connected(doubler, f"{line} {DOUBLER}:out")
+        assert doubler.run(f"rtinject -c 1 {DOUBLER}:in").status == 0
+        assert process.stdout.readline()
+        process.stdout.close()
+        assert process.wait(30) == 141  # though no further value comes
+        process.stderr.close()
+
+
+def test_several_ports_are_told_apart(doubler: Any) -> None:
+    doubler.ok("rtmgr localhost/manager.mgr -c Doubler")
+    doubler.ok("rtact /localhost/Doubler1.rtc")
+    other = DOUBLER.replace("0", "1")
+    printing = connected(doubler, f"rtprint -f data -n 2 {DOUBLER}:out {other}:out")
+    assert doubler.run(f"rtinject -c 1 {DOUBLER}:in").status == 0
+    assert doubler.run(f"rtinject -c 2 {other}:in").status == 0
+    out, _ = printing.communicate(timeout=30)
+    assert out == f"{DOUBLER}:out  2\n{other}:out  4\n"
+
+
+def test_what_is_wrong_is_told_before_anything_is_connected(doubler: Any) -> None:
+    for line, told in (
+        (f"rtprint --stats -f daat {DOUBLER}:out", "no field daat: TimedLong has tm, data"),
+        (f"rtinject -c '{{daat: 1}}' {DOUBLER}:in", "-c {daat: 1}: TimedLong: no field daat"),
+        (f"rtprint --plot --json {DOUBLER}:out", "--plot draws: no --json"),
+    ):
+        done = doubler.run(line)
+        assert done.status in (1, 2)
+        assert told in done.err
+
+
+def test_a_recording_of_nothing_is_told(doubler: Any) -> None:
+    done = doubler.run(f"rtlog -t 0.2 -f none.mcap {DOUBLER}:out")
+    assert (done.status, done.err.splitlines()[1:]) == (
+        1,
+        ["rtlog: nothing was recorded: no value came, none.mcap has no entries"],
+    )
+    assert json.loads(doubler.ok("rtlog --info --json -f none.mcap"))["is_whole"]
+
+
 def test_nothing_came(doubler: Any) -> None:
     assert doubler.run(f"rtprint -t 0.2 {DOUBLER}:out") == (1, "", "")
 

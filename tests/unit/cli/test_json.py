@@ -173,7 +173,7 @@ def test_recordings(tmp_path: Path, run: Run) -> None:
 
 
 def test_values_and_their_statistics() -> None:
-    from rtkit.cli.rtprint import _json_line
+    from rtkit.cli._printing import json_line
     from rtkit.probe.report import record_of
     from rtkit.probe.spec import Stream
     from rtkit.probe.stats import Stats, stamp_reader
@@ -182,7 +182,7 @@ def test_values_and_their_statistics() -> None:
     stats = Stats(stamp_reader(TimedDouble))
     for number in (1.5, float("nan"), float("inf"), float("-inf")):
         arrival = Arrival("s", 1_700_000_000_000_000_001, codec.encode(TimedDouble(Time(), number)))
-        (record,) = jsonrecords.checked(_json_line(Stream("s", ()), codec.decode, ())(arrival))
+        (record,) = jsonrecords.checked(json_line(Stream("s", ()), codec.decode, ())(arrival))
         assert jsonrecords.kind_of(record) == "value"
         assert record["received"] == "2023-11-14T22:13:20.000000001Z"
         data = Literal(TimedDouble, json.dumps(record["value"])).at(Time()).data

@@ -71,6 +71,18 @@ def test_a_stamp_is_read_in_both_byte_orders_and_never_beyond_the_end():
     assert read(b"") is None
 
 
+def test_numbers_in_fields():
+    stats = Stats(lambda _: None, {"size": len, "odd": lambda _: float("inf")})
+    for size in (1, 3):
+        stats.take(Arrival("s", size, bytes(size)))
+    told = stats.summary()
+    spread = told.fields["size"]
+    assert spread is not None
+    assert (spread.mean, spread.least, spread.most) == (2, 1, 3)
+    assert told.fields["odd"] is None
+    assert any(line.startswith("  size      mean 2,") for line in lines_of(Stream("s", ()), told))
+
+
 def test_the_record_has_the_spread():
     record = record_of(Stream("s", ()), arrivals(0, 10).summary(), 0)
     assert record["interval_s"]["mean"] == pytest.approx(0.01)

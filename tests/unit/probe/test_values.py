@@ -48,10 +48,23 @@ def test_what_is_no_value(text):
 
 
 def test_lines_are_read_one_by_one_and_named_when_wrong():
-    read = templates(["# nothing\n", "\n", "1\n", "x y\n"], {"p": TimedLong})
+    read = templates(["# nothing\n", "\n", "1\n", "x y\n"], {"p": TimedLong}, "way.txt")
     assert next(read).at(NOW)["p"].data == 1
-    with pytest.raises(Malformed, match="line 4"):
+    with pytest.raises(Malformed, match=r"way\.txt:4: x y: "):
         next(read)
+
+
+@pytest.mark.parametrize(
+    ("text", "cls", "told"),
+    [
+        ("{daat: 3}", TimedLong, r"TimedLong: no field daat \(did you mean data\?\); it has tm, d"),
+        ("{vxx: 1}", TimedVelocity2D, r"no field vxx \(did you mean vx\?\); it has vx, vy, va"),
+        ("{data: hello}", TimedLong, 'TimedLong.data: "hello" is not a value of type int32'),
+    ],
+)
+def test_what_is_wrong_is_named(text: str, cls: type, told: str):
+    with pytest.raises(Malformed, match=told):
+        value(text, cls)
 
 
 def test_each_port_has_its_type():

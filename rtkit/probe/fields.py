@@ -1,0 +1,84 @@
+"""Fields of data types: whether ``data.position.x`` is one, and which of a value are numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from rtkit.component.layout import Array, Items, Layout, Struct, layout_of
+from rtkit.errors import Malformed, NotFound
+from rtkit.rtc.nearest import did_you_mean
+
+_STEP = re.compile(r"([A-Za-z_]\w*)|\[(\d{1,9})\]")
+_STAMP = "tm"
+
+
+def steps_of(text: str) -> list[str | int]:
+    """Return the names and indices that ``data.position.x`` or ``ranges[0]`` goes through.
+
+    Raises:
+        Malformed: It is no such text.
+    """
+    steps: list[str | int] = []
+    for part in text.split("."):
+        position = 0
+        while position < len(part):
+            match = _STEP.match(part, position)
+            if match is None or (position == 0) is (match[1] is None):
+                raise Malformed(f"Bad field: {text} (it is NAME.NAME or NAME[INDEX])")
+            steps.append(match[1] or int(match[2]))
+            position = match.end()
+        if not part:
+            raise Malformed(f"Bad field: {text} (it is NAME.NAME or NAME[INDEX])")
+    return steps
+
+
+def check_field(cls: type, text: str) -> None:
+    """Refuse a field that no value of a data type can have; bytes may be of any type.
+
+    Raises:
+        Malformed: It is no field at all.
+        NotFound: The type has none of that name; tells those that it has.
+    """
+    steps = steps_of(text)
+    layout: Layout | None = None if cls is bytes else layout_of(cls)
+    for step in steps:
+        if layout is None:
+            return
+        layout = _below(layout, step, text)
+
+
+def _below(layout: Layout, step: str | int, text: str) -> Layout | None:
+    if isinstance(step, str):
+        known = dict(layout.fields) if isinstance(layout, Struct) else {}
+        if step not in known:
+            has = ", ".join(known) or "no fields"
+            hint = did_you_mean(step, known)
+            raise NotFound(f"no field {text}: {layout.name} has {has}{hint}")
+        return known[step]
+    if isinstance(layout, Items):
+        return layout.item
+    if isinstance(layout, Array):
+        if step >= len(layout.items):
+            raise NotFound(f"no field {text}: {layout.name} has {len(layout.items)} items")
+        return layout.items[step]
+    if isinstance(layout, Struct):
+        raise NotFound(f"no field {text}: {layout.name} has {', '.join(dict(layout.fields))}")
+    return None
+
+
+def numbers(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    """Yield what is a number in a value, by field; time stamps are left out."""
+    if isinstance(value, bool):
+        yield name, float(value)
+    elif isinstance(value, int | float):
+        yield name, value
+    elif is_dataclass(value) and not isinstance(value, type):
+        for each in fields(value):
+            if each.name != _STAMP:
+                yield from numbers(getattr(value, each.name), f"{name}.{each.name}".lstrip("."))
+    elif isinstance(value, list | tuple):
+        for index, item in enumerate(value):
+            yield from numbers(item, f"{name}[{index}]")
