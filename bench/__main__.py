@@ -22,6 +22,7 @@ GROUPS = (
     "slaves",
     "ports",
     "rates",
+    "data",
     "faults",
     "static",
     "profiles",

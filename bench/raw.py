@@ -27,14 +27,15 @@ def main(role: str, own: str, other: str) -> None:
     listener = open_listener(unix_endpoint(own), "peer")
     hears, says = (_BACK, _THERE) if role == "ping" else (_THERE, _BACK)
     arrivals = listener.declare_subscriber(hears, zenoh.handlers.FifoChannel(64))
-    client = _reach(unix_endpoint(other))
+    client = reach(unix_endpoint(other))
     publisher = client.declare_publisher(says)
     (_ping if role == "ping" else _echo)(arrivals, publisher)
     client.close()  # type: ignore[no-untyped-call]
     listener.close()  # type: ignore[no-untyped-call]
 
 
-def _reach(endpoint: str) -> zenoh.Session:
+def reach(endpoint: str) -> zenoh.Session:
+    """Open a session to an endpoint as soon as somebody listens there."""
     deadline = time.monotonic() + _PATIENCE_S
     while True:
         try:

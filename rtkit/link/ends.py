@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import queue
 import struct
 import threading
@@ -16,6 +15,13 @@ from rtkit.errors import Unreachable
 
 Deliver = Callable[[bytes], object]
 _NUMBER = struct.Struct("<Q")
+_TOTAL = b"="
+"""What stands before a number that is a total, not that of a value."""
+
+
+def _question(key: object) -> str:
+    """Return the key on which a sender is asked how many values it has sent."""
+    return f"{key}/sent"
 
 
 class Outlet:
@@ -32,11 +38,16 @@ class Outlet:
         self._session = session
         self._publisher = publisher
         self._release = release
-        self._numbers = itertools.count() if is_numbered else None
+        self._is_numbered = is_numbered
+        self._sent = 0
+        self._asked: zenoh.Subscriber[None] | None = None
+        if is_numbered:
+            self._asked = session.declare_subscriber(_question(publisher.key_expr), self._tell)
 
     def put(self, payload: bytes) -> bool:
         """Send one value; False when the stream is closed."""
-        number = None if self._numbers is None else _NUMBER.pack(next(self._numbers))
+        number = _NUMBER.pack(self._sent) if self._is_numbered else None
+        self._sent += 1
         try:
             self._publisher.put(payload, attachment=number)
         except (zenoh.ZError, RuntimeError):  # the latter while it is being closed
@@ -62,8 +73,21 @@ class Outlet:
         except zenoh.ZError:
             return False
 
+    def _tell(self, _sample: zenoh.Sample) -> None:
+        """Send how many values were sent before, in their row, so that it comes after them."""
+        with contextlib.suppress(zenoh.ZError, RuntimeError):
+            self._session.put(
+                self._publisher.key_expr,
+                b"",
+                attachment=_TOTAL + _NUMBER.pack(self._sent),
+                congestion_control=zenoh.CongestionControl.BLOCK,
+            )
+
     def close(self) -> None:
         """End this end; the other one just hears nothing more."""
+        if self._asked is not None:
+            with contextlib.suppress(zenoh.ZError):
+                self._asked.undeclare()  # type: ignore[no-untyped-call]
         # While another thread is inside `put`, zenoh refuses ("Already borrowed"); the publisher
         # then goes with its last reference.
         with contextlib.suppress(zenoh.ZError, RuntimeError):
@@ -80,7 +104,9 @@ class Inlet:
 
     def __init__(self) -> None:
         self._declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | None = None
-        self._next: int | None = None
+        self._ask: Callable[[], None] = lambda: None
+        self._told = threading.Event()
+        self._next = 0
         self.lost = 0
 
     def receive(self, session: zenoh.Session, key: str, deliver: Deliver) -> None:
@@ -92,11 +118,28 @@ class Inlet:
                 deliver(sample.payload.to_bytes())
             elif len(attachment) == _NUMBER.size:
                 self._count(*_NUMBER.unpack(attachment.to_bytes()))
+                self._next += 1
                 deliver(sample.payload.to_bytes())
+            elif len(attachment) == _NUMBER.size + len(_TOTAL):
+                self._count(*_NUMBER.unpack(attachment.to_bytes()[len(_TOTAL) :]))
+                self._told.set()
             else:
                 session.put(attachment.to_string(), b"")
 
         self._declared = session.declare_subscriber(key, heard)
+        self._ask = lambda: session.put(_question(key), b"")
+
+    def settle(self, timeout_s: float) -> bool:
+        """Count what was lost behind the last value too; False when the sender does not tell.
+
+        It is for streams whose values are numbered.
+        """
+        self._told.clear()
+        try:
+            self._ask()
+        except zenoh.ZError:
+            return False
+        return self._told.wait(timeout_s)
 
     def answer(self, session: zenoh.Session, key: str, reply: Callable[[], bytes | None]) -> None:
         """Answer with the next value whenever it is asked for from now on."""
@@ -110,9 +153,9 @@ class Inlet:
         self._declared = session.declare_queryable(key, asked)
 
     def _count(self, number: int) -> None:
-        if self._next is not None and number > self._next:
+        if number > self._next:
             self.lost += number - self._next
-        self._next = number + 1
+        self._next = number
 
     def close(self) -> None:
         """Take no part in the stream any more."""

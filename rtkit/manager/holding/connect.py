@@ -157,9 +157,16 @@ class Wires:
         outlets = [end for end in self._all_ends() if isinstance(end, Outlet)]
         return all(outlet.flush(max(0.0, until - time.monotonic())) for outlet in outlets)
 
-    def lost(self) -> int:
-        """Return how many values were sent to this process on numbered streams and not received."""
-        return sum(end.lost for end in self._all_ends() if isinstance(end, Inlet))
+    def lost(self, timeout_s: float) -> int:
+        """Return how many values were sent to this process on numbered streams and not received.
+
+        Senders are asked what they have sent, for so long at most [s].
+        """
+        until = time.monotonic() + timeout_s
+        inlets = [end for end in self._all_ends() if isinstance(end, Inlet)]
+        for inlet in inlets:
+            inlet.settle(max(0.0, until - time.monotonic()))
+        return sum(inlet.lost for inlet in inlets)
 
     def _all_ends(self) -> list[_End]:
         return [end for ends in list(self._ends.values()) for end in ends]

@@ -20,6 +20,8 @@ from rtkit.manager.holding.holder import Holder
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact
 
+_SETTLE_S = 0.5
+"""How long senders may take to tell how many values they have sent [s]."""
 _LEAVE_S = 2.0
 """How long leaving may take: connectors are cut, components finalised [s]."""
 
@@ -77,7 +79,7 @@ class Guest:
 
     def lost(self) -> int:
         """Return how many values were sent to its ports, numbered, and did not arrive."""
-        return self._wires.lost()
+        return self._wires.lost(_SETTLE_S)
 
     def leave(self) -> None:
         """End all components and the visit; without effect when that was done already."""

@@ -1,0 +1,186 @@
+"""Data tools at fast streams: a counting ``rtprint`` and ``rtlog``, and what they say of losses.
+
+A source writes as fast as values are taken, so the time that a fixed number takes tells the rate.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+
+from bench.harness import Lines, Row, command, manager, medians, pairs_of
+from rtkit.deployment.actions import Action, ChangeState, Create, SetParameters
+from rtkit.recording.mcap_file import CHUNK_S, Reader
+from rtkit.rtc.enums import Transition
+from rtkit.tree.client import Tree
+
+_COMPONENTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "components")
+_PORT = "/localhost/F.rtc:out"
+_ROUNDS = 5
+_PATIENCE_S = 60.0
+_FILE = "FILE"
+_FLOOR_IS = "bare zenoh that counts the same bytes, same kind of sockets and sessions"
+_OVERHEAD = 16
+"""What the form of data adds to the octets of a value [bytes]."""
+
+_STREAMS = (("10,000 values of 64 B", 10_000, 64), ("200 MB as 1 MB images", 200, 1_000_000))
+_TARGET_MS = 1000.0
+_KILLS = 12
+_CLOSED_IS = "after which what was recorded can be read, whatever happens"
+
+
+def _printing() -> Lines:
+    yield from _kept_up("rtprint --stats", ["rtprint", "--stats", "--lossless", "-n"])
+
+
+def _recording() -> Lines:
+    yield from _kept_up("rtlog", ["rtlog", "--lossless", "-i", "-f", _FILE, "-e"])
+
+
+def _losing() -> Lines:
+    with _flood() as flood:
+        for what, count, size in _STREAMS:
+            args = ["--stats", "--json", "-t", "4", _PORT]
+            told = flood.told([command("rtprint"), *args], count, size)
+            missing = abs(count - told["values"] - told["lost"])
+            text = f"{what}, overwriting: neither counted nor told as lost"
+            yield Row(text, "values", missing, count, missing / count, 0.0, False, "what was sent")
+
+
+def _killing() -> Lines:
+    with manager() as tree, tempfile.TemporaryDirectory(prefix="rtb") as folder:
+        _do(tree, Create("Motor?instance_name=M&manager_name=m"))
+        _do(tree, ChangeState("M", "0", Transition.ACTIVATE))
+        chance = random.Random(1)
+        paths = [os.path.join(folder, f"{number}.mcap") for number in range(_KILLS)]
+        lost_ms = [_lost_ms(path, chance.uniform(0.6, 2.0)) for path in paths]
+        worst = max(lost_ms)
+        closed_ms = CHUNK_S * 1e3
+        text = f"rtlog killed at {_KILLS} random moments, the last that is lost of what came"
+        yield Row(text, "ms", worst, closed_ms, worst / closed_ms, 1000.0, False, _CLOSED_IS)
+
+
+def _lost_ms(path: str, after_s: float) -> float:
+    """Record for so long, kill the recorder, and return what of the end is not in the file [ms]."""
+    tool = [command("rtlog"), "-f", path, "/localhost/M.rtc:pose"]
+    process = _connected(tool)
+    time.sleep(after_s)
+    process.kill()
+    died_ns = time.time_ns()
+    process.communicate()
+    last_ns = max(entry.arrived_ns for entry in Reader(path).entries())
+    return (died_ns - last_ns) * 1e-6
+
+
+PARTS = {"print": _printing, "log": _recording, "lose": _losing, "kill": _killing}
+
+
+def _kept_up(name: str, words: list[str]) -> Lines:
+    with _flood() as flood, _bare() as bare, tempfile.TemporaryDirectory(prefix="rtb") as folder:
+        for what, count, size in _STREAMS:
+            ours = partial(_tool_ms, flood, folder, words, count, size)
+            measured = medians(pairs_of(ours, partial(bare, count, size), _ROUNDS))
+            yield Row(f"{name}, {what}", "ms", *measured, _TARGET_MS, False, _FLOOR_IS)
+
+
+def _tool_ms(flood: _Flood, folder: str, words: list[str], count: int, size: int) -> float:
+    file = os.path.join(folder, "x.mcap")
+    first, *more = [file if word == _FILE else word for word in words]
+    elapsed_ms = flood.measure([command(first), *more, str(count), _PORT], count, size)
+    if _FILE in words:
+        os.unlink(file)
+    return elapsed_ms
+
+
+class _Flood:
+    """A source in a slave, and tools at its port."""
+
+    def __init__(self, tree: Tree) -> None:
+        self._tree = tree
+        _do(tree, Create("Flood?instance_name=F&manager_name=f"))
+
+    def measure(self, tool: list[str], count: int, size: int) -> float:
+        """Return how long it takes from the first value until the tool has ended [ms]."""
+        process = self._connected(tool, count, size)
+        begin = time.perf_counter()
+        _do(self._tree, ChangeState("F", "0", Transition.ACTIVATE))
+        process.communicate(timeout=_PATIENCE_S)
+        elapsed_ms = (time.perf_counter() - begin) * 1e3
+        self._end(process)
+        return elapsed_ms
+
+    def told(self, tool: list[str], count: int, size: int) -> dict[str, int]:
+        """Return what the tool tells as JSON of a stream that it may lose values of."""
+        process = self._connected(tool, count, size)
+        _do(self._tree, ChangeState("F", "0", Transition.ACTIVATE))
+        out, _ = process.communicate(timeout=_PATIENCE_S)
+        self._end(process)
+        record: dict[str, int] = json.loads(out)
+        return record
+
+    def _connected(self, tool: list[str], count: int, size: int) -> subprocess.Popen[str]:
+        settings = {"count": str(count), "size": str(size - _OVERHEAD)}
+        _do(self._tree, SetParameters("F", "default", settings))
+        return _connected(tool)
+
+    def _end(self, process: subprocess.Popen[str]) -> None:
+        if process.returncode:
+            raise RuntimeError(f"{process.args!r} ended with status {process.returncode}")
+        _do(self._tree, ChangeState("F", "0", Transition.DEACTIVATE))
+
+
+def _connected(tool: list[str]) -> subprocess.Popen[str]:
+    """Start a tool and wait until it is connected."""
+    pipe = subprocess.PIPE
+    process = subprocess.Popen([*tool, "-v"], stdout=pipe, stderr=pipe, text=True)
+    assert process.stderr is not None
+    line = process.stderr.readline()
+    if "is connected" not in line:
+        raise RuntimeError(line + process.communicate()[1])
+    return process
+
+
+@contextmanager
+def _flood() -> Iterator[_Flood]:
+    with manager(_COMPONENTS) as tree:
+        yield _Flood(tree)
+
+
+@contextmanager
+def _bare() -> Iterator[Callable[[int, int], float]]:
+    with tempfile.TemporaryDirectory(prefix="rtb") as folder:
+        path = os.path.join(folder, "flow")
+        start, pipe = [sys.executable, "-m", "bench.flow"], subprocess.PIPE
+        drain = subprocess.Popen([*start, "drain", path], stdin=pipe, stdout=pipe, text=True)
+        pour = subprocess.Popen([*start, "pour", path], stdin=pipe, text=True)
+        assert drain.stdin is not None
+        assert drain.stdout is not None
+        assert pour.stdin is not None
+        asked, answers, told = drain.stdin, drain.stdout, pour.stdin
+
+        def measure(count: int, size: int) -> float:
+            asked.write(f"{count}\n")
+            asked.flush()
+            answers.readline()
+            told.write(f"{count} {size}\n")
+            told.flush()
+            return float(answers.readline())
+
+        try:
+            yield measure
+        finally:
+            pour.communicate()
+            drain.communicate()
+
+
+def _do(tree: Tree, *actions: Action) -> None:
+    for result in tree.apply(actions, timeout_s=_PATIENCE_S):
+        result.raise_for_error()
