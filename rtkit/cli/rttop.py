@@ -13,7 +13,7 @@ import click
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
 from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
-from rtkit.cli.top.page import TITLES, Look, ordered, short, table
+from rtkit.cli.top.page import TITLES, Look, memory, ordered, short, table
 from rtkit.cli.top.rates import Rater, Row
 from rtkit.rtc.names import LOCAL
 
@@ -173,8 +173,8 @@ class Top:
         counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
         totals = [rater.totals() for rater in self._raters.values()]
         cpu = [each.cpu_percent for each in totals if each.cpu_percent is not None]
-        memory = sum(each.memory_bytes for each in totals) / 2**20
-        used = f"CPU {short(sum(cpu) if cpu else None)}%  memory {short(memory)}M"
+        size = sum(each.memory_bytes for each in totals)
+        used = f"CPU {short(sum(cpu) if cpu else None)}%  memory {memory(size)}"
         clock = time.strftime("%H:%M:%S", time.localtime(self.time))
         many = f"{len(rows)} component{'s' * (len(rows) != 1)}"
         return f"{clock}  {many}{': ' * bool(counts)}{counts}  {used}"

@@ -49,11 +49,23 @@ class Terminal:
         self.seen = self.seen[match.end() :]
         return match
 
+    def more(self, patience_s: float = _PATIENCE_S) -> str:
+        """Wait for whatever comes next and return it; empty when nothing does, or at the end."""
+        if not select.select([self._fd], [], [], patience_s)[0]:
+            return ""
+        text = self._read()
+        self.seen += text
+        return text
+
     def rest(self) -> str:
         """Return what is seen until the program ends."""
         while text := self._read():
             self.seen += text
         return self.seen
+
+    def modes(self) -> list[object]:
+        """Return how it treats what is typed, as termios has it."""
+        return termios.tcgetattr(self._fd)
 
     def resize(self, columns: int, rows: int = 24) -> None:
         """Give the terminal another size; its program is told."""

@@ -58,8 +58,12 @@ def _ms(seconds: float | None) -> str:
     return short(None if seconds is None else seconds * 1000)
 
 
-def _mib(size: int | None) -> str:
-    return "-" if size is None else f"{short(size / 2**20)}M"
+def memory(size: int | None) -> str:
+    """Return a size in MiB or GiB: ``35.9M``, ``1.93G``."""
+    if size is None:
+        return "-"
+    mib = size / 2**20
+    return f"{short(mib)}M" if mib < 999.5 else f"{short(mib / 1024)}G"
 
 
 def rate(row: Row) -> str:
@@ -83,7 +87,7 @@ COLUMNS = (
     Column("MEAN/ms", 7, lambda row: _ms(row.mean_s), lambda row: row.mean_s, order=7),
     Column("MAX/ms", 6, lambda row: _ms(row.longest_s), lambda row: row.longest_s, order=5),
     Column("CPU%", 5, lambda row: short(row.cpu_percent), lambda row: row.cpu_percent),
-    Column("MEM", 5, lambda row: _mib(row.memory_bytes), lambda row: row.memory_bytes, order=6),
+    Column("MEM", 5, lambda row: memory(row.memory_bytes), lambda row: row.memory_bytes, order=6),
     Column("IN/s", 5, lambda row: short(row.in_hz), lambda row: row.in_hz, order=4),
     Column("OUT/s", 5, lambda row: short(row.out_hz), lambda row: row.out_hz, order=3),
     Column("RST", 4, lambda row: str(row.restarts), lambda row: row.restarts, order=2),
