@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rtkit.tree.scope import Scope
 
 _AGAIN_S = 0.05
+_LATER_S = 1.0
 _KEEN_S = 5.0
 """How long a door is tried again after something happened beside it [s]."""
 
@@ -41,18 +42,28 @@ class Ears:
     Attributes:
         ears: By the name of the manager, as `connect` takes it; "" for the one that paths lead to.
         names: The name of each manager, by the same.
+        why: Why the last one did not answer that did not.
     """
 
-    def __init__(self, app: App, lines: Sequence[str], others: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        app: App,
+        lines: Sequence[str],
+        others: Sequence[str] = (),
+        *,
+        is_patient: bool = False,
+    ) -> None:
         """Begin to listen.
 
         Args:
             app: The run of the command.
             lines: Of which lines.
             others: Managers beside the one that paths lead to.
-        """
-        from rtkit.tree.listening import Ear
+            is_patient: Wait for a manager that does not answer, in `listen`.
 
+        Raises:
+            Unreachable: It does not answer, and that is not waited for.
+        """
         self._app = app
         self._lines = tuple(lines)
         self._trees: dict[str, Tree] = {}
@@ -61,8 +72,15 @@ class Ears:
         self._folder: Folder | None = None
         self._keen_until = 0.0
         self.names: dict[str, str] = {}
-        self.ears: dict[str, Ear] = {"": Ear(app.tree, self._lines)}
-        self.names[""] = app.tree.manager
+        self.why: RtkitError | None = None
+        self.ears: dict[str, Ear] = {}
+        try:
+            self._open("")
+        except Unreachable as error:
+            if not is_patient:
+                raise
+            self.why = error
+            self._await("")
         for name in others:
             self.names[name] = name
             if not self._enter(name):
@@ -120,9 +138,10 @@ class Ears:
         if self._folder is not None:
             sources.append(self._folder.fileno())
         bounds = [each for each in (until, wake_at) if each is not None]
-        if self._away and monotonic() < self._keen_until:
+        if any(map(self._is_there, self._away)):
             # Nothing tells that a door that is there begins to answer.
-            bounds.append(monotonic() + _AGAIN_S)
+            is_keen = monotonic() < self._keen_until
+            bounds.append(monotonic() + (_AGAIN_S if is_keen else _LATER_S))
         ready = wait_for([*sources, *also], min(bounds, default=None))
         return not ready.isdisjoint(also)
 
@@ -141,22 +160,26 @@ class Ears:
         if not self._away and self._folder is not None:
             self._folder.close()
             self._folder = None
-        return [each for name in back for each in (Told(name, None), self._missed(name))]
+        return [each for name in back for each in self._return_of(name)]
 
-    def _missed(self, name: str) -> Told:
-        """Return what happened to a manager's components while nobody listened."""
+    def _return_of(self, name: str) -> list[Told]:
+        """Return that a manager is back, and what happened there while nobody listened."""
         from rtkit.deployment.happenings import happenings
         from rtkit.deployment.news import news_between
         from rtkit.tree.listening import Change
 
-        before, after = self._facts.pop(name), self.ears[name].facts
-        missed = tuple(happenings(before, news_between(before, after, "", 0)))
-        return Told(name, Change(time(), missed))
+        told = [Told(name, None)]
+        before, after = self._facts.pop(name, None), self.ears[name].facts
+        if before is not None:
+            missed = tuple(happenings(before, news_between(before, after, "", 0)))
+            told.append(Told(name, Change(time(), missed)))
+        return told
 
     def _is_there(self, name: str) -> bool:
         from rtkit.link.places import manager_socket
 
-        return ":" in name or os.path.exists(manager_socket(self.names[name]))
+        known = self.names.get(name, "")
+        return not known or ":" in name or os.path.exists(manager_socket(known))
 
     def _await(self, name: str) -> None:
         from rtkit.link.folder import Folder
@@ -168,19 +191,25 @@ class Ears:
             self._folder = Folder(make_private(runtime_dir()))
 
     def _enter(self, name: str) -> bool:
-        from rtkit.tree.connect import connect
-        from rtkit.tree.listening import Ear
-
+        """Listen to a manager if it answers; whether it does."""
         try:
-            if not name:
-                self.ears[name] = Ear(self._app.tree, self._lines)
-                return True
-            self._trees[name] = connect(name, self._app.timeout_s)
-            self.ears[name] = Ear(self._trees[name], self._lines)
-        except (Unreachable, Refused):
+            self._open(name)
+        except (Unreachable, Refused) as error:
+            self.why = error
             self._leave(name)
             return False
         return True
+
+    def _open(self, name: str) -> None:
+        from rtkit.tree.connect import connect
+        from rtkit.tree.listening import Ear
+
+        if name:
+            tree = self._trees[name] = connect(name, self._app.timeout_s)
+        else:
+            tree = self._app.tree
+        self.ears[name] = Ear(tree, self._lines)
+        self.names[name] = tree.manager
 
     def _leave(self, name: str) -> None:
         ear, tree = self.ears.pop(name, None), self._trees.pop(name, None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,6 +12,9 @@ from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.errors import Malformed
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import Kind, Node
+
+if TYPE_CHECKING:
+    from rtkit.rtc.names import Path
 
 _Show = Callable[[list[Node]], Iterable[str]]
 _CLEAR = "\x1b[H\x1b[2J"
@@ -42,7 +46,7 @@ class _MayWatch(click.Command):
     "period_s",
     type=click.FloatRange(min=0.05),
     metavar="SECONDS",
-    help="List again, every second or --watch=SECONDS, until interrupted.",
+    help="List again whenever something has changed, after a second or --watch=SECONDS at least.",
 )
 @click.argument("paths", nargs=-1, metavar="[PATH]")
 def main(
@@ -59,7 +63,7 @@ def main(
     Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it,
     has a * before its name. With -l each line tells the state, then ports and how many of them
     are connected (all, in, out, service), then the name and in brackets what else to know.
-    Watched, what goes to a pipe or a file is written only when it has changed.
+    Watched, it is written again only when it has changed, on a terminal in place of what was.
     """
     check_at_most_one(paths, "path")
     path = app.path(paths[0] if paths else ".")
@@ -81,26 +85,41 @@ def main(
     if period_s is None:
         _out.write(look())
     else:
-        _watch(look, period_s, "" if is_json else "\n")
+        _watch(app, path, look, period_s, "" if is_json else "\n")
 
 
-def _watch(look: Callable[[], Iterable[str]], period_s: float, gap: str) -> None:
-    """Show again and again: on a terminal in place of the last time, else what is new."""
+def _watch(
+    app: App, path: Path, look: Callable[[], Iterable[str]], period_s: float, gap: str
+) -> None:
+    """Show again when something has changed: on a terminal in place of the last time."""
     import sys
-    import time
+    from time import monotonic
 
-    before = None
-    while True:
-        lines = list(look())
-        if _out.is_terminal():
-            sys.stdout.write(_CLEAR)
-            _out.write(lines)
-        elif lines != before:
-            sys.stdout.write(gap if before is not None else "")
-            _out.write(lines)
-        before = lines
-        sys.stdout.flush()
-        time.sleep(period_s)
+    from rtkit.cli._ears import Ears, manager_names
+    from rtkit.deployment.news import TREE
+    from rtkit.tree.listening import Ended
+
+    others = manager_names(app) if len(path.elements) < 2 else []
+    before: list[str] | None = None
+    is_stale, shown_at = True, -period_s
+    with Ears(app, (TREE,), others) as ears:
+
+        def wake_at() -> float | None:
+            return shown_at + period_s if is_stale else None
+
+        for told in ears.listen(None, wake_at=wake_at):
+            for each in told:
+                if isinstance(each.heard, Ended):
+                    app.fail(f"{each.heard.why}; waiting for it to come back")
+            is_stale |= bool(told)
+            if not is_stale or monotonic() < shown_at + period_s or "" not in ears.ears:
+                continue
+            lines = list(look())
+            if lines != before:
+                sys.stdout.write(_CLEAR if _out.is_terminal() else gap if before else "")
+                _out.write(lines)
+                sys.stdout.flush()
+            before, is_stale, shown_at = lines, False, monotonic()
 
 
 def _blocks(node: Node, title: str, show: _Show) -> Iterator[str]:

@@ -10,10 +10,10 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.errors import Malformed, Partial, RtkitError, Unreachable
+from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.deployment.watch import Watched
+    from rtkit.cli._ears import Ears
     from rtkit.rtc.names import Path
     from rtkit.tree.view import Node
 
@@ -21,7 +21,6 @@ EXISTS, GONE, DATA = "exists", "gone", "data"
 _STATES = {"created": "Created", "inactive": "Inactive", "active": "Active", "error": "Error"}
 WORDS = (EXISTS, *_STATES, GONE, DATA)
 _DEFAULT_S = 30.0
-_MOMENT_S = 0.05
 
 
 class Goal(NamedTuple):
@@ -130,58 +129,41 @@ def _goal(path: Path, wanted: str) -> Goal:
 
 
 def _reach(app: App, goals: Sequence[Goal], until: float) -> Sequence[Problem]:
-    """Wait until all goals hold, without asking again before something has changed.
+    """Wait until all goals hold, looking again only when something has changed.
 
     When the time is up it returns what is missing.
 
     Raises:
         Unreachable: The time is up, and no manager answers.
     """
-    while True:
-        try:
-            known, problems = _look(app, goals)
-        except Unreachable as error:
-            if time.monotonic() >= until:
-                raise
-            app.close()
-            app.tell(str(error))
-            # Nothing tells that a manager begins.
-            time.sleep(min(_MOMENT_S, max(0.0, until - time.monotonic())))
-            continue
-        left_s = until - time.monotonic()
-        if not problems or left_s <= 0:
-            return problems
-        app.tree.watch(_targets(app, goals), known, left_s)
+    from rtkit.cli._ears import Ears
+    from rtkit.deployment.news import TREE
+
+    with Ears(app, (TREE,), is_patient=True) as ears:
+        if ears.why is not None:
+            app.tell(str(ears.why))
+        problems = _problems(goals, ears)
+        for _ in ears.listen(until) if problems else ():
+            problems = _problems(goals, ears)
+            if not problems:
+                return []
+        if not ears.ears and ears.why is not None:
+            raise ears.why
+        return problems
 
 
-def _look(app: App, goals: Sequence[Goal]) -> tuple[tuple[str, ...], list[Problem]]:
-    """Return what is seen of the targets, and what is the matter with each goal after that."""
-    known = app.tree.watch(_targets(app, goals))
-    nodes = _nodes(app, goals)
-    told = ((goal, goal.problem(node)) for goal, node in zip(goals, nodes, strict=True))
-    return known, [(goal, problem) for goal, problem in told if problem]
-
-
-def _nodes(app: App, goals: Sequence[Goal]) -> list[Node | None]:
+def _problems(goals: Sequence[Goal], ears: Ears) -> list[Problem]:
+    """Return what is the matter with each goal, as far as is known."""
+    from rtkit.deployment.listing import listing_of
     from rtkit.tree.resolve import find
     from rtkit.tree.view import build
 
-    listing = app.tree.listing()
-    root = build(listing)
-    return [find(root, goal.path, listing.host) for goal in goals]
-
-
-def _targets(app: App, goals: Sequence[Goal]) -> list[Watched]:
-    """Return what to watch; a component that is not there yet by the name that it will have."""
-    from rtkit.deployment.watch import Watched
-    from rtkit.rtc.names import COMPONENT_SUFFIX
-
-    targets = []
-    for goal, node in zip(goals, _nodes(app, goals), strict=True):
-        row = node.row if node is not None else None
-        instance = row.instance if row else goal.path.elements[-1].removesuffix(COMPONENT_SUFFIX)
-        targets.append(Watched(instance, row.context if row and row.context else "0"))
-    return targets
+    ear = ears.ears.get("")
+    if ear is None:
+        return [(goal, "is at a manager that does not answer") for goal in goals]
+    root = build(listing_of(ear.facts))
+    told = ((goal, goal.problem(find(root, goal.path, ear.facts.host))) for goal in goals)
+    return [(goal, problem) for goal, problem in told if problem]
 
 
 def _failures(problems: Sequence[Problem], timeout_s: float) -> list[tuple[str, RtkitError]]:

@@ -96,7 +96,9 @@ class World:
         if planned is not None:
             return planned
         try:
-            return Result(value=self._do(action))
+            done = Result(value=self._do(action))
+            self.changed()
+            return done
         except RtkitError as error:
             is_bad = isinstance(error, (ValueError, LookupError))
             code = ReturnCode.BAD_PARAMETER if is_bad else ReturnCode.PRECONDITION_NOT_MET

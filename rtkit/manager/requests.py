@@ -10,7 +10,6 @@ from rtkit.deployment.batch import batch_from_text
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
-from rtkit.deployment.watch import watch_from_text
 from rtkit.errors import NotFound, Refused
 from rtkit.link import keys
 from rtkit.link.running import managers
@@ -21,7 +20,6 @@ from rtkit.manager.core.events import (
     OperationAsked,
     PictureAsked,
     StopAsked,
-    WatchAsked,
 )
 from rtkit.manager.core.state import State
 from rtkit.manager.modules.loadable import loadable
@@ -73,8 +71,6 @@ class Desk:
             return None
         if request.name == "batch":
             return BatchAsked(batch_from_text(request.payload), request.answer)
-        if request.name == "watch":
-            return WatchAsked(watch_from_text(request.payload), request.answer)
         if request.name in ("stop", "shutdown"):
             request.answer(Reply(str(self._state.pid)))
             return StopAsked()

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from rtkit.deployment.actions import Action, Result
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.news import Picture
-    from rtkit.deployment.watch import Watched
 
 DEFAULT_TIMEOUT_S = 10.0
 _GRACE_S = 1.0
@@ -169,21 +168,6 @@ class Tree(ByPath):
         (result,) = self.apply((action,), timeout_s=timeout_s)
         result.raise_for_error()
         return result.value
-
-    def watch(
-        self, targets: Sequence[Watched], known: Sequence[str] = (), timeout_s: float = 0.0
-    ) -> tuple[str, ...]:
-        """Return the states of components as soon as they differ from those `known`, or in time.
-
-        Raises:
-            Unreachable: The manager does not answer.
-        """
-        from rtkit.deployment.watch import Watch, states_from_text, watch_to_text
-
-        watch = Watch(tuple(targets), tuple(known), timeout_s)
-        key = keys.property_key(self._service, "watch")
-        bound = max(timeout_s, self.timeout_s)
-        return states_from_text(self._ask(key, watch_to_text(watch), bound))
 
     def picture(self) -> Picture:
         """Return all facts, and to which news of the manager they lead up.

@@ -13,7 +13,6 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.news import TREE, Picture, news_between, picture_to_text
 from rtkit.deployment.part import part_of
-from rtkit.deployment.watch import Watch, look, states_to_text, watch_from_text
 from rtkit.deployment.world import World
 from rtkit.errors import NotFound, RtkitError
 from rtkit.link import keys
@@ -35,7 +34,7 @@ def fake_tree(world: World, timeout_s: float = 1.0) -> Tree:
 
 
 class _Server:
-    """Answers as a manager would; a watch, and who listens, when the world changes."""
+    """Answers as a manager would, and tells those who listen when the world changes."""
 
     def __init__(self, world: World, tell: Callable[[str], object]) -> None:
         self._world = world
@@ -43,16 +42,11 @@ class _Server:
         self._told = self._facts()
         self._number = 0
         self._lock = RLock()
-        self._watching: list[tuple[Watch, Request]] = []
-        world.changed = self._changed
+        world.changed = self._publish
 
     def serve(self, request: Request) -> None:
         try:
             with self._lock:
-                if request.name == "watch" and request.payload is not None:
-                    self._watching.append((watch_from_text(request.payload), request))
-                    self._look()
-                    return
                 if request.is_extension and request.name == "picture":
                     reply = Reply(self._picture())
                 else:
@@ -61,34 +55,21 @@ class _Server:
             reply = failure(error)
         request.answer(reply)
 
-    def _changed(self) -> None:
-        self._look()
-        self._publish()
-
     def _facts(self) -> Snapshot:
         """Return what listeners are told; the manager is this process."""
         return replace(self._world.snapshot(), pid=os.getpid(), modules=(), properties={})
 
     def _publish(self) -> None:
-        self._number += 1
-        now = self._facts()
-        news = news_between(self._told, now, _RUN, self._number)
-        self._told = now
-        self._tell(json.dumps(encode(news)))
+        with self._lock:
+            self._number += 1
+            now = self._facts()
+            news = news_between(self._told, now, _RUN, self._number)
+            self._told = now
+            self._tell(json.dumps(encode(news)))
 
     def _picture(self) -> str:
         self._publish()
         return picture_to_text(Picture(_RUN, self._number, self._told))
-
-    def _look(self) -> None:
-        with self._lock:
-            waiting, self._watching = self._watching, []
-            for watch, request in waiting:
-                states = look(watch.targets, self._world.components.get)
-                if states == watch.known and watch.timeout_s:
-                    self._watching.append((watch, request))
-                else:
-                    request.answer(Reply(states_to_text(states)))
 
 
 def _answer(world: World, request: Request) -> str:

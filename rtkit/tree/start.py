@@ -1,28 +1,53 @@
 """Carries out a start or stop on a tree: the shell of `rtkit.deployment.execution`.
 
-Each action is sent before the next one is taken up; its answer, and a change of a state that
-somebody waits for, is awaited by a thread of its own. What these find is kept, and a queue wakes
-who waits for it: so an interruption, which may strike anywhere, loses no answer.
+Each action is sent before the next one is taken up; its answer is awaited by a thread of its own.
+What these find is kept, and a bell wakes who waits for it: so an interruption, which may strike
+anywhere, loses no answer. Where states count, an ear at the manager hears of their changes.
 """
 
 from __future__ import annotations
 
+import os
+import select
 from collections.abc import Iterable
-from contextlib import suppress
-from queue import Empty, SimpleQueue
 from threading import Event, Lock, Thread
 from time import monotonic
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.execution import Execution
+from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.turns import StartPlan, Turn
-from rtkit.errors import Refused, RtkitError
+from rtkit.deployment.watch import look
+from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree import apply
 from rtkit.tree.apply import Talk, uninterrupted
 from rtkit.tree.client import Tree, bounded
+from rtkit.tree.listening import Ear, Ended
 
-_WATCH_S = 60.0
-"""How long the manager keeps a watch whose client went away [s]."""
+
+class _Bell:
+    """Wakes who waits for its descriptor, from any thread, until it is closed."""
+
+    def __init__(self) -> None:
+        self._descriptor = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._lock = Lock()
+
+    def ring(self) -> None:
+        with self._lock:
+            if self._descriptor >= 0:
+                os.eventfd_write(self._descriptor, 1)
+
+    def wait(self, others: Iterable[int], timeout_s: float | None) -> bool:
+        """Wait until it rings, or one of the others can be read; False when the time is up."""
+        ready = select.select([self._descriptor, *others], [], [], timeout_s)[0]
+        if self._descriptor in ready:
+            os.eventfd_read(self._descriptor)
+        return bool(ready)
+
+    def close(self) -> None:
+        with self._lock:
+            os.close(self._descriptor)
+            self._descriptor = -1
 
 
 class Starter:
@@ -50,13 +75,12 @@ class Starter:
         self._report = report
         self._told: set[str] = set()
         self._execution = Execution(plan, monotonic(), timeout_s, tree.timeout_s)
-        self._news: SimpleQueue[None] = SimpleQueue()
+        self._bell: _Bell
+        self._ear: Ear | None = None
         self._lock = Lock()
         self._is_broken_off = False
         self._sent: set[int] = set()
         self._outcomes: dict[int, Result | BaseException] = {}
-        self._is_watching = False
-        self._lost_watch: BaseException | None = None
 
     def run(self) -> None:
         """Carry the plan out.
@@ -67,6 +91,15 @@ class Starter:
             Unreachable: The manager does not answer.
             KeyboardInterrupt: Interrupted; its text tells what was not done.
         """
+        self._bell = _Bell()
+        try:
+            self._run()
+        finally:
+            if self._ear is not None:
+                self._ear.close()
+            self._bell.close()
+
+    def _run(self) -> None:
         execution = self._execution
         try:
             while not execution.failure and not execution.is_over:
@@ -83,23 +116,33 @@ class Starter:
     def _go_on(self) -> None:
         execution = self._execution
         watched = execution.watched
-        known = self._look(watched)
+        self._look(watched)
         begun = execution.ready(monotonic())
         self._tell(execution.reports())
         for turn in begun:
             self._send(turn)
-        if execution.lacks_a_state and not self._is_watching:
-            self._watch(watched, known)
         if not execution.failure and not execution.is_over:
             self._hear()
 
-    def _look(self, watched: tuple[Turn, ...]) -> tuple[str, ...]:
+    def _look(self, watched: tuple[Turn, ...]) -> None:
         if not watched:
-            return ()
-        known = uninterrupted(lambda: self._tree.watch([turn.watched for turn in watched]))
-        targets = [turn.target for turn in watched]
-        self._execution.saw(dict(zip(targets, known, strict=True)))
-        return known
+            return
+        facts = uninterrupted(self._facts)
+        seen = look([turn.watched for turn in watched], facts.component)
+        self._execution.saw(dict(zip((turn.target for turn in watched), seen, strict=True)))
+
+    def _facts(self) -> Snapshot:
+        """Return what the manager knows now, and listen from now on.
+
+        Raises:
+            Unreachable: It has ended.
+        """
+        if self._ear is None:
+            self._ear = Ear(self._tree)
+        for heard in self._ear.take():
+            if isinstance(heard, Ended):
+                raise Unreachable(heard.why)
+        return self._ear.facts
 
     def _send(self, turn: Turn) -> None:
         """Send an action and return when it is under way, so that the next one comes after it."""
@@ -118,34 +161,19 @@ class Starter:
                 (self._outcomes[turn.id],) = answer()
             except BaseException as error:
                 self._outcomes[turn.id] = error
-            self._news.put(None)
+            self._bell.ring()
             is_sent.set()
 
         self._announce(f"Executing {turn.step.line}")
         Thread(target=work, daemon=True).start()
         is_sent.wait()
 
-    def _watch(self, watched: tuple[Turn, ...], known: tuple[str, ...]) -> None:
-        targets = [turn.watched for turn in watched]
-
-        def work() -> None:
-            try:
-                self._tree.watch(targets, known, _WATCH_S)
-            except BaseException as error:
-                self._lost_watch = error
-            self._is_watching = False
-            self._news.put(None)
-
-        self._is_watching = True
-        Thread(target=work, daemon=True).start()
-
     def _hear(self) -> None:
         """Wait until something happens, or until it is time to act."""
         moment = self._execution.next_moment()
         patience_s = None if moment is None else bounded(max(0.0, moment - monotonic()))
-        with suppress(Empty):
-            self._news.get(timeout=patience_s)
-        error = self._take() or self._lost_watch
+        self._bell.wait(self._ear.sources if self._ear is not None else (), patience_s)
+        error = self._take()
         if error is not None:
             raise error
 
@@ -167,9 +195,7 @@ class Starter:
             self._is_broken_off = True
         end = monotonic() + apply.GRACE_S
         while self._sent - self._outcomes.keys():
-            try:
-                self._news.get(timeout=max(0.0, end - monotonic()))
-            except Empty:
+            if not self._bell.wait((), max(0.0, end - monotonic())):
                 break
         self._take()
         left = (*self._execution.running, *self._execution.waiting)

@@ -43,14 +43,12 @@ from rtkit.manager.core.events import (
     StopAsked,
     Tick,
     WakeAt,
-    WatchAsked,
 )
 from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.surveying import Survey
 from rtkit.manager.core.tasks import Tasks
-from rtkit.manager.core.watching import Watchers
 from rtkit.manager.core.wishes import Need, Procedure
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
@@ -81,7 +79,6 @@ class Core:
         self.state = state
         self._out: list[Instruction] = []
         self._tasks = Tasks(state, self._out)
-        self._watchers = Watchers(state, self._out)
         self._announcer = Announcer(state, self._out)
         self._survey = Survey(state, self._out, self._announcer.run_id)
         self._is_stopping = False
@@ -100,8 +97,6 @@ class Core:
         match event:
             case BatchAsked():
                 self._begin(_Job(event))
-            case WatchAsked():
-                self._watch(event)
             case PictureAsked(answer):
                 self._announcer.send_picture(answer)
             case Listened(line, is_heard):
@@ -135,9 +130,9 @@ class Core:
             case Tick():
                 pass
         self._tasks.run(now)
-        for until in (self._watchers.run(now), self._survey.run(now)):
-            if until is not None:
-                self._out.append(WakeAt(until))
+        until = self._survey.run(now)
+        if until is not None:
+            self._out.append(WakeAt(until))
         self._announcer.run()
         out = list(self._out)
         self._out.clear()
@@ -202,12 +197,6 @@ class Core:
         else:
             steps = operations.DO[asked.name](self.state, asked.argument)
             self._tasks.begin(steps, operations.TIMEOUT_S, done)
-
-    def _watch(self, asked: WatchAsked) -> None:
-        if self._is_stopping:
-            self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
-        else:
-            self._watchers.begin(asked)
 
     def _listened(self, line: str, is_heard: bool) -> None:
         if line == TREE:
@@ -359,7 +348,6 @@ class Core:
         if not self._is_stopping:
             self._is_stopping = True
             self._tasks.cancel(Refused(_STOPPING))
-            self._watchers.dismiss(Reply(_STOPPING, Refused.kind))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
 
     def _hurry(self) -> None:

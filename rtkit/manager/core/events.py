@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from rtkit.deployment.batch import Batch
-from rtkit.deployment.watch import Watch
 from rtkit.property.exchange import Reply
 
 Message = Mapping[str, Any]
@@ -25,14 +24,6 @@ class BatchAsked:
     """A client wants actions performed."""
 
     batch: Batch
-    answer: Answer
-
-
-@dataclass(frozen=True, slots=True)
-class WatchAsked:
-    """A client wants to know when states change."""
-
-    watch: Watch
     answer: Answer
 
 
@@ -159,7 +150,6 @@ class Tick:
 
 Event = (
     BatchAsked
-    | WatchAsked
     | PictureAsked
     | Listened
     | OperationAsked

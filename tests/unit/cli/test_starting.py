@@ -17,6 +17,7 @@ from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree.fake import fake_tree
+from rtkit.tree.start import _Bell
 
 COMMANDS = {
     "rtact": rtact,
@@ -277,10 +278,14 @@ def test_interrupted_while_it_waits(
 ) -> None:
     monkeypatch.setattr("signal.signal", lambda *_: None)
 
-    def interrupt(*_: object) -> None:
-        raise KeyboardInterrupt
+    wait = _Bell.wait
 
-    monkeypatch.setattr("rtkit.tree.start.Starter._watch", interrupt)
+    def interrupted(bell: _Bell, others: list[int], timeout_s: float | None) -> bool:
+        if others:
+            raise KeyboardInterrupt
+        return wait(bell, others, timeout_s)
+
+    monkeypatch.setattr("rtkit.tree.start._Bell.wait", interrupted)
     path = file(entry("B", 1, wait=600_000), entry("C", 2, after="B"))
     status, _, err = run("rtstart", path)
     assert status == 130

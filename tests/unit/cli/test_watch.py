@@ -17,54 +17,63 @@ Watch = Callable[..., tuple[int, list[float]]]
 
 @pytest.fixture
 def watch(world: World, monkeypatch: pytest.MonkeyPatch) -> Watch:
-    """Return what watches a world to which, between two looks, things happen."""
+    """Return what watches a world to which, whenever it waits, the next thing happens."""
 
     def watched(arguments: list[str], *happenings: Callable[[], object]) -> tuple[int, list[float]]:
-        slept: list[float] = []
+        now = 1000.0
+        waits: list[float] = []
         coming = iter(happenings)
 
-        def sleep(seconds: float) -> None:
-            slept.append(seconds)
+        def wait_for(_sources: object, until: float | None) -> set[int]:
+            nonlocal now
+            if until is not None:
+                waits.append(max(0.0, until - now))
+                now = max(now, until)
+                return set()
             happening = next(coming, None)
             if happening is None:
                 raise KeyboardInterrupt
             happening()
+            return set()
 
-        monkeypatch.setattr("time.sleep", sleep)
+        monkeypatch.setattr("rtkit.cli._ears.wait_for", wait_for)
+        monkeypatch.setattr("rtkit.cli._ears.monotonic", lambda: now)
+        monkeypatch.setattr("time.monotonic", lambda: now)
         monkeypatch.setattr("signal.signal", lambda *_: None)
-        return rtls(arguments, tree=fake_tree(world)), slept
+        return rtls(arguments, tree=fake_tree(world)), waits
 
     return watched
-
-
-def nothing() -> None:
-    """Let nothing happen."""
 
 
 def test_a_pipe_gets_what_has_changed(
     world: World, watch: Watch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     place = "/localhost/local.host_cxt"
-    status, slept = watch(
+    status, waits = watch(
         ["--watch", place],
-        nothing,
+        lambda: world.perform(act.Create("Std", ("localhost/elsewhere.host_cxt/Two.rtc",))),
         lambda: world.perform(act.Create("Std", ("localhost/local.host_cxt/Two.rtc",))),
-        nothing,
     )
-    assert (status, slept) == (130, [1.0] * 4)
+    # At once, then after each change, but not before a second is over.
+    assert (status, waits) == (130, [0.0, 1.0, 1.0])
     out = "Output0.rtc\n\nOutput0.rtc\nTwo.rtc\n"
     assert capsys.readouterr() == (out, "rtls: interrupted\n")
 
 
 def test_a_terminal_is_cleared_each_time(
-    watch: Watch, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    world: World,
+    watch: Watch,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(_out, "is_terminal", lambda: True)
     monkeypatch.setenv("NO_COLOR", "1")
-    status, slept = watch(["-l", "--watch=0.25", "/localhost/Std0.rtc"], nothing)
-    assert (status, slept) == (130, [0.25] * 2)
-    line = "Inactive  2/0  1/0  1/0  0/0  Std0.rtc\n"
-    assert capsys.readouterr().out == f"\x1b[H\x1b[2J{line}" * 2
+    status, waits = watch(
+        ["-l", "--watch=0.25", "/localhost/Std0.rtc"], lambda: world.update("Std0", trouble="x")
+    )
+    assert (status, waits) == (130, [0.0, 0.25])
+    line = "Inactive  2/0  1/0  1/0  0/0  Std0.rtc"
+    assert capsys.readouterr().out == f"\x1b[H\x1b[2J{line}\n\x1b[H\x1b[2J{line}  (x)\n"
 
 
 def test_json_stays_one_object_a_line(

@@ -1,19 +1,7 @@
-"""A look at states: what is seen, and how it travels."""
-
-import pytest
+"""A look at states: what is seen."""
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.watch import (
-    Watch,
-    Watched,
-    look,
-    seen,
-    states_from_text,
-    states_to_text,
-    watch_from_text,
-    watch_to_text,
-)
-from rtkit.errors import Malformed
+from rtkit.deployment.watch import Watched, look, seen
 from rtkit.rtc.enums import LifeCycleState
 
 
@@ -37,43 +25,3 @@ def test_what_is_seen(world):
         "missing",
         "zombie (signal 11)",
     )
-
-
-@pytest.mark.parametrize(
-    "watch",
-    [
-        Watch(()),
-        Watch((Watched("A", "0"), Watched("ö b", "Ec1")), ("Active", "missing"), 2.5),
-        Watch((Watched("A", "0"),), timeout_s=86_400.0),
-    ],
-)
-def test_there_and_back(watch):
-    assert watch_from_text(watch_to_text(watch)) == watch
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "[]",
-        "{}",
-        '{"targets": 1}',
-        '{"targets": [["A", "0"]]}',
-        '{"targets": [], "timeout_s": -1}',
-        '{"targets": [], "timeout_s": NaN}',
-        '{"targets": [], "timeout_s": 1e9}',
-        '{"targets": [], "timeout_s": "long"}',
-        '{"targets": [], "known": [1]}',
-        "[" * 100_000,
-    ],
-)
-def test_no_watch(text):
-    with pytest.raises(Malformed):
-        watch_from_text(text)
-
-
-def test_states_there_and_back():
-    assert states_from_text(states_to_text(("Active", "missing"))) == ("Active", "missing")
-    for text in ("", "{}", '"Active"'):
-        with pytest.raises(Malformed):
-            states_from_text(text)

@@ -22,7 +22,7 @@ from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree import apply
 from rtkit.tree.client import Tree
 from rtkit.tree.fake import fake_tree
-from rtkit.tree.start import Starter
+from rtkit.tree.start import Starter, _Bell
 
 NAMES = "ABCD"
 NO = Result(ReturnCode.ERROR, "refused", "no luck")
@@ -124,16 +124,14 @@ def test_a_state_that_others_bring_about_is_told(
     world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     world.fault = lambda action: NO if getattr(action, "instance", "") == "A" else None
-    watch = tree.watch
+    wait = _Bell.wait
 
-    def repaired_when_waited_for(*given: Any, **how: Any) -> tuple[str, ...]:
-        if len(given) > 1:
-            assert sent(world) == "ACD"
-            repair = Thread(target=world.set_state, args=("A", LifeCycleState.ACTIVE))
-            repair.start()
-        return watch(*given, **how)
+    def repaired_when_waited_for(bell: _Bell, others: Any, timeout_s: float | None) -> bool:
+        if others and sent(world) == "ACD":
+            Thread(target=world.set_state, args=("A", LifeCycleState.ACTIVE)).start()
+        return wait(bell, others, timeout_s)
 
-    monkeypatch.setattr(tree, "watch", repaired_when_waited_for)
+    monkeypatch.setattr(_Bell, "wait", repaired_when_waited_for)
     start = Start(world, tree, orders(B=after("A")), optional="A")
     start.run()
     assert sent(world) == "ACDB"
@@ -209,23 +207,15 @@ def test_an_interruption_waits_for_what_is_under_way(
     world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     start = Start(world, tree, orders(B=Condition(1, 600_000)))
-    news = start.starter._news
+    wait = _Bell.wait
+    strikes = iter([KeyboardInterrupt])
 
-    class Interrupted:
-        """A queue at which Ctrl-C strikes when the first answer is awaited."""
+    def interrupted_once(bell: _Bell, others: Any, timeout_s: float | None) -> bool:
+        for strike in strikes:
+            raise strike
+        return wait(bell, others, timeout_s)
 
-        is_first = True
-
-        def put(self, item: Any) -> None:
-            news.put(item)
-
-        def get(self, timeout: float | None = None) -> Any:
-            if self.is_first:
-                self.is_first = False
-                raise KeyboardInterrupt
-            return news.get(timeout=timeout)
-
-    monkeypatch.setattr(start.starter, "_news", Interrupted())
+    monkeypatch.setattr(_Bell, "wait", interrupted_once)
     with pytest.raises(KeyboardInterrupt) as caught:
         start.run()
     assert caught.value.args == ("not run: {2}, {3}, {4}",)
