@@ -50,11 +50,13 @@ class Shell:
 
     Attributes:
         folder: A short folder of this test alone; `modules` below it is a load path.
+        prefix: What commands, and so the manager, are run by, ``nsenter …``.
         environment: What commands, and so the manager, are started with.
     """
 
     def __init__(self, folder: Path, run_id: str) -> None:
         self.folder = folder
+        self.prefix: list[str] = []
         self.modules = folder / "modules"
         self.modules.mkdir()
         for name in ("run", "state"):
@@ -71,12 +73,12 @@ class Shell:
             RUN_ID: run_id,
         }
 
-    def command(self, line: str) -> list[str]:
-        """Return what to execute for a command line."""
+    def command(self, line: str, begin: str = "") -> list[str]:
+        """Return what to execute for a command line; Python statements may come before it."""
         name, *arguments = shlex.split(line)
         module = "rtkit.cli" if name == "rtkit" else f"rtkit.cli.{name}"
         script = f"import sys; sys.argv[0] = {name!r}; from {module} import main; sys.exit(main())"
-        return [sys.executable, "-c", script, *arguments]
+        return [*self.prefix, sys.executable, "-c", begin + script, *arguments]
 
     def run(self, line: str, text: str = "", timeout_s: float = 30.0) -> Outcome:
         """Run a command to its end."""
@@ -98,10 +100,10 @@ class Shell:
         assert (outcome.status, outcome.err) == (0, ""), f"{line}: {outcome.err}{self.log()}"
         return outcome.out
 
-    def open(self, line: str) -> subprocess.Popen[str]:
-        """Start a command."""
+    def open(self, line: str, begin: str = "") -> subprocess.Popen[str]:
+        """Start a command; Python statements may come before it."""
         return subprocess.Popen(
-            self.command(line),
+            self.command(line, begin),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -109,6 +111,16 @@ class Shell:
             env=self.environment,
             cwd=self.folder,
         )
+
+    def end_of(self, process: subprocess.Popen[str], timeout_s: float = 30.0) -> Outcome:
+        """Wait for a command that was started, and return what it came to."""
+        try:
+            out, err = process.communicate(timeout=timeout_s)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            raise
+        return Outcome(process.returncode, out, err)
 
     def log(self) -> str:
         """Return what managers and slaves logged and printed."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rtkit.component.callbacks import Failure, attempt
@@ -26,7 +27,7 @@ from rtkit.component.lifecycle import (
 )
 from rtkit.component.participant import Participant
 from rtkit.component.period import check_rate
-from rtkit.errors import Malformed, NotFound
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, ReturnCode, Transition
 from rtkit.rtc.profiles import NOTHING, ExecutionContextProfile
 
@@ -184,7 +185,7 @@ class ExecutionContext:
         except Malformed:
             return ReturnCode.BAD_PARAMETER
         self._has_new_rate = True
-        self.wake()
+        self._wake_if_possible()
         return ReturnCode.OK
 
     def add_component(self, component: Component) -> ReturnCode:
@@ -246,14 +247,27 @@ class ExecutionContext:
         self.submit(lambda: done(*self._tick_once()))
 
     def submit(self, work: Callable[[], object]) -> None:
-        """Have something done between two cycles by the ticking thread, from any thread."""
+        """Have something done between two cycles by the ticking thread, from any thread.
+
+        Raises:
+            Refused: Nothing can tick: it will not be done.
+        """
         self._requests.append(work)
-        self.wake()
+        try:
+            self.wake()
+        except Refused:
+            self._requests.remove(work)
+            raise
 
     def stir(self) -> None:
         """Ask an event-driven context for a cycle because something happened, from any thread."""
         self._is_stirred = True
         if any(each.has_work for each in self._participants):
+            self._wake_if_possible()
+
+    def _wake_if_possible(self) -> None:
+        """Wake who ticks; where that cannot be, the next reason to tick finds what is noted."""
+        with suppress(Refused):
             self.wake()
 
     def tick(self) -> None:

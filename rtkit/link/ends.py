@@ -12,6 +12,7 @@ from uuid import uuid4
 import zenoh
 
 from rtkit.errors import Unreachable
+from rtkit.link.threads import start_thread
 
 Deliver = Callable[[bytes], object]
 _NUMBER = struct.Struct("<Q")
@@ -206,7 +207,7 @@ class CallEnd:
     def declare(self, session: zenoh.Session) -> None:
         """Take calls from now on."""
         handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
-        threading.Thread(target=self._run, name=f"serve {self._key}", daemon=True).start()
+        start_thread(self._run, f"serve {self._key}")
         self._declared = session.declare_queryable(self._key, handler)
 
     def close(self) -> None:

@@ -153,9 +153,13 @@ class Streams:
     def _listening(self) -> zenoh.Session:
         with self._lock:
             if self._listener is None:
-                self._listener = control.open_listener(
-                    self._endpoint, "peer", has_shared_memory=True
-                )
+                try:
+                    self._listener = control.open_listener(
+                        self._endpoint, "peer", has_shared_memory=True
+                    )
+                except Unreachable:
+                    remove_socket(self._path)  # what is half made keeps its lock till we end
+                    raise
             return self._listener
 
     def _sender(self, endpoint: str, timeout_s: float) -> zenoh.Session:

@@ -11,11 +11,11 @@ sockets of the dead at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from threading import Thread
 
 import zenoh
 
 from rtkit.errors import Malformed, Unreachable
+from rtkit.link.threads import start_thread
 from rtkit.property.exchange import Reply, Request
 
 _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
@@ -76,7 +76,8 @@ def open_client(
     config = _config("client", settings, has_shared_memory)
     opened = _in_background(lambda: zenoh.open(config))
     if isinstance(opened, zenoh.ZError):
-        raise Unreachable(f"cannot reach {endpoint}") from opened
+        told = f": {opened}" if opened.__cause__ is not None else ""
+        raise Unreachable(f"cannot reach {endpoint}{told}") from opened
     return opened
 
 
@@ -86,14 +87,24 @@ def _in_background(work: Callable[[], zenoh.Session]) -> zenoh.Session | zenoh.Z
 
     def run() -> None:
         try:
-            outcome.append(work())
+            outcome.append(_without_panic(work))
         except zenoh.ZError as error:
             outcome.append(error)
 
-    thread = Thread(target=run, daemon=True)
-    thread.start()
-    thread.join()
+    start_thread(run, "open").join()
     return outcome[0]
+
+
+def _without_panic(work: Callable[[], zenoh.Session]) -> zenoh.Session:
+    """Open a session; what zenoh panics about, threads that cannot be had, is an error too."""
+    try:
+        return work()
+    except Exception:
+        raise
+    except BaseException as panic:  # its class has no name that could be imported
+        if type(panic).__name__ != "PanicException":
+            raise
+        raise zenoh.ZError(str(panic)) from panic
 
 
 def open_listener(
@@ -110,7 +121,7 @@ def open_listener(
     """
     settings = {"listen/endpoints": f'["{endpoint}"]', **more}
     try:
-        return zenoh.open(_config(mode, settings, has_shared_memory))
+        return _without_panic(lambda: zenoh.open(_config(mode, settings, has_shared_memory)))
     except zenoh.ZError as error:
         raise Unreachable(f"cannot listen on {endpoint}: {error}") from error
 

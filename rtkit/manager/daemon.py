@@ -275,6 +275,7 @@ def _state(name: str, folder: str, settings: Settings) -> State:
             "manager.instance_name": name,
             "manager.pid": str(os.getpid()),
             "manager.started": f"{time.time():.3f}",
+            "manager.started_after_boot": f"{time.clock_gettime(time.CLOCK_BOOTTIME):.3f}",
             "openrtm.name": "rtkit",
             "openrtm.version": __version__,
             **_system(),

@@ -78,7 +78,9 @@ def status(name: str, timeout_s: float) -> Status:
     """
     with connect(name, timeout_s) as tree:
         listing = tree.listing()
-        uptime_s = time.time() - float(tree.get("manager.started"))
+        # Of one host, so this clock is the same; that of the wall may have been set meanwhile.
+        now_s = time.clock_gettime(time.CLOCK_BOOTTIME)
+        uptime_s = now_s - float(tree.get("manager.started_after_boot"))
         address = tree.get("rtkit.address")
     socket = places.manager_socket(name)
     return Status(listing.pid, uptime_s, len(listing.rows), len(listing.slaves), socket, address)

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from rtkit import fault
 from rtkit.cli._app import Main
@@ -139,10 +139,11 @@ class Operation:
 class Site:
     """A shell with a manager whose processes can be broken off, and what lives there."""
 
-    def __init__(self, shell: Any) -> None:
+    def __init__(self, shell: Any, *, has_points: bool = True) -> None:
         self.shell = shell
         self.points = Points(shell.folder / "points")
-        shell.environment.update(self.points.variable)
+        if has_points:
+            shell.environment.update(self.points.variable)
 
     def start(self) -> None:
         """Start the manager if it does not run."""
@@ -227,22 +228,44 @@ def counted(site: Site, operation: Operation) -> tuple[State, State, Counter[str
     return before, after, passed
 
 
-def tried(site: Site, operation: Operation, before: State, after: State, *orders: Order) -> None:
+class Breach(Protocol):
+    """Something that happens while an operation is carried out."""
+
+    def carry_out(self, site: Site, line: str) -> tuple[Any, set[str]]:
+        """Run a command with it; return its outcome, and the kinds of processes that died of it."""
+
+
+class AtPoints:
+    """Things that happen at named points."""
+
+    def __init__(self, *orders: Order) -> None:
+        self._orders = orders
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self._orders))
+
+    def carry_out(self, site: Site, line: str) -> tuple[Any, set[str]]:
+        """See `Breach.carry_out`."""
+        site.points.arm(*self._orders)
+        with site.points.going_on():
+            outcome = site.shell.run(line, timeout_s=60.0)
+            assert site.points.has_struck(len(self._orders)), f"not passed: {self}, {outcome}"
+        site.points.disarm()
+        killed = {order.point.partition(".")[0] for order in self._orders if order.action == "kill"}
+        return outcome, killed
+
+
+def tried(site: Site, operation: Operation, before: State, after: State, breach: Breach) -> None:
     """Carry an operation out with something happening on the way, and check the rule."""
     operation.prepare(site)
     _same(site.state(operation), before, "the state before is another one")
     manager = site.manager_pid()
-    kills = {order.point.partition(".")[0] for order in orders if order.action == "kill"}
-    site.points.arm(*orders)
     began = time.monotonic()
-    with site.points.going_on():
-        outcome = site.shell.run(operation.line, timeout_s=60.0)
-        took_s = time.monotonic() - began
-        told = f"{operation.line!r}, {', '.join(map(str, orders))}: exit status {outcome.status}"
-        told += f" after {took_s:.1f} s, {outcome.err!r}"
-        assert site.points.has_struck(len(orders)), f"{told}: that was not passed"
+    outcome, kills = breach.carry_out(site, operation.line)
+    took_s = time.monotonic() - began
+    told = f"{operation.line!r}, {breach}: exit status {outcome.status}"
+    told += f" after {took_s:.1f} s, {outcome.err!r}"
     trial = _Trial(site, operation, before, after, outcome.status, kills)
-    site.points.disarm()
     try:
         assert "Traceback" not in outcome.err
         assert "bug in rtkit" not in outcome.err
@@ -255,7 +278,7 @@ class _Trial(NamedTuple):
     """One time that an operation was broken off, and how its command ended.
 
     Attributes:
-        kills: Kinds of processes that were killed, by the first word of the point.
+        kills: Kinds of processes that were killed: the first words of points.
     """
 
     site: Site

@@ -7,6 +7,7 @@ with everything else in it.
 from __future__ import annotations
 
 from collections.abc import Generator
+from contextlib import suppress
 from typing import Any
 
 from rtkit.deployment import actions as act
@@ -15,14 +16,11 @@ from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
-from rtkit.manager.core.wiring import cut, unwire
+from rtkit.manager.core.wiring import cut
 from rtkit.manager.core.wishes import Ask, Procedure, Wish
 
 FORCE_S = 1.0
 """How long a component that is ended by force has to end by itself [s]."""
-
-_PART_S = 1.0
-"""How long the end of a component waits for who is connected with it [s]."""
 
 
 def delete(state: State, action: act.Delete) -> Procedure:
@@ -60,18 +58,13 @@ def delete(state: State, action: act.Delete) -> Procedure:
 def _finalise(
     state: State, process: Process, instance: str, timeout_s: float
 ) -> Generator[Wish, Any, None]:
-    is_late = False
-    for wire in state.connectors_of(instance):
-        try:
-            yield from (cut(state, wire) if is_late else unwire(state, wire, timeout_s or _PART_S))
-        except Unreachable:
-            is_late = True  # the other end does it when it can: that is no obstacle here
-    state.drop_connectors(instance)
     if process.is_alive:
-        try:
+        with suppress(NotFound):  # an earlier request that was given up has come through
             yield Ask(process, {"op": "delete", "instance": instance}, timeout_s)
-        except NotFound:
-            return  # an earlier request that was given up has come through
+    # Only now: if the manager is killed on the way, the component is there with its connectors or
+    # not at all, for the next one cuts ends that lead nowhere.
+    for wire in state.connectors_of(instance):
+        yield from cut(state, wire)
 
 
 def _end_holder(

@@ -28,6 +28,7 @@ from rtkit.errors import Malformed
 from rtkit.link import keys
 from rtkit.link.ends import Caller, Fetcher, Inlet, Outlet
 from rtkit.link.streams import Streams
+from rtkit.link.threads import start_thread
 from rtkit.rtc.profiles import ConnectorProfile
 
 NUMBERED = "rtkit.numbered"
@@ -253,7 +254,7 @@ class _Publisher:
         self._options = options
         self._closed = threading.Event()
         self.write: Sink[Any] = self._ring.write
-        threading.Thread(target=self._run, name=f"publish {name}", daemon=True).start()
+        start_thread(self._run, f"publish {name}")
 
     def close(self) -> None:
         """Send nothing more."""

@@ -396,7 +396,11 @@ class Holder:
             component.configuration.update()
             self.tell(component)
         else:
-            context.wake()
+            try:
+                context.wake()
+            except Refused:
+                self._takeovers[component.instance].remove(message)
+                raise
         return LATER
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple, TypeVar
 
@@ -13,6 +12,7 @@ from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Fetcher, Outlet
+from rtkit.link.threads import start_thread
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.host import LATER, Host, Operations
@@ -146,7 +146,11 @@ class Links:
             else:
                 self._host.post(lambda: self._found(message, held, end, use))
 
-        threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
+        try:
+            start_thread(run, f"open {endpoint}")
+        except Refused:
+            self._forget(held)
+            raise
 
     def _found(self, message: Message, held: _Held, end: E, use: Callable[[E], None]) -> None:
         id = held.wire.connector_id

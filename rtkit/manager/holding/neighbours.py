@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 import os
-import threading
 
 from rtkit.deployment.listing import listing_from_text
 from rtkit.errors import RtkitError
 from rtkit.link import keys, places
 from rtkit.link.running import managers
+from rtkit.link.threads import start_thread
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.host import LATER, Host, Operations
 
@@ -29,7 +29,7 @@ class Neighbours:
             names = sorted({name for each in _others(message["manager"]) for name in _names(each)})
             self._host.post(lambda: self._host.answer(message, names))
 
-        threading.Thread(target=work, name="neighbours", daemon=True).start()
+        start_thread(work, "neighbours")
         return LATER
 
 

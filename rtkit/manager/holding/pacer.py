@@ -13,6 +13,7 @@ from typing import NamedTuple
 from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import CPU_AFFINITY
 from rtkit.component.period import Period
+from rtkit.link.threads import start_thread
 from rtkit.manager.holding import processors
 
 
@@ -40,12 +41,15 @@ class Pacer:
         context.wake = self.wake
 
     def wake(self) -> None:
-        """Have pending requests served at once, by the thread or by a new one."""
+        """Have pending requests served at once, by the thread or by a new one.
+
+        Raises:
+            Refused: None can be had; the next `wake` tries again.
+        """
         self._alarm.set()
         with self._lock:
             if self._thread is None and not self._is_closed:
-                self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
-                self._thread.start()
+                self._thread = start_thread(self._run, self._name)
 
     def work(self) -> Work:
         """Return what was done so far; the longest cycle is that since the last call."""

@@ -14,6 +14,7 @@ from rtkit.component.invocation import Direct, Passage, Remote, Served, Target, 
 from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Caller
+from rtkit.link.threads import start_thread
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.host import LATER, Host, Operations
@@ -92,7 +93,7 @@ class Services:
             else:
                 self._host.post(lambda: self._found(message, wire, end, caller))
 
-        threading.Thread(target=run, name=f"open {endpoint}", daemon=True).start()
+        start_thread(run, f"open {endpoint}")
         return LATER
 
     def _keep(self, message: Message) -> None:
@@ -159,7 +160,11 @@ def run_aside(work: Callable[[], Any], timeout_s: float) -> Any:
 
     if not _aside.acquire(timeout=timeout_s):
         raise TimeoutError(f"{MOST_ASIDE} earlier calls have not come back")
-    threading.Thread(target=run, name="call aside", daemon=True).start()
+    try:
+        start_thread(run, "call aside")
+    except Refused:
+        _aside.release()
+        raise
     try:
         value, error = outcome.get(timeout=timeout_s)
     except queue.Empty:

@@ -1,0 +1,22 @@
+"""Threads that may not be had: a host, or a user of it, can run out of them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from rtkit.errors import Refused
+
+
+def start_thread(work: Callable[[], object], name: str) -> threading.Thread:
+    """Do something on a thread of its own, which does not keep the process from its end.
+
+    Raises:
+        Refused: None can be had now.
+    """
+    thread = threading.Thread(target=work, name=name, daemon=True)
+    try:
+        thread.start()
+    except RuntimeError as error:
+        raise Refused(f"no thread can be had for {name}: {error}") from error
+    return thread
