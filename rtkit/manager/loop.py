@@ -269,7 +269,9 @@ class Loop:
                 answer(reply)
                 fault.point("manager.answered")
             case ev.SpawnSlave(key, name):
-                self._nursery.fork(key, name)
+                unborn = self._nursery.fork(key, name)
+                if unborn is not None:
+                    self.post(unborn)
                 fault.point("manager.asked_for_slave")
             case ev.AdoptSlave(key, pid, is_guest):
                 self._lines.adopt(key, pid, is_guest=is_guest)

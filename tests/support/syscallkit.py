@@ -187,6 +187,6 @@ def numbers_of(site: Site, line: str, target: str, call: str) -> list[int]:
     for match in map(_LINE.match, log):
         if match:
             counts[int(match[1])] += 1
-            if call != "openat" or folder in match.string:
+            if call != "openat" or f"{folder}/" in match.string:
                 numbers.add(counts[int(match[1])])
     return sorted(numbers)

@@ -8,7 +8,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from leakkit import grown, held
 
+from rtkit.deployment.actions import ChangeState, Connect, Create, Delete
+from rtkit.rtc.enums import Transition
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 from rtkit.tree.connect import connect
 
@@ -41,6 +45,35 @@ def notes(manager: Any) -> Iterator[Notes]:
     notes = Notes(manager.environment["RTKIT_STATE_DIR"] + "/diary")
     yield notes
     notes.close()
+
+
+@pytest.fixture
+def steady(tree: Tree) -> Iterator[None]:
+    """The manager holds no more threads and descriptors when all that was made is deleted."""
+    make_and_delete(tree)  # what is opened only once is open now
+    pid = tree.listing().pid
+    before = held(pid)
+    yield
+    rows = tree.listing().rows
+    tree.apply([Delete(row.instance, is_forced=True) for row in rows], is_ordered=False)
+    more = grown(pid, before)
+    assert not more, f"the manager kept {dict(more)}"
+
+
+def make_and_delete(tree: Tree) -> None:
+    """Make two components in slaves, connect and activate them, and delete them again."""
+    ends = (PortRef("In", "out"), PortRef("Out", "in"))
+    actions = [
+        Create("ConsoleIn?instance_name=In&manager_name=in"),
+        Create("ConsoleOut?instance_name=Out&manager_name=out"),
+        Connect(ConnectorProfile("wire", "wire", ends)),
+        ChangeState("Out", "0", Transition.ACTIVATE),
+        ChangeState("In", "0", Transition.ACTIVATE),
+        Delete("In"),
+        Delete("Out"),
+    ]
+    for result in tree.apply(actions, timeout_s=60.0):
+        result.raise_for_error()
 
 
 @pytest.fixture

@@ -71,13 +71,22 @@ class Nursery:
         """Path of slaves' data sockets, ``%p`` for the pid."""
         return str(self._settings["data"])
 
-    def fork(self, key: int, name: str) -> None:
-        """Ask for a slave; when the zygote is just ending, `mourn` tells that it failed."""
+    def fork(self, key: int, name: str) -> ev.Event | None:
+        """Ask for a slave; return why it cannot be, if that is known now.
+
+        When the zygote is just ending, `mourn` tells that it failed.
+        """
+        try:
+            for descriptor in os.pipe():  # as many as a slave will cost
+                os.close(descriptor)
+        except OSError as error:
+            return ev.SlaveFailed(key, f"the manager has no descriptors left: {error.strerror}")
         self._asked[key] = name
         try:
             self._server.send({"key": key, "name": name})
         except OSError as error:
             _log.warning("cannot ask for slave %s: %s", name, error)
+        return None
 
     def expects(self, key: object, pid: object) -> bool:
         """Whether a slave that says hello with this key and pid is one that was asked for."""
@@ -252,6 +261,8 @@ class Nursery:
             self._pidfds[key] = os.pidfd_open(pid)
         except ProcessLookupError:
             _log.debug("slave %d ended before it was known", key)
+        except OSError as error:
+            _log.error("slave %d cannot be watched: %s", key, error.strerror)
 
     def _ended(self, pid: int, why: str) -> ev.Event | None:
         key = self._keys.pop(pid, None)
