@@ -11,7 +11,6 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,7 +31,6 @@ CALLS = {
 }
 """What is called by one name here: which of them a library takes depends on its version."""
 
-_ATTACH_S = 20.0
 _LINE = re.compile(r"(\d+) +(\w+)\(")
 _KILLED = re.compile(r"(\d+) +\+\+\+ killed by SIGKILL")
 
@@ -62,18 +60,24 @@ class Strike:
         call: One of `CALLS`.
         action: ``signal=KILL`` or ``error=ENOSPC`` and the like.
         number: Which call of each thread, from 1.
+        path: Count only those calls that name this file of the test's folder; empty for all.
     """
 
     target: str
     call: str
     action: str
     number: int
+    path: str = ""
 
-    @property
-    def options(self) -> list[str]:
-        """What strace is told."""
+    def __str__(self) -> str:
+        path = self.path and f" on {self.path}"
+        return f"{self.action} at {self.call} {self.number}{path} of the {self.target}"
+
+    def options(self, folder: Path) -> list[str]:
+        """Return what strace is told."""
         inject = f"inject={CALLS[self.call]}:{self.action}:when={self.number}"
-        return ["-e", f"trace={CALLS[self.call]}", "-e", inject]
+        only = ["-P", str(folder / self.path)] if self.path else []
+        return ["-e", f"trace={CALLS[self.call]}", "-e", inject, *only]
 
 
 class AtCall:
@@ -81,21 +85,24 @@ class AtCall:
 
     Attributes:
         has_struck: Whether there was such a call, once it was carried out.
+        told: What the command said then.
     """
 
     def __init__(self, strike: Strike) -> None:
         self._strike = strike
         self.has_struck = False
+        self.told = ""
 
     def __str__(self) -> str:
-        strike = self._strike
-        return f"{strike.action} at {strike.call} {strike.number} of the {strike.target}"
+        return str(self._strike)
 
     def carry_out(self, site: Site, line: str) -> tuple[Any, set[str]]:
         """Run a command with it; return its outcome, and the kinds of processes that died."""
         manager = site.manager_pid()
         zygote = zygote_of(manager) if manager else 0
-        outcome, log = traced(site, line, self._strike.target, self._strike.options)
+        options = self._strike.options(site.shell.folder)
+        outcome, log = traced(site, line, self._strike.target, options)
+        self.told = outcome.err
         counts = calls_by_thread(log)
         self.has_struck = max(counts.values(), default=0) >= self._strike.number
         killed = {int(match[1]) for match in map(_KILLED.match, log) if match}
@@ -130,32 +137,17 @@ def traced(site: Site, line: str, target: str, options: list[str]) -> tuple[Any,
 def _attached(pids: list[int], options: list[str], log: Path) -> Iterator[None]:
     """Have strace look at processes and what they start."""
     whom = [option for pid in pids for option in ("-p", str(pid))]
-    command = ["strace", "-f", "-qq", "-o", str(log), *options, *whom]
+    command = ["strace", "-f", "-o", str(log), *options, *whom]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as strace:
+        assert strace.stderr is not None
         try:
-            for pid in pids:
-                _wait_for_tracer(pid, strace)
+            for _ in pids:
+                line = strace.stderr.readline()
+                assert " attached" in line, line
             yield
         finally:
             strace.terminate()  # lets all go
             strace.communicate()
-
-
-def _wait_for_tracer(pid: int, strace: subprocess.Popen[str]) -> None:
-    """Wait until every thread of a process is looked at."""
-    deadline = time.monotonic() + _ATTACH_S
-    while not all(_tracer(task) == strace.pid for task in Path(f"/proc/{pid}/task").iterdir()):
-        assert strace.poll() is None, strace.communicate()[1]
-        assert time.monotonic() < deadline, "strace does not attach"
-        time.sleep(0.002)
-
-
-def _tracer(task: Path) -> int:
-    try:
-        text = (task / "status").read_text()
-    except OSError:  # the thread has ended meanwhile
-        return 0
-    return int(text.partition("TracerPid:")[2].split()[0])
 
 
 def zygote_of(manager: int) -> int:
