@@ -328,7 +328,9 @@ def test_a_component_that_closes_all_descriptors_harms_its_own_slave_only(
 
 @pytest.mark.parametrize("how", ["hang", "spin"])
 def test_a_creation_that_hangs_is_given_up_in_time_and_cleaned_away(world: Tree, how: str) -> None:
-    result = one(world.apply([faulty("A", "s", "on_initialize", how)], timeout_s=0.5))
+    world.perform(faulty("A", "warm"))  # slaves can be forked now
+    world.perform(Delete("A"))
+    result = one(world.apply([faulty("A", "s", "on_initialize", how)], timeout_s=1.0))
     assert result.kind == "unreachable"
     line = rf"A is stuck in on_initialize since [\d:]{{8}} \(Faulty\.py:\d+ in {how}\)"
     assert re.search(line, result.why), result.why
