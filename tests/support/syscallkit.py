@@ -31,8 +31,8 @@ CALLS = {
 }
 """What is called by one name here: which of them a library takes depends on its version."""
 
-_LINE = re.compile(r"(\d+) +(\w+)\(")
-_KILLED = re.compile(r"(\d+) +\+\+\+ killed by SIGKILL")
+_LINE = re.compile(r"(?:(\d+) +)?(\w+)\(")
+_KILLED = re.compile(r"(?:(\d+) +)?\+\+\+ killed by SIGKILL")
 
 
 @cache
@@ -55,8 +55,9 @@ class Strike:
     """What is to happen at the N-th system call of a kind.
 
     Attributes:
-        target: Whose calls: ``command`` (and all that it starts), ``manager``, ``zygote`` (and the
-            slaves that it forks), ``slave`` (all those that are there before).
+        target: Whose calls: ``command`` (and all that it starts), ``manager``, ``loop`` (the one
+            thread of it that deals with slaves), ``zygote`` (and the slaves that it forks),
+            ``slave`` (all those that are there before).
         call: One of `CALLS`.
         action: ``signal=KILL`` or ``error=ENOSPC`` and the like.
         number: Which call of each thread, from 1.
@@ -105,14 +106,14 @@ class AtCall:
         self.told = outcome.err
         counts = calls_by_thread(log)
         self.has_struck = max(counts.values(), default=0) >= self._strike.number
-        killed = {int(match[1]) for match in map(_KILLED.match, log) if match}
+        killed = {int(match[1] or manager) for match in map(_KILLED.match, log) if match}
         kinds = {manager: ["manager", "holder"], zygote: ["zygote"]}
         return outcome, {kind for pid in killed for kind in kinds.get(pid, ["slave"])}
 
 
 def calls_by_thread(log: list[str]) -> Counter[int]:
     """Return how many calls each thread made."""
-    return Counter(int(match[1]) for match in map(_LINE.match, log) if match)
+    return Counter(int(match[1] or 0) for match in map(_LINE.match, log) if match)
 
 
 def traced(site: Site, line: str, target: str, options: list[str]) -> tuple[Any, list[str]]:
@@ -121,14 +122,15 @@ def traced(site: Site, line: str, target: str, options: list[str]) -> tuple[Any,
     if target == "command":
         process = site.shell.open(line, begin="import os; os.kill(os.getpid(), 19); ")
         os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
-        with _attached([process.pid], options, file):
+        with _attached([process.pid], ["-f", *options], file):
             os.kill(process.pid, signal.SIGCONT)
             outcome = site.shell.end_of(process, 60.0)
     else:
         manager = site.manager_pid()
         zygote = zygote_of(manager)
-        pids = {"manager": [manager], "zygote": [zygote], "slave": children_of(zygote)}
-        with _attached(pids[target], options, file):
+        pids = {"zygote": [zygote], "slave": children_of(zygote)}
+        follow = ["-f"] if target != "loop" else []
+        with _attached(pids.get(target, [manager]), [*follow, *options], file):
             outcome = site.shell.run(line, timeout_s=60.0)
     return outcome, file.read_text().splitlines()
 
@@ -137,7 +139,7 @@ def traced(site: Site, line: str, target: str, options: list[str]) -> tuple[Any,
 def _attached(pids: list[int], options: list[str], log: Path) -> Iterator[None]:
     """Have strace look at processes and what they start."""
     whom = [option for pid in pids for option in ("-p", str(pid))]
-    command = ["strace", "-f", "-o", str(log), *options, *whom]
+    command = ["strace", "-o", str(log), *options, *whom]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as strace:
         assert strace.stderr is not None
         try:
@@ -178,7 +180,7 @@ def numbers_of(site: Site, line: str, target: str, call: str) -> list[int]:
     counts: Counter[int] = Counter()
     for match in map(_LINE.match, log):
         if match:
-            counts[int(match[1])] += 1
+            counts[int(match[1] or 0)] += 1
             if call != "openat" or f"{folder}/" in match.string:
-                numbers.add(counts[int(match[1])])
+                numbers.add(counts[int(match[1] or 0)])
     return sorted(numbers)

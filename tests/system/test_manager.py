@@ -6,6 +6,7 @@ import json
 import os
 import resource
 import signal
+import socket
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -132,6 +133,7 @@ def start_at_once(shell: Any, contenders: dict[str, int]) -> None:
     started = [(name, shell.open(f"rtmgr start {name}")) for name in names]
     outcomes = [(name, shell.end_of(process, BOUND_S)) for name, process in started]
     for name, count in contenders.items():
+        assert (name, (0, "", "")) in outcomes, f"{outcomes}{shell.log()}"
         with connect(name) as tree:
             pid = tree.listing().pid
         refusal = (1, "", f"rtmgr: manager '{name}' is running already (pid {pid})\n")
@@ -450,14 +452,19 @@ def test_a_manager_without_descriptors_refuses_the_new_and_keeps_the_old(
 ) -> None:
     make(world, thing("A", "s"))
     pid = world.listing().pid
-    used = len(list(Path(f"/proc/{pid}/fd").iterdir()))
+    used = {int(entry.name) for entry in Path(f"/proc/{pid}/fd").iterdir()}
+    free = min(set(range(len(used) + 1)) - used)
     soft, hard = resource.prlimit(pid, resource.RLIMIT_NOFILE)
-    resource.prlimit(pid, resource.RLIMIT_NOFILE, (used, hard))
+    resource.prlimit(pid, resource.RLIMIT_NOFILE, (free, hard))
     try:
         (refused,) = world.apply([thing("B", "t")], timeout_s=2.0)
         why = "the manager has no descriptors left: Too many open files"
         assert refused.why == f"slave t could not be started: {why}"
         make(world, activate("A"))
+        with socket.socket(socket.AF_UNIX) as another:
+            another.settimeout(BOUND_S)
+            another.connect(str(manager.folder / "run" / "manager.ctl"))
+            assert another.recv(1) == b""  # turned away, else it would wake the loop for ever
         before = cpu_s(pid)
         refused_at = time.monotonic()
         until(lambda: time.monotonic() > refused_at + 0.5, "half a second")

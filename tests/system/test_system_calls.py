@@ -31,11 +31,11 @@ HERE_AND_THERE: dict[str, dict[Strike, str]] = {
     "create": {
         Strike("zygote", "clone", EAGAIN, 1): "cannot fork: Resource temporarily unavailable",
         Strike("zygote", "sendmsg", KILL, 1): "",
-        Strike("manager", "sendmsg", KILL, 1): "",
+        Strike("loop", "sendmsg", KILL, 1): "",
     },
     "activate": {Strike("slave", "clone", EAGAIN, 1): "no thread can be had"},
     "connect": {Strike("slave", "clone", EAGAIN, 1): "Failed to make connection"},
-    "delete": {Strike("manager", "sendmsg", KILL, 2): ""},
+    "delete": {Strike("loop", "sendmsg", KILL, 2): ""},
     "cryo": {
         Strike("command", "fsync", EIO, 1): "cannot write out.xml: Input/output error",
         Strike("command", "rename", KILL, 1): "",

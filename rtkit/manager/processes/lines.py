@@ -12,6 +12,7 @@ import selectors
 import socket
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -51,7 +52,8 @@ class Lines:
         """Hang up on everybody."""
         for channel in self._channels.values():
             channel.close()
-        os.close(self._spare)
+        if self._spare >= 0:
+            os.close(self._spare)
 
     def _register(self, source: Any, react: Callable[[int], object]) -> None:
         self._selector.register(source, _READ, react)
@@ -84,12 +86,14 @@ class Lines:
 
     def _turn_away(self, listener: socket.socket) -> None:
         """Refuse who waits with the descriptor kept for this: else select would return for ever."""
-        os.close(self._spare)
+        if self._spare >= 0:
+            os.close(self._spare)
+            self._spare = -1
         try:
             listener.accept()[0].close()
         except OSError as error:
             _log.error("cannot even refuse it: %s", error.strerror)
-        finally:
+        with suppress(OSError):  # somebody else was quicker: there is none for the next time
             self._spare = os.open(os.devnull, os.O_RDONLY)
 
     def _greet(self, channel: Channel) -> None:
