@@ -6,12 +6,13 @@ import os
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
+from rtkit.cli._choice import Words
 from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
 from rtkit.cli.top.page import TITLES, Look, memory, ordered, short, table
 from rtkit.cli.top.rates import Rater, Row
@@ -21,23 +22,8 @@ if TYPE_CHECKING:
     from rtkit.cli._ears import Told
     from rtkit.tree.scope import Scope
 
-
-class _Column(click.ParamType[int]):
-    """A column, by its title or the beginning of it."""
-
-    name = "column"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        word = str(value).upper()
-        found = [index for index, title in enumerate(TITLES) if title.upper().startswith(word)]
-        if word and found:
-            return found[0]
-        from rtkit.rtc.nearest import did_you_mean
-
-        self.fail(f"no such column: {value}{did_you_mean(word, TITLES)}; there are {_TITLES}")
-
-
-_TITLES = ", ".join(TITLES)
+SILENT_S = 3.0
+"""After that time without figures they are told to be old [s]."""
 
 
 @command("rttop")
@@ -46,10 +32,10 @@ _TITLES = ", ".join(TITLES)
 @click.option(
     "-s",
     "--sort",
-    type=_Column(),
+    type=Words("column", TITLES, is_short=True),
     default="NAME",
     metavar="COLUMN",
-    help=f"Sort by: {_TITLES} (default NAME).",
+    help=f"Sort by {', '.join(TITLES)} (default NAME), or the beginning of one.",
 )
 @click.option("--reverse", is_flag=True, help="Sort the other way round.")
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a component, a line each.")
@@ -59,7 +45,7 @@ def main(
     paths: tuple[str, ...],
     once: bool,
     number: int | None,
-    sort: int,
+    sort: str,
     reverse: bool,
     is_json: bool,
 ) -> None:
@@ -83,7 +69,7 @@ def main(
 
     scopes = scopes_of(app, paths or (f"/{LOCAL}",))
     others = [] if all(scope.is_one_manager for scope in scopes) else manager_names(app)
-    look = Look(sort, reverse)
+    look = Look(TITLES.index(sort), reverse)
     with Ears(app, (TREE, FIGURES), others) as ears:
         top = Top(app, ears, scopes)
         if is_json or once or number or not _is_live():
@@ -121,12 +107,14 @@ class Top:
     Attributes:
         ears: At the managers.
         time: Of the last figures [s since 1970].
+        heard_at: When they came, monotonic [s].
     """
 
     def __init__(self, app: App, ears: Ears, scopes: Sequence[Scope]) -> None:
         self.app = app
         self.ears = ears
         self.time = time.time()
+        self.heard_at = time.monotonic()
         self._scopes = scopes
         self._host = app.tree.host
         self._raters: dict[str, Rater] = {}
@@ -140,6 +128,7 @@ class Top:
             if isinstance(heard, Figures):
                 self._raters.setdefault(manager, Rater()).take(heard)
                 self.time, has_figures = heard.time, True
+                self.heard_at = time.monotonic()
         for manager in list(self._raters):
             if manager not in self.ears.ears:
                 del self._raters[manager]
@@ -177,7 +166,9 @@ class Top:
         used = f"CPU {short(sum(cpu) if cpu else None)}%  memory {memory(size)}"
         clock = time.strftime("%H:%M:%S", time.localtime(self.time))
         many = f"{len(rows)} component{'s' * (len(rows) != 1)}"
-        return f"{clock}  {many}{': ' * bool(counts)}{counts}  {used}"
+        silent_s = time.monotonic() - self.heard_at
+        late = f"  (no figures for {silent_s:.0f} s)" if silent_s > SILENT_S else ""
+        return f"{clock}{late}  {many}{': ' * bool(counts)}{counts}  {used}"
 
 
 def _json(row: Row, moment: float) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._choice import Words
 from rtkit.cli._ears import write_now
 from rtkit.cli._patience import wait_for
 from rtkit.errors import Malformed, Unreachable
@@ -36,20 +37,6 @@ _STYLES: dict[str, dict[str, object]] = {
 }
 
 
-class _Level(click.ParamType[str]):
-    """A level, in any case of letters."""
-
-    name = "level"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        word = str(value).upper()
-        if word in LEVELS:
-            return word
-        from rtkit.rtc.nearest import did_you_mean
-
-        self.fail(f"unknown level: {value}{did_you_mean(word, LEVELS)}; known: {', '.join(LEVELS)}")
-
-
 @command("rtvlog")
 @click.option(
     "-f",
@@ -62,17 +49,25 @@ class _Level(click.ParamType[str]):
 @click.option(
     "-l",
     "--level",
-    type=_Level(),
+    type=Words("level", LEVELS),
     default="NORMAL",
     metavar="LEVEL",
     help="The most talkative level to be printed (default NORMAL).",
+)
+@click.option("-g", "--grep", metavar="TEXT", help="Print only what has this in it.")
+@click.option(
+    "--since",
+    "since_s",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="Begin with what was logged in the last SECONDS.",
 )
 @click.option(
     "-n",
     "--number",
     type=click.IntRange(min=0),
     metavar="N",
-    help="Begin with the last N records (default 10, all with --no-follow).",
+    help="Begin with the last N records (default 10; all with --no-follow or --since).",
 )
 @click.option("--follow/--no-follow", default=True, help="Go on with what comes (default), or end.")
 @click.option(
@@ -90,6 +85,8 @@ def main(
     paths: tuple[str, ...],
     sources: tuple[str, ...],
     level: str,
+    grep: str | None,
+    since_s: float | None,
     number: int | None,
     follow: bool,
     duration_s: float | None,
@@ -113,8 +110,11 @@ def main(
 
     if not paths:
         raise WrongArguments("No component specified.")
-    wanted = _all_of(_about(app, paths), _loud_enough(level), _said_by(sources))
-    before = number if number is not None else _BEFORE if follow else None
+    wanted = _all_of(
+        _about(app, paths), _loud_enough(level), _said_by(sources), _with(grep), _after(since_s)
+    )
+    is_tail = follow and since_s is None
+    before = number if number is not None else _BEFORE if is_tail else None
     show = _json if is_json else _text
     until = None if duration_s is None else time.monotonic() + duration_s
     logbook = Logbook(state_dir(), wanted)
@@ -148,6 +148,21 @@ def _said_by(sources: Sequence[str]) -> Wanted:
         return any(said == name or said.startswith(f"{name}.") for name in names)
 
     return is_said
+
+
+def _with(text: str | None) -> Wanted:
+    if text is None:
+        return lambda entry: True
+    return lambda entry: text in entry.message or text in entry.exception
+
+
+def _after(since_s: float | None) -> Wanted:
+    from rtkit.cli._records import time_text
+
+    if since_s is None:
+        return lambda entry: True
+    first = time_text(int((time.time() - since_s) * 1e9))
+    return lambda entry: entry.time >= first
 
 
 def _about(app: App, typed: Sequence[str]) -> Wanted:

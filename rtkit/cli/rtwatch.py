@@ -10,6 +10,7 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._choice import Words
 from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
 from rtkit.cli._moments import clock
 from rtkit.cli._records import line as json_line
@@ -26,27 +27,12 @@ Record = dict[str, Any]
 ALL = "ALL"
 
 
-class _Kind(click.ParamType[str]):
-    """A kind of event, in any case of letters."""
-
-    name = "kind"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        word = str(value).upper().replace("-", "_")
-        if word in (ALL, *KINDS):
-            return word
-        from rtkit.rtc.nearest import did_you_mean
-
-        words = ", ".join((ALL, *KINDS))
-        self.fail(f"unknown kind of event: {value}{did_you_mean(word, KINDS)}; known: {words}")
-
-
 @command("rtwatch")
 @click.option(
     "-f",
     "--filter",
     "kinds",
-    type=_Kind(),
+    type=Words("kind of event", (ALL, *KINDS)),
     multiple=True,
     metavar="KIND",
     help="Print only events of this kind (default: all but HEARTBEAT).",

@@ -8,6 +8,7 @@ import socket
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.figures import ComponentFigures
 from rtkit.link.streams import Streams
 from rtkit.link.zenoh import unix_endpoint
 from rtkit.manager.holding.connect import Wires
@@ -562,3 +564,35 @@ def test_a_silent_receiver_holds_up_nobody_else(apart: Apart) -> None:
         received(apart.receiver, 5)
         assert apart.sender.answer(number)["kind"] == "unreachable"
     assert apart.sender.living["A"].ports["out"].connectors == ("w",)
+
+
+def figures(process: Process) -> Any:
+    """Ask for figures and return those of the first component."""
+    process.holder.put({"op": "figures"})
+    while "figures" not in (message := process.hear()):
+        pass
+    return decode(ComponentFigures, message["figures"][0])
+
+
+def test_what_a_component_does_is_counted(process: Process) -> None:
+    process.create("A")
+    (context,) = figures(process).contexts
+    assert (context.id, context.has_work, context.is_running, context.ticks) == (
+        "0",
+        False,
+        True,
+        0,
+    )
+    process.change("A", "activate")
+    deadline = time.monotonic() + PATIENCE_S
+    while not (told := figures(process)).contexts[0].ticks:
+        assert time.monotonic() < deadline
+    (context,) = told.contexts
+    assert context.has_work
+    assert 0 < context.longest_s <= context.busy_s
+    assert (set(told.written), set(told.read)) == ({"out"}, {"into"})
+    process.change("A", "deactivate")
+    while (context := figures(process).contexts[0]).longest_s:
+        assert time.monotonic() < deadline
+    assert not context.has_work
+    assert context.ticks >= told.contexts[0].ticks

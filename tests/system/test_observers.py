@@ -212,6 +212,8 @@ def test_logs_of_several_processes_are_merged_by_time(system: Any) -> None:
     ]
     out = system.ok(f"rtvlog --no-follow -f stdout {MANAGER}/a.mgr")
     assert out.endswith("INFO  <stdout> printed\n")
+    assert system.ok("rtvlog --no-follow --since 600 --grep printed /").count("printed\n") == 3
+    assert system.ok("rtvlog --no-follow --since 0.001 /") == ""
 
 
 def test_logs_are_followed(system: Any) -> None:

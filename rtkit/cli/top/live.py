@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 _LEAST_S = 0.05
 """How soon after the last one a page is drawn at the earliest [s]."""
 
+_LATE_S = 3.5
+"""When to draw a page though no figures come, after they last did [s]."""
+
 _TOLD_S = 5.0
 """How long the outcome of a key is shown [s]."""
 
@@ -94,8 +97,10 @@ class _Live:
                 self._draw()
 
     def _wake_at(self) -> float | None:
-        """Return when to draw what has changed."""
-        return self._draw_at if self._is_stale else None
+        """Return when to draw what has changed, or that figures do not come any more."""
+        if self._is_stale:
+            return self._draw_at
+        return max(self._top.heard_at + _LATE_S, self._draw_at + 1.0)
 
     def _hear(self, told: Sequence[Told]) -> None:
         from rtkit.tree.listening import Ended
