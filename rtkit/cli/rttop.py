@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from rtkit.cli._ears import Told
     from rtkit.tree.scope import Scope
 
+_PATIENCE = 5
+"""How many figures are passed over at first in which a process is missing."""
+
 SILENT_S = 3.0
 """After that time without figures they are told to be old [s]."""
 
@@ -85,10 +88,14 @@ def _is_live() -> bool:
 
 
 def _write_pages(top: Top, look: Look, number: int | None, *, is_json: bool) -> None:
-    left = number
+    left, patience = number, _PATIENCE
     for told in top.ears.listen(None):
         if not top.take(told) or not top.has_rates:
             continue
+        if patience and not top.is_whole:
+            patience -= 1
+            continue
+        patience = 0
         rows = ordered(top.rows(), look)
         if is_json:
             write_now([_json(row, top.time) for row in rows])
@@ -141,6 +148,11 @@ class Top:
         return bool(raters) and all(
             name in raters and raters[name].has_rates for name in self.ears.ears
         )
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether every process has answered both times."""
+        return all(rater.is_whole for rater in self._raters.values())
 
     def rows(self) -> list[Row]:
         """Return a row for each component."""

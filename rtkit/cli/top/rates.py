@@ -77,6 +77,12 @@ class Rater:
         """Whether there are figures of two moments."""
         return self._before is not None
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether every process has told its components' figures both times."""
+        both = (self._before, self._now)
+        return all(each is not None and all(p.answered for p in each.processes) for each in both)
+
     def take(self, figures: Figures) -> None:
         """Take the next figures."""
         is_same_run = self._now is not None and self._now.run == figures.run

@@ -114,10 +114,12 @@ def test_rates_are_differences() -> None:
     rater.take(figures(1, 10))
     (row,) = rater.rows(snapshot(), {"A": "A.rtc"})
     assert (row.reached_hz, row.cpu_percent, rater.has_rates) == (None, None, False)
+    assert not rater.is_whole
     rater.take(figures(2, 210))
     (row,) = rater.rows(snapshot(), {"A": "A.rtc"})
     assert (row.reached_hz, row.mean_s, row.longest_s) == (100.0, pytest.approx(0.002), 0.005)
     assert (row.out_hz, row.in_hz, row.cpu_percent) == (100.0, None, 12.5)
+    assert rater.is_whole
     rater.take(figures(3, 210, has_work=False))
     (row,) = rater.rows(snapshot(), {"A": "A.rtc"})
     assert row.reached_hz is None  # at rest, not failing
