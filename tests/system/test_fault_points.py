@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
@@ -35,9 +36,22 @@ MANY_STEPS = ("resurrect", "start plan", "stop plan", "teardown", "cryo", "impor
 
 DAEMONS = ("manager", "zygote", "slave", "holder")
 
+SHOWN_ELSEWHERE = {
+    "find again": r"manager\.(locked|logging|zygote_started|\w+_open|serving|ready)",
+    "load": r"(zygote|slave)\.|manager\.(asked_for_slave|signalled|heard_of_end)",
+    "create here": r"holder\.|manager\.(sending|answer)",
+    "batch": r"(?!zygote\.forked|slave\.greeting|manager\.sending|holder\.did)",
+    "disconnect": r"(?!manager\.sending|holder\.did)",
+    "activate": r"(?!holder\.did|manager\.answering)",
+    "stop": r"manager\.(sending|signalled)|holder\.(?!finalised)|slave\.holds_nothing|zygote\.",
+}
+"""Points of an operation that are tried at each commit with another one, which does the same."""
+
 
 def is_usual(name: str, point: str) -> bool:
     """Whether to try a point at each commit: it says something that no other one says."""
+    if re.match(SHOWN_ELSEWHERE.get(name, "(?!)"), point):
+        return False
     is_daemon = point.partition(".")[0] in DAEMONS
     is_single = name not in MANY_STEPS
     return is_single if is_daemon else not (is_single and point.startswith("command."))

@@ -85,7 +85,8 @@ def hangs(manager: Any) -> Any:
 def create(shell: Any, instance: str, place: str, **options: str) -> Any:
     told = "".join(f"&{key}={value}" for key, value in options.items())
     where = f"&manager_name={place}" if place else ""
-    line = f"rtmgr --timeout 1.5 {MANAGER} -c 'Hangs?instance_name={instance}{where}{told}'"
+    timeout_s = 1.5 if options.get("when") == "on_initialize" else 20
+    line = f"rtmgr --timeout {timeout_s} {MANAGER} -c 'Hangs?instance_name={instance}{where}{told}'"
     return shell.run(line)
 
 
