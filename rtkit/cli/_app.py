@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from rtkit.tree.view import Node
 
 DEFAULT_TIMEOUT_S = 10.0
+_LEAST_TIMEOUT_S = 2.0
+"""How long a manager may take on a machine that is at work [s]."""
 _SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
@@ -163,6 +165,11 @@ class App:
     def status(self, error: RtkitError) -> int:
         """Return the exit status that stands for `error`."""
         return error.detail if self.has_exit_detail else error.exit_code
+
+    def bound(self, duration_s: float | None) -> None:
+        """Wait for a manager no longer than the command is to take, if that is known [s]."""
+        if duration_s is not None:
+            self.timeout_s = min(self.timeout_s, max(duration_s, _LEAST_TIMEOUT_S))
 
     def close(self) -> None:
         """End the connection that this run made."""

@@ -138,6 +138,7 @@ def play(
     from rtkit.rtc.enums import PortType
 
     is_text = form == "text" or (form is None and name.endswith(".txt"))
+    app.bound(pace.duration_s)
     streams = named_streams(app, ports, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
     source = _TextSource(name) if is_text else _McapSource(name)
     chosen = _matched(app, streams, source.channels)

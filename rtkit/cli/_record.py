@@ -47,9 +47,9 @@ def record(
     from rtkit.probe.types import data_type
     from rtkit.rtc.enums import PortType
 
+    app.bound(duration_s)
     streams = named_streams(app, ports, PortType.OUT, _name)
     types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
-    limit = _Limit(part, duration_s)
     with (
         _ended_in_order(),
         _opened(name, form) as file,
@@ -59,6 +59,7 @@ def record(
     ):
         probe.connect(LOSSLESS if is_lossless else {})
         app.tell(f"{probe.component.instance} is connected")
+        limit = _Limit(part, duration_s)
         app.say(limit.announcement)
         _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()})
         reader.check()

@@ -24,6 +24,7 @@ STATES = (*(state.value for state in LifeCycleState), UNKNOWN_STATE)
     help="State that every component is to be in (default Active).",
 )
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a deviation: --format json.")
+@click.option("--junit", "is_junit", is_flag=True, help="The same as --format junit.")
 @click.option("--diff", "is_diff", is_flag=True, help="Both sides of each deviation, on stdout.")
 @click.option(
     "--static",
@@ -38,6 +39,7 @@ def main(
     files: tuple[str, ...],
     state: str,
     is_json: bool,
+    is_junit: bool,
     is_diff: bool,
     is_static: bool,
     components: tuple[str, ...],
@@ -59,7 +61,7 @@ def main(
     With --static nothing that lives is asked: the components of the profile are compared with the
     RTC profiles of their types (see rtprofile check).
     """
-    form = "json" if is_json else report or _static.TEXT
+    form = "json" if is_json else "junit" if is_junit else report or _static.TEXT
     if is_static:
         if is_diff or dry_run:
             raise UsageProblem("--static compares with no live system: no --diff, no --dry-run")

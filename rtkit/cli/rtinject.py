@@ -84,6 +84,7 @@ def main(
     if number == 0:
         raise UsageProblem("-n 0 writes nothing")
     import_modules(modules, folders)
+    app.bound(duration_s)
     streams = named_streams(app, ports, PortType.IN)
     types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
     if const is not None:

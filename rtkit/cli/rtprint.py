@@ -98,13 +98,13 @@ def main(
         raise UsageProblem("--plot draws: no --json")
 
     import_modules(modules, folders)
+    app.bound(duration_s)
     streams = named_streams(app, ports, PortType.OUT)
     types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
     for cls in types.values():
         for field in fields:
             check_field(cls, field)
     sink = _sink(form or LINES, streams, types, Wish(fields, is_full, is_json))
-    until = None if duration_s is None else time.monotonic() + duration_s
     limit = None if duration_s is not None else number
     with (
         Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe,
@@ -112,6 +112,7 @@ def main(
     ):
         probe.connect(LOSSLESS if lossless else {})
         app.tell(f"{probe.component.instance} is connected")
+        until = None if duration_s is None else time.monotonic() + duration_s
         for piece in _limited(probe.arrivals(until), limit, is_by_piece=rate is not None):
             sink.take(piece)
         reader.check()

@@ -75,6 +75,7 @@ def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> i
     """
     begin = time.monotonic()
     until = begin + timeout_s
+    app.bound(timeout_s)
     goals = _goals(app, words)
     problems = _reach(app, goals, until)
     carried = [goal for goal in goals if goal.wanted == DATA]
@@ -131,10 +132,7 @@ def _goal(path: Path, wanted: str) -> Goal:
 def _reach(app: App, goals: Sequence[Goal], until: float) -> Sequence[Problem]:
     """Wait until all goals hold, looking again only when something has changed.
 
-    When the time is up it returns what is missing.
-
-    Raises:
-        Unreachable: The time is up, and no manager answers.
+    When the time is up it returns what is missing; no manager answers may be why.
     """
     from rtkit.cli._ears import Ears
     from rtkit.deployment.news import TREE
@@ -148,7 +146,7 @@ def _reach(app: App, goals: Sequence[Goal], until: float) -> Sequence[Problem]:
             if not problems:
                 return []
         if not ears.ears and ears.why is not None:
-            raise ears.why
+            return [(goal, f"is not known: {ears.why}") for goal in goals]
         return problems
 
 

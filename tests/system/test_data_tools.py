@@ -7,6 +7,7 @@ import os
 import select
 import shutil
 import signal
+import subprocess
 import time
 from datetime import datetime
 from pathlib import Path
@@ -197,3 +198,37 @@ def test_a_recorder_that_is_asked_to_end_finishes_its_file(doubler: Any) -> None
         assert recording.returncode == -number
         told = json.loads(doubler.ok(f"rtlog -d --json -f {name}"))
         assert (told["entries"], told["is_whole"]) == (1, True)
+
+
+def test_a_chart_on_a_terminal_is_drawn_in_place(doubler: Any) -> None:
+    master, slave = os.openpty()
+    doubler.environment["TERM"] = "xterm"
+    line = doubler.command(f"rtprint --plot -v -n 60 {DOUBLER}:out")
+    with subprocess.Popen(
+        line,
+        stdout=slave,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=doubler.environment,
+        cwd=doubler.folder,
+    ) as process:
+        os.close(slave)
+        assert process.stderr is not None
+        assert "is connected" in process.stderr.readline()
+        assert doubler.run(f"rtinject -c 21 -n 60 -r 100 {DOUBLER}:in").status == 0
+        text = ""
+        while piece := read_terminal(master):
+            text += piece
+        assert process.wait(30) == 0
+    os.close(master)
+    first, *again = text.split("\x1b[16A")
+    assert again  # drawn anew over what was there
+    assert "* data 42" in first
+    assert again[-1].rstrip().endswith("* data 42\x1b[0m\x1b[K")
+
+
+def read_terminal(master: int) -> str:
+    try:
+        return os.read(master, 65536).decode()
+    except OSError:  # nobody has the other end any more
+        return ""

@@ -408,7 +408,7 @@ def test_check_for_build_servers(run, file, world):
     path = file()
     run("rtresurrect", path)
     world.perform(act.SetParameters("Sink0", "default", {"gain": "7"}))
-    status, out, err = run("rtcheck", "-s", "inactive", "--format", "junit", path)
+    status, out, err = run("rtcheck", "-s", "inactive", "--junit", path)
     assert (status, err) == (1, "")
     (suite,) = etree.fromstring(out.encode())
     cases = {case.get("name"): case.find("failure") for case in suite.iter("testcase")}
