@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 from rtkit.component import Component, Manager, OutPort, Parameter, Time, TimedOctetSeq
 
 
@@ -20,7 +22,7 @@ class Flood(Component):
 
     def on_execute(self, context: str) -> None:
         """Write all that is left."""
-        payload = bytes(self.size)
+        payload = os.urandom(self.size)
         while self._left:
             self._left -= 1
             self.out.write(TimedOctetSeq(Time.now(), payload))

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import IO, TYPE_CHECKING, Protocol
+from typing import IO, TYPE_CHECKING, Protocol, cast
 
 from rtkit.cli import _reader
 from rtkit.cli._app import App
@@ -109,7 +109,7 @@ def _opened(name: str, form: str) -> Iterator[IO[bytes]]:
     if name == STDOUT:
         if form != "text" and sys.stdout.isatty():
             raise Refused("a terminal cannot show MCAP: -f FILE, a pipe, or -l text")
-        yield sys.stdout.buffer
+        yield sys.stdout.buffer if form == "text" else cast("IO[bytes]", _Counted())
         return
     try:
         file = open(name, "xb")  # noqa: SIM115 - closed below; only opening it may find another
@@ -117,6 +117,23 @@ def _opened(name: str, form: str) -> Iterator[IO[bytes]]:
         raise Refused(f"file exists already: {name}") from None
     with file:
         yield file
+
+
+class _Counted:
+    """Stdout that tells how much was written, which a pipe cannot."""
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def write(self, data: bytes) -> int:
+        self._count += len(data)
+        return sys.stdout.buffer.write(data)
+
+    def tell(self) -> int:
+        return self._count
+
+    def flush(self) -> None:
+        sys.stdout.buffer.flush()
 
 
 def _reading(name: str, probe: Probe) -> AbstractContextManager[_reader.Reader]:
@@ -151,8 +168,10 @@ def _sink(
         return
     from rtkit.recording.entries import Channel
     from rtkit.recording.mcap_file import Writer
+    from rtkit.recording.schema import has_octets
 
-    with Writer(file) as writer:
+    is_compressed = not any(map(has_octets, types.values()))
+    with Writer(file, is_compressed=is_compressed) as writer:
         for stream in streams:
             sources = tuple(str(end.path) for end in stream.ends)
             writer.add_channel(Channel(stream.name, stream.data_type, sources), types[stream.name])

@@ -21,7 +21,7 @@ from rtkit.recording.entries import Channel, Entry, Info, Span
 CHUNK_S = 0.5
 """After how long a chunk is closed at the latest [s]."""
 
-_CHUNK_BYTES = 4 * 1024 * 1024
+_CHUNK_BYTES = 512 * 1024
 _PROFILE = "rtkit"
 _META = "rtkit.recording"
 _MAX_RECORD = 1 << 30
@@ -30,15 +30,18 @@ _MAX_RECORD = 1 << 30
 class Writer:
     """Writes a recording; use as a context manager, which finishes the file.
 
+    Octets, which images consist of, hardly become shorter: to compress them takes most of the time.
+
     Attributes:
         count: How many values were written.
     """
 
-    def __init__(self, file: IO[bytes]) -> None:
+    def __init__(self, file: IO[bytes], *, is_compressed: bool = True) -> None:
         from mcap.writer import CompressionType
         from mcap.writer import Writer as Mcap
 
-        self._mcap = Mcap(file, chunk_size=_CHUNK_BYTES, compression=CompressionType.LZ4)
+        compression = CompressionType.LZ4 if is_compressed else CompressionType.NONE
+        self._mcap = Mcap(file, chunk_size=_CHUNK_BYTES, compression=compression)
         self._mcap.start(_PROFILE, "rtkit")
         self._mcap.add_metadata(_META, {"began_ns": str(time.time_ns())})
         self._numbers: dict[str, int] = {}

@@ -48,6 +48,19 @@ def idl_of(cls: type) -> str:
     return "\n".join(_definitions(layout_of(cls), set()))
 
 
+def has_octets(cls: type) -> bool:
+    """Whether values of a data type have octets in them; bytes stand for a value of any type."""
+    return cls is bytes or _has_octets(layout_of(cls))
+
+
+def _has_octets(layout: Layout) -> bool:
+    if isinstance(layout, Struct):
+        return any(_has_octets(item) for _, item in layout.fields)
+    if isinstance(layout, Array):
+        return any(map(_has_octets, layout.items))
+    return isinstance(layout, Octets) or (isinstance(layout, Items) and _has_octets(layout.item))
+
+
 def _definitions(layout: Layout, known: set[str]) -> Iterator[str]:
     if isinstance(layout, Items):
         yield from _definitions(layout.item, known)

@@ -122,6 +122,24 @@ def test_what_is_wrong_is_told_before_anything_is_connected(doubler: Any) -> Non
         assert told in done.err
 
 
+def test_a_recording_goes_through_a_pipe(doubler: Any) -> None:
+    line = doubler.command(f"rtlog -i -e 2 -v -f - {DOUBLER}:out")
+    with open(doubler.folder / "x.mcap", "wb") as file:
+        cat = subprocess.Popen(["cat"], stdin=subprocess.PIPE, stdout=file)
+        recording = subprocess.Popen(
+            line, stdout=cat.stdin, stderr=subprocess.PIPE, text=True, env=doubler.environment
+        )
+        assert cat.stdin is not None
+        cat.stdin.close()
+    assert recording.stderr is not None
+    assert "is connected" in recording.stderr.readline()
+    assert doubler.run(f"rtinject -c 1 -n 2 -r 100 {DOUBLER}:in").status == 0
+    _, err = recording.communicate(timeout=30)
+    assert (recording.returncode, cat.wait(30)) == (0, 0), err
+    told = json.loads(doubler.ok("rtlog --info --json -f x.mcap"))
+    assert (told["entries"], told["is_whole"]) == (2, True)
+
+
 def test_a_recording_of_nothing_is_told(doubler: Any) -> None:
     done = doubler.run(f"rtlog -t 0.2 -f none.mcap {DOUBLER}:out")
     assert (done.status, done.err.splitlines()[1:]) == (

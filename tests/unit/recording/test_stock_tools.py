@@ -12,10 +12,12 @@ from mcap_ros2._dynamic import generate_dynamic
 
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
+from rtkit.component.images import TimedCameraImage
 from rtkit.component.sensors import CameraImage
 from rtkit.component.types import Time, TimedDoubleSeq, TimedLong, TimedString
 from rtkit.recording.entries import Channel, Entry
 from rtkit.recording.mcap_file import Writer
+from rtkit.recording.schema import has_octets
 
 POSE = TimedPose2D(Time(3, 4), Pose2D(Point2D(1.5, 2.5), 3.5))
 IMAGE = CameraImage(Time(1, 1), 2, 3, 24, "rgb", 0.5, b"\1\2\3")
@@ -72,7 +74,8 @@ def test_what_is_recorded_is_understood_by_what_the_file_says(told: str, tmp_pat
     value = VALUES[told]
     payload = codec_for(type(value)).encode(value)
     path = tmp_path / "x.mcap"
-    with path.open("wb") as file, Writer(file) as writer:
+    is_compressed = not has_octets(type(value))
+    with path.open("wb") as file, Writer(file, is_compressed=is_compressed) as writer:
         writer.add_channel(Channel("a", "", ("/localhost/A.rtc:out",)), type(value))
         for number in range(3):
             writer.write(Entry("a", 10**18, 10**18 + number, payload))
@@ -87,3 +90,11 @@ def test_what_is_recorded_is_understood_by_what_the_file_says(told: str, tmp_pat
     assert schema is not None
     assert (channel.message_encoding, schema.encoding) == ("cdr", "omgidl")
     assert str(decoded(schema.name, schema.data.decode(), message.data)) == told
+
+
+def test_what_has_octets() -> None:
+    assert has_octets(CameraImage)
+    assert has_octets(TimedCameraImage)
+    assert has_octets(bytes)
+    assert not has_octets(TimedPose2D)
+    assert not has_octets(TimedDoubleSeq)
