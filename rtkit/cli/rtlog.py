@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rtkit.recording.entries import Part
 
 FORMATS = ("mcap", "text")
+FORMS_OUT = ("text", "json", "csv")
 _NS = 1_000_000_000
 
 
@@ -29,14 +30,20 @@ _NS = 1_000_000_000
     "-d", "--display-info", "--info", "is_info", is_flag=True, help="Tell what is in it, and end."
 )
 @click.option(
+    "--export",
+    "exported",
+    type=click.Choice(FORMS_OUT),
+    help="Write its values to stdout: lines of a text log, JSON Lines, or CSV.",
+)
+@click.option(
     "-l",
     "--logger",
     "form",
     metavar="FORMAT",
     help="mcap (default) or text; when playing the file's name tells.",
 )
-@click.option("-s", "--start", metavar="TIME|INDEX", help="Play from here on.")
-@click.option("-e", "--end", metavar="TIME|INDEX", help="Record or play up to here.")
+@click.option("-s", "--start", metavar="TIME|INDEX", help="Play, or export, from here on.")
+@click.option("-e", "--end", metavar="TIME|INDEX", help="Record, play or export up to here.")
 @click.option("-i", "--index", "is_by_index", is_flag=True, help="-s and -e are indices.")
 @click.option(
     "-t",
@@ -84,6 +91,7 @@ def main(
     filename: str | None,
     is_play: bool,
     is_info: bool,
+    exported: str | None,
     form: str | None,
     start: str | None,
     end: str | None,
@@ -104,6 +112,7 @@ def main(
     rtlog -f run.mcap Robot0.rtc:pose Laser0.rtc:scan     record, until Ctrl-C
     rtlog -d -f run.mcap                                  what is in it
     rtlog -p -f run.mcap Map0.rtc:pose                    play it
+    rtlog --export csv -f run.mcap                        its values, one field a line
 
     A recording is an MCAP file that other viewers open too: values in CDR, with their data types.
     What was recorded up to half a second ago can be read even after the recorder was killed.
@@ -116,14 +125,18 @@ def main(
     from rtkit.cli import _play, _record
     from rtkit.probe.types import import_modules
 
-    if is_play and is_info:
-        raise UsageProblem("-p and -d cannot be used together")
-    if (is_play or is_info) and filename is None:
+    if sum((is_play, is_info, exported is not None)) > 1:
+        raise UsageProblem("only one of -p, -d and --export can be used")
+    if (is_play or is_info or exported) and filename is None:
         raise UsageProblem("No log file specified.")
     import_modules(modules, folders)
     part = _part(start, end, is_by_index, has_duration=duration_s is not None)
     if is_info:
         _play.describe(app, str(filename), is_json=is_json)
+    elif exported:
+        from rtkit.cli._export import export
+
+        export(str(filename), exported, part)
     elif is_play:
         pace = _play.Pace(rate or 1.0, is_untimed, exec_rate or 100.0, is_absolute, duration_s)
         _play.play(app, str(filename), form, ports, part, pace, is_lossless=lossless)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
+from enum import Enum
 from typing import Any
 
 from rtkit.component.layout import Array, Items, Layout, Struct, layout_of
@@ -71,14 +72,21 @@ def _below(layout: Layout, step: str | int, text: str) -> Layout | None:
 
 def numbers(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
     """Yield what is a number in a value, by field; time stamps are left out."""
-    if isinstance(value, bool):
-        yield name, float(value)
-    elif isinstance(value, int | float):
-        yield name, value
-    elif is_dataclass(value) and not isinstance(value, type):
+    for field, item in scalars(value, name):
+        if isinstance(item, int | float):
+            yield field, float(item)
+
+
+def scalars(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield all that a value consists of, by field; time stamps and octets are left out."""
+    if is_dataclass(value) and not isinstance(value, type):
         for each in fields(value):
             if each.name != _STAMP:
-                yield from numbers(getattr(value, each.name), f"{name}.{each.name}".lstrip("."))
+                yield from scalars(getattr(value, each.name), f"{name}.{each.name}".lstrip("."))
     elif isinstance(value, list | tuple):
         for index, item in enumerate(value):
-            yield from numbers(item, f"{name}[{index}]")
+            yield from scalars(item, f"{name}[{index}]")
+    elif isinstance(value, Enum):
+        yield name, value.name
+    elif not isinstance(value, bytes):
+        yield name, value

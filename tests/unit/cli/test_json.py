@@ -14,6 +14,7 @@ import pytest
 
 from rtkit.cli import COMMANDS, _records
 from rtkit.component.codec import codec_for
+from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.literal import Literal
 from rtkit.component.types import Time, TimedDouble, TimedLong
 from rtkit.deployment.world import World
@@ -170,6 +171,32 @@ def test_recordings(tmp_path: Path, run: Run) -> None:
     full, empty = record["channels"]
     assert (full["entries"], full["first_index"], full["last_index"]) == (3, 0, 2)
     assert (empty["entries"], empty["first"], empty["last_index"]) == (0, None, None)
+
+
+def test_exports(tmp_path: Path, run: Run) -> None:
+    file = tmp_path / "run.mcap"
+    with file.open("wb") as stream, Writer(stream) as writer:
+        writer.add_channel(Channel("s", "IDL:RTC/TimedPose2D:1.0", ("/a",)), TimedPose2D)
+        for number in range(3):
+            pose = TimedPose2D(Time(number, 5), Pose2D(Point2D(number, -1), 0.5))
+            payload = codec_for(TimedPose2D).encode(pose)
+            writer.write(Entry("s", number * 10**9 + 5, 7 * 10**9 + number, payload))
+    records = jsonrecords.checked(run(f"rtlog --export json -f {file}").out)
+    assert [record["value"]["data"]["position"]["x"] for record in records] == [0, 1, 2]
+    assert records[0]["received"] == "1970-01-01T00:00:07.000000000Z"
+    lines = run(f"rtlog --export csv -i -s 1 -e 1 -f {file}").out.splitlines()
+    times = "1970-01-01T00:00:07.000000001Z,1970-01-01T00:00:01.000000005Z"
+    assert lines == [
+        "received,stamp,stream,field,value",
+        f"{times},s,data.position.x,1.0",
+        f"{times},s,data.position.y,-1.0",
+        f"{times},s,data.heading,0.5",
+    ]
+    text = run(f"rtlog --export text -i -e 1 -f {file}").out
+    assert text.startswith("0.000000005\t('s', {")
+    done = run(f"rtlog --export csv -i -s 9 -f {file}")
+    assert (done.status, done.err) == (1, f"rtlog: no values in that part: {file}\n")
+    assert run(f"rtlog --export csv -d -f {file}").status == 2
 
 
 def test_values_and_their_statistics() -> None:

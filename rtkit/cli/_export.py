@@ -1,0 +1,104 @@
+"""Values of a recording for other programs: lines of text, JSON Lines, CSV."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from rtkit.cli import _out, _records
+from rtkit.errors import Refused
+
+if TYPE_CHECKING:
+    from rtkit.recording.entries import Channel, Entry, Part
+
+_PIECE = 1000
+Line = Callable[["Entry", Any], Iterable[str]]
+
+
+def export(name: str, form: str, part: Part) -> None:
+    """Write the values of a recording to stdout as text, JSON or CSV.
+
+    Raises:
+        Malformed: It is no recording.
+        NotFound: Nobody defined a data type of it.
+        Refused: There is nothing in the part that is wanted.
+    """
+    from rtkit.recording.mcap_file import Reader
+
+    reader = Reader(name)
+    channels = {channel.name: channel for channel in reader.info().channels}
+    lines = _lines(channels, part.of(reader.entries()), _FORMS[form](channels))
+    first = next(lines, None)
+    if first is None:
+        raise Refused(f"no values in that part: {name}" if part.start else f"no values: {name}")
+    if form == "csv":
+        _out.write(["received,stamp,stream,field,value"])
+    _out.write([first])
+    while piece := list(islice(lines, _PIECE)):
+        _out.write(piece)
+        sys.stdout.flush()
+
+
+def _lines(channels: dict[str, Channel], entries: Iterator[Entry], line: Line) -> Iterator[str]:
+    from rtkit.component.codec import codec_for
+    from rtkit.probe.types import data_type
+
+    decoders = {
+        name: codec_for(data_type(channel.data_type, f"stream {name}")).decode
+        for name, channel in channels.items()
+    }
+    for entry in entries:
+        yield from line(entry, decoders[entry.channel](entry.payload))
+
+
+def _as_text(_channels: dict[str, Channel]) -> Line:
+    from rtkit.probe.text import plain
+    from rtkit.recording.text_log import line_of
+
+    def line(entry: Entry, value: Any) -> Iterable[str]:
+        return [line_of(entry.channel, entry.time_ns, plain(value))]
+
+    return line
+
+
+def _as_json(channels: dict[str, Channel]) -> Line:
+    from rtkit.probe.text import plain
+
+    def line(entry: Entry, value: Any) -> Iterable[str]:
+        channel = channels[entry.channel]
+        record = {
+            "stream": channel.name,
+            "ports": list(channel.sources),
+            "type": channel.data_type,
+            "received": _records.time_text(entry.arrived_ns),
+            "value": plain(value),
+        }
+        return [_records.line("value", record)]
+
+    return line
+
+
+def _as_csv(_channels: dict[str, Channel]) -> Line:
+    from rtkit.probe.fields import scalars
+
+    def line(entry: Entry, value: Any) -> Iterator[str]:
+        received = _records.time_text(entry.arrived_ns)
+        stamp = _records.time_text(entry.time_ns)
+        for field, item in scalars(value):
+            yield ",".join((received, stamp, *map(_cell, (entry.channel, field, item))))
+
+    return line
+
+
+def _cell(item: object) -> str:
+    text = _out.printable(item if isinstance(item, str) else str(item))
+    return f'"{text.replace(chr(34), 2 * chr(34))}"' if any(c in text for c in ',"') else text
+
+
+_FORMS: dict[str, Callable[[dict[str, Channel]], Line]] = {
+    "text": _as_text,
+    "json": _as_json,
+    "csv": _as_csv,
+}
