@@ -105,7 +105,7 @@ class Inlet:
 
     def __init__(self) -> None:
         self._declared: zenoh.Subscriber[None] | zenoh.Queryable[None] | None = None
-        self._ask: Callable[[], None] = lambda: None
+        self._ask: Callable[[], None] | None = None
         self._told = threading.Event()
         self._next = 0
         self.lost = 0
@@ -135,6 +135,8 @@ class Inlet:
 
         It is for streams whose values are numbered.
         """
+        if self._ask is None:
+            return False
         self._told.clear()
         try:
             self._ask()
