@@ -52,7 +52,7 @@ def record(
     types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
     with (
         _ended_in_order(),
-        _opened(name, form) as file,
+        opened(name, form) as file,
         _sink(form, file, streams, types) as sink,
         Probe(app.tree, "rtlog_recorder", streams, tap_ports(streams)) as probe,
         _reading(name, probe) as reader,
@@ -100,7 +100,7 @@ def _ended_in_order() -> Iterator[None]:
 
 
 @contextmanager
-def _opened(name: str, form: str) -> Iterator[IO[bytes]]:
+def opened(name: str, form: str) -> Iterator[IO[bytes]]:
     """Open a new file, or stdout for ``-``.
 
     Raises:

@@ -12,6 +12,7 @@ from rtkit.cli.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.cli.doctor.folders import state_of
 from rtkit.errors import RtkitError
 from rtkit.link import places
+from rtkit.rtc.address import DEFAULT_PORT
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
@@ -28,6 +29,7 @@ def managers(timeout_s: float, environment: Mapping[str, str]) -> Iterator[Diagn
     yield from _asked_for(environment, names)
     if not names:
         yield Diagnosis("managers", NOTE, "no manager runs", "rtmgr start")
+        yield from _port(environment.get("RTKIT_PORT", "") or str(DEFAULT_PORT))
     found: dict[str, list[Diagnosis]] = {}
     threads = [Thread(target=_look, args=(name, timeout_s, found), daemon=True) for name in names]
     until = time.monotonic() + 2 * timeout_s
@@ -37,6 +39,24 @@ def managers(timeout_s: float, environment: Mapping[str, str]) -> Iterator[Diagn
         thread.join(max(0.0, until - time.monotonic()))
     for name in names:
         yield from found.get(name) or [_silent(name, timeout_s)]
+
+
+def _port(asked: str) -> Iterator[Diagnosis]:
+    """Tell whether a manager that is started now would get its TCP port; nothing listens for it."""
+    import socket
+
+    if not (asked.isascii() and asked.isdigit()):
+        return
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", int(asked)))
+        except (OSError, OverflowError) as error:
+            text = f"TCP port {asked} cannot be had: {error}; a manager would have no door"
+            cure = "rtmgr start -p PORT takes another one, -a none"
+            yield Diagnosis("doors", WARNING, text, cure, asked)
+        else:
+            yield Diagnosis("doors", OK, f"TCP port {asked} is free", "", asked)
 
 
 def _asked_for(environment: Mapping[str, str], names: Sequence[str]) -> Iterator[Diagnosis]:
@@ -64,7 +84,7 @@ def _look(name: str, timeout_s: float, found: dict[str, list[Diagnosis]]) -> Non
         with connect(name, timeout_s) as tree:
             listing, facts = tree.listing(), tree.part([])
             address, started = tree.get("rtkit.address"), float(tree.get("manager.started"))
-    except RtkitError as error:
+    except (RtkitError, ImportError) as error:
         found[name] = [_silent(name, timeout_s, str(error))]
         return
     judged = [
@@ -181,7 +201,7 @@ def _knock(address: str, timeout_s: float, told: dict[str, str]) -> None:
     try:
         with connect(address, timeout_s) as tree:
             tree.listing()
-    except RtkitError as error:
+    except (RtkitError, ImportError) as error:
         told[address] = str(error)
     else:
         told[address] = ""

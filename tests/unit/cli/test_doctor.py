@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 from pathlib import Path
 
 import jsonrecords
@@ -154,9 +155,22 @@ def test_doors(address: str, properties: dict[str, str], asked: str, wanted: str
     assert found.severity == wanted
 
 
+def test_a_port_that_somebody_has() -> None:
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen(1)
+        port = str(other.getsockname()[1])
+        (_, found) = live.managers(0.1, {"RTKIT_PORT": port})
+        assert (found.severity, found.subject) == (WARNING, port)
+    (_, found) = live.managers(0.1, {"RTKIT_PORT": port})
+    assert found.severity == OK
+    assert len(list(live.managers(0.1, {"RTKIT_PORT": "none"}))) == 1
+
+
 def test_the_command_without_a_manager(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("RTKIT_PORT", "none")
     assert main(["--json"]) == 0
     records = jsonrecords.checked(capsys.readouterr().out)
     assert {jsonrecords.kind_of(record) for record in records} == {"diagnosis"}

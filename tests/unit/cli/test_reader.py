@@ -9,7 +9,8 @@ import threading
 
 import pytest
 
-from rtkit.cli import _reader
+from rtkit.cli import _reader, _record
+from rtkit.errors import Refused
 
 
 def test_the_end_of_a_reader_is_heard_though_nothing_is_written(
@@ -41,3 +42,14 @@ def test_what_nobody_can_leave(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", io.StringIO())
     with _reader.while_read(pytest.fail) as reader:
         reader.check()
+
+
+def test_a_terminal_is_shown_no_mcap(monkeypatch: pytest.MonkeyPatch) -> None:
+    master, slave = os.openpty()
+    with os.fdopen(slave, "w") as stdout:
+        monkeypatch.setattr(sys, "stdout", stdout)
+        with pytest.raises(Refused, match="cannot show MCAP"), _record.opened("-", "mcap"):
+            pass
+        with _record.opened("-", "text") as file:
+            assert file is stdout.buffer
+    os.close(master)
