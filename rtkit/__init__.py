@@ -1,6 +1,7 @@
 """rtkit: deployment and orchestration of component-based robot systems.
 
-``rtkit.connect()`` is the way in for scripts; component authors import `rtkit.component`.
+``rtkit.connect()`` is the way in for scripts, ``rtkit.serve()`` makes live properties of an object;
+component authors import `rtkit.component`.
 """
 
 from __future__ import annotations
@@ -11,16 +12,21 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
+    from rtkit.property.annotations import Range, Unit
+    from rtkit.serving.serve import serve
     from rtkit.tree.client import Tree
     from rtkit.tree.connect import connect
     from rtkit.version import __version__
 
-__all__ = ["Tree", "__version__", "connect"]
+__all__ = ["Range", "Tree", "Unit", "__version__", "connect", "serve"]
 
 _HOMES = {
+    "Range": "rtkit.property.annotations",
     "Tree": "rtkit.tree.client",
     "__version__": "rtkit.version",
+    "Unit": "rtkit.property.annotations",
     "connect": "rtkit.tree.connect",
+    "serve": "rtkit.serving.serve",
 }
 
 

@@ -101,6 +101,13 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtfsm Microwave0.rtc seteventprofiles open:TimedLong,close:TimedLong", "Other events."),
         ("rtfsm Microwave0.rtc setstructure microwave.scxml", "Other states and transitions."),
     ),
+    "rtget": (
+        ("rtget robot", "The names that a service has."),
+        ("rtget robot.speed robot.location.x", "Two values, a line each."),
+        ("rtget -p frame=robot robot.pose", "With a parameter."),
+        ("rtget robot.speed.meta", "Type, unit, range, time, quality of a property."),
+        ("rtget --raw robot.image > image.jpg", "Bytes, as they are."),
+    ),
     "rtkit": (
         ("rtkit ls /localhost", "The same as rtls /localhost."),
         ("rtkit conf -h", "Tell about one verb."),
@@ -110,6 +117,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtinject -c 42 Robot0.rtc:speed", "One value, and wait until it has arrived."),
         ("rtinject -c '{vx: 0.5}' -r 10 -t 3 Robot0.rtc:velocity", "Ten a second for 3 s."),
         ("rtinject --lossless Robot0.rtc:way < points.jsonl", "Each line of a file."),
+    ),
+    "rtlisten": (
+        ("rtlisten robot.speed", "Every change, until Ctrl-C."),
+        ("rtlisten -n 1 --every 0.5 robot.location", "At most two a second, and only one."),
+        ("rtlisten --mode diff robot", "Which names come and go."),
     ),
     "rtlog": (
         ("rtlog -f run.mcap Robot0.rtc:pose", "Record every pose until Ctrl-C."),
@@ -172,6 +184,18 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtresurrect robot.xml", "Make, configure and connect what a profile describes."),
         ("rtresurrect --dry-run robot.xml", "Tell what would be done."),
         ("rtresurrect --stand-in robot.xml", "Without the modules: stand-ins for components."),
+    ),
+    "rtserve": (
+        ("rtserve simple_pid:PID pid -a 1 -a 0.1", "A class, called with two arguments."),
+        ("rtserve ./arm.py:Arm robots/arm --port 0", "Of a file, with a TCP door too."),
+    ),
+    "rtset": (
+        ("rtset robot.speed -0.5", "A number."),
+        ("rtset robot.location.x 3", "A part of a vector."),
+        ("rtset --echo robot.double 21", "An action: wait, and print what came of it."),
+        ("rtset --if 7 robot.mode drive", "Only if nobody has changed it since."),
+        ("rtset robot properties '((speed 0) (mode idle))'", "Several, all or none."),
+        ("rtset --file image.jpg robot.image", "The content of a file."),
     ),
     "rtstart": (
         ("rtstart robot.xml", "Activate the components of a profile in its order."),

@@ -9,6 +9,7 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
+from rtkit.cli._watch import CLEAR, MayWatch
 from rtkit.errors import Malformed
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import Kind, Node
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from rtkit.rtc.names import Path
 
 _Show = Callable[[list[Node]], Iterable[str]]
-_CLEAR = "\x1b[H\x1b[2J"
 _BLANK = ("-", "-", "-", "-", "-")
 _STYLES = {
     Kind.HOST: "directory",
@@ -27,16 +27,7 @@ _STYLES = {
 }
 
 
-class _MayWatch(click.Command):
-    """Takes ``--watch`` with or without ``=SECONDS``, never the next argument."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        end = args.index("--") if "--" in args else len(args)
-        options = ["--watch=1" if each == "--watch" else each for each in args[:end]]
-        return super().parse_args(ctx, options + args[end:])
-
-
-@command("rtls", cls=_MayWatch)
+@command("rtls", cls=MayWatch)
 @click.option("-l", "is_long", is_flag=True, help="State, ports and connections of each entry.")
 @click.option("-R", "--recurse", is_flag=True, help="List directories below, one block each.")
 @click.option("-1", "is_single", is_flag=True, help="One name a line (as when not on a terminal).")
@@ -116,7 +107,7 @@ def _watch(
                 continue
             lines = list(look())
             if lines != before:
-                sys.stdout.write(_CLEAR if _out.is_terminal() else gap if before else "")
+                sys.stdout.write(CLEAR if _out.is_terminal() else gap if before else "")
                 _out.write(lines)
                 sys.stdout.flush()
             before, is_stale, shown_at = lines, False, monotonic()

@@ -4,6 +4,8 @@
 ``rt/<realm>/<host>/<manager>[/<instance>]/@/P``    property P of a manager or component
 ``rt/<realm>/<host>/<manager>[/<instance>]/@x/…``   reserved extensions (snapshot, meta, gui)
 ``rt/<realm>/<host>/<manager>/@x/line/LINE``        what a manager tells all who listen
+``rt/<realm>/<host>/@ps/<service>/…``                a property service of no manager, likewise
+``…/@e/<listener>``                                 events of a service to one listener
 ``rtd/<realm>/<host>/<connector id>``               data of one connector
 ``rtw/<realm>``                                     who the manager at an address is
 ==================================================  =============================================
@@ -15,6 +17,7 @@ from __future__ import annotations
 
 import os
 
+_EXTENSIONS = frozenset({"properties", "parameters", "gui", "listen", "meta", "history"})
 _UNSAFE = "*$?#/%@"
 
 
@@ -47,6 +50,32 @@ def service(host: str, manager: str, instance: str = "") -> str:
     """Return the key of a manager, or of a component below it."""
     base = f"rt/{realm()}/{escape(host)}/{escape(manager)}"
     return f"{base}/{escape(instance)}" if instance else base
+
+
+def property_service(host: str, service: str) -> str:
+    """Return the key of a property service that belongs to no manager."""
+    return f"rt/{realm()}/{escape(host)}/@ps/{service}"
+
+
+def of_target(service_key: str, name: str) -> str:
+    """Return the key of a property by its name in canonical spelling, which has extensions last.
+
+    A key holds the extension first, behind a mark that wildcards do not match.
+    """
+    segments = name.split(".")
+    for back in (1, 2):
+        if len(segments) >= back and segments[-back] in _EXTENSIONS:
+            head = ".".join(segments[-back:])
+            return "/".join([service_key, "@x", head, *segments[:-back]])
+    return "/".join([service_key, "@", *segments])
+
+
+def to_target(name: str, *, is_extension: bool) -> str:
+    """Return the name of a property from the part of a key behind the mark."""
+    head, _, rest = name.partition("/")
+    if not is_extension:
+        return name.replace("/", ".")
+    return f"{rest.replace('/', '.')}.{head}" if rest else head
 
 
 def introduction() -> str:

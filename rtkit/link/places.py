@@ -53,6 +53,30 @@ def control_socket(manager: str) -> str:
     return os.path.join(runtime_dir(), f"{manager}.ctl")
 
 
+def service_socket(service: str) -> str:
+    """Return the path of the socket on which a property service speaks the line protocol."""
+    return os.path.join(runtime_dir(), f"{_escaped(service)}.ps")
+
+
+def service_key_socket(service: str) -> str:
+    """Return the path of the socket on which a property service answers zenoh queries."""
+    return os.path.join(runtime_dir(), f"{_escaped(service)}.zps")
+
+
+def services() -> list[str]:
+    """Return the names of the property services that have a socket, whether or not they live."""
+    try:
+        entries = os.listdir(runtime_dir())
+    except OSError:
+        return []
+    names = [entry.removesuffix(".ps") for entry in entries if entry.endswith(".ps")]
+    return sorted(name.replace("%2F", "/") for name in names)
+
+
+def _escaped(service: str) -> str:
+    return service.replace("/", "%2F")
+
+
 def data_socket(manager: str, pid: int) -> str:
     """Return the path of the socket on which a process takes data for its in ports."""
     return os.path.join(runtime_dir(), f"{manager}.{pid}.data")

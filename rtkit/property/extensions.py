@@ -36,6 +36,8 @@ def get_extension(
     """
     parameters.pop("timeout", None)
     if place.extension == "properties":
+        if service.on_names is not None:
+            service.on_names()
         return _names(service, place, parameters)
     if place.extension == "history":
         return _history(place, parameters)

@@ -42,6 +42,13 @@ class Function:
 
     What is called and yields can be stopped whenever it yields; what it yields is how far it is.
 
+    Args:
+        function: What is called.
+        parameters: Its arguments, in order.
+        convert: Makes a value of what it returns.
+        run: Who calls it.
+        is_open: It takes any arguments, by place only.
+
     Attributes:
         state: ``idle``, ``running``, ``done``, ``failed`` or ``stopped``.
     """
@@ -50,14 +57,17 @@ class Function:
         self,
         function: Callable[..., object],
         parameters: tuple[Parameter, ...] = (),
-        convert: Callable[[object], Content] = lambda result: "" if result is None else result,  # type: ignore[assignment,return-value]
+        convert: Callable[[object], Content] = lambda result: result,  # type: ignore[assignment,return-value]
         run: Run = run_at_once,
+        *,
+        is_open: bool = False,
     ) -> None:
         self.state = "idle"
         self.parameters = parameters
         self._function = function
         self._convert = convert
         self._run = run
+        self._is_open = is_open
         self._result: Content | None = None
         self._error: tuple[str, str] | None = None
         self._is_to_stop = False
@@ -72,8 +82,10 @@ class Function:
             children.append(Element("result", {}, (), self._result))
         return Element("call", {"state": self.state}, tuple(children))
 
-    def bind(self, value: Value, named: dict[str, Value]) -> dict[str, Value]:
-        """Return the arguments that a SET stands for, by name.
+    def bind(
+        self, value: Value, named: dict[str, Value]
+    ) -> tuple[tuple[Value, ...], dict[str, Value]]:
+        """Return the arguments that a SET stands for, by place and by name.
 
         Raises:
             PropertyError: ``bad-value``: too many, too few, or of another type.
@@ -81,6 +93,8 @@ class Function:
         given: tuple[Value, ...] = value if isinstance(value, tuple) else (value,)
         if isinstance(value, str) and not isinstance(value, Word) and not value:
             given = ()
+        if self._is_open:
+            return given, {}
         if len(self.parameters) == 1 and isinstance(value, tuple) and not named:
             given = self._only(self.parameters[0], value)
         free = [each for each in self.parameters if each.key not in named]
@@ -89,8 +103,8 @@ class Function:
         bound = dict(named)
         for parameter, argument in zip(free, given, strict=False):
             bound[parameter.key] = argument
-        return {each.key: self._checked(each, bound) for each in self.parameters if
-                each.key in bound or each.default is None}  # fmt: skip
+        wanted = [each for each in self.parameters if each.key in bound or each.default is None]
+        return (), {each.key: self._checked(each, bound) for each in wanted}
 
     @staticmethod
     def _only(parameter: Parameter, value: tuple[Value, ...]) -> tuple[Value, ...]:
@@ -112,7 +126,11 @@ class Function:
             raise PropertyError("bad-value", f"{parameter.key}: not one of its choices")
         return value  # type: ignore[return-value]
 
-    def start(self, arguments: dict[str, Value], changed: Callable[[], None]) -> None:
+    def start(
+        self,
+        arguments: tuple[tuple[Value, ...], dict[str, Value]],
+        changed: Callable[[], None],
+    ) -> None:
         """Begin; `changed` is called whenever it stands otherwise.
 
         Raises:
@@ -127,7 +145,7 @@ class Function:
         def finished(result: object, error: BaseException | None) -> None:
             if error is None:
                 try:
-                    self._result = self._convert(result)
+                    self._result = None if result is None else self._convert(result)
                 except PropertyError as refused:
                     error = refused
             if error is not None:
@@ -139,8 +157,8 @@ class Function:
 
         self._run(lambda: self._work(arguments), finished)
 
-    def _work(self, arguments: dict[str, Value]) -> object:
-        outcome = self._function(**arguments)
+    def _work(self, arguments: tuple[tuple[Value, ...], dict[str, Value]]) -> object:
+        outcome = self._function(*arguments[0], **arguments[1])
         if not isinstance(outcome, Generator):
             return outcome
         self._can_stop = True

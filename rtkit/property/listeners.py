@@ -33,6 +33,11 @@ class Listeners:
         self.of_names: dict[str, list[Listener]] = {}
         self._revision_of_names = 1
 
+    @property
+    def is_any(self) -> bool:
+        """Whether anybody listens to anything."""
+        return bool(self._all)
+
     def register(self, place: Place, wish: Wish, caller: Caller) -> Listener:
         """Have a caller listen; who listens already gets the new wish and lease.
 

@@ -143,7 +143,9 @@ class Registry:
                 return place._replace(extension=segments[-back], field=field)
         place = self._part(segments)
         if place is None:
-            raise PropertyError("unknown", f"no such property: {name}")
+            while segments[1:] and segments[-1] in EXTENSIONS:
+                segments.pop()
+            raise PropertyError("unknown", f"no such property: {'.'.join(segments)}")
         return place
 
     def _valued(self, name: str) -> Place | None:

@@ -41,6 +41,7 @@ class Service:
 
     Attributes:
         on_refusal: Hears of each request that was denied: who, method, target.
+        on_names: Called before names are told or missed, to have those that there are now.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class Service:
         self.registry = Registry()
         self.listeners = Listeners(self)
         self.on_refusal: Callable[[str, str, str], object] | None = None
+        self.on_names: Callable[[], object] | None = None
         self._nodes = self.registry.nodes
         self._once = Once()
         self._started = wall()
@@ -195,10 +197,24 @@ class Service:
             answer(outcome)
         return None
 
+    def find(self, name: str) -> Place:
+        """Return what a name stands for, looking once more when there is no such name.
+
+        Raises:
+            PropertyError: ``unknown``.
+        """
+        try:
+            return self.registry.find(name)
+        except PropertyError as error:
+            if self.on_names is None or error.code != "unknown":
+                raise
+        self.on_names()
+        return self.registry.find(name)
+
     # GET
 
     def _get(self, target: Target, ask: Ask) -> Payload:
-        place = self.registry.find(target.name)
+        place = self.find(target.name)
         if place.extension:
             return get_extension(self, place, _read_all(target.parameters), ask.caller)
         node = place.node
@@ -262,7 +278,7 @@ class Service:
 
     def _set(self, target: Target, ask: Ask) -> Answer | None:
         assert ask.payload is not None
-        place = self.registry.find(target.name)
+        place = self.find(target.name)
         if place.extension:
             set_extension(self, place, _read_all(target.parameters), ask)
             return DONE

@@ -58,12 +58,15 @@ ELSEWHERE = {
     "deviation": "unit/cli/test_system.py",
     "event": "system/test_observers.py",
     "log-record": "system/test_observers.py",
+    "property": "system/test_live_properties.py",
+    "property-event": "system/test_live_properties.py",
 }
 """Kinds that other tests hold against their schemas."""
 
 WITHOUT = {
     "rtact", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit", "rtinject", "rtreset",
-    "rtresurrect", "rtstart", "rtstop", "rtteardown",  # change, and tell nothing
+    "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
+    "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rtprofile",  # its words have it
     "rtdoc", "rtstodot",  # write documents of other forms

@@ -1,0 +1,104 @@
+"""The object that ``MODULE:CLASS`` stands for."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import re
+import sys
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Any
+
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.rtc.nearest import did_you_mean
+
+_KEY = re.compile(r"[A-Za-z_]\w*")
+
+
+def made(thing: str, arguments: Sequence[str]) -> object:
+    """Import a module and return what is named in it, called if it can be.
+
+    Raises:
+        NotFound: There is no such module, or nothing of that name in it.
+        Refused: It does not import, or raises when it is called.
+        Malformed: An argument cannot be read.
+    """
+    module_name, mark, path = thing.rpartition(":")
+    if not mark or not module_name or not path:
+        raise Malformed(f"not MODULE:CLASS: {thing}")
+    found: Any = _module(module_name)
+    for step in path.split("."):
+        try:
+            found = getattr(found, step)
+        except AttributeError:
+            hint = did_you_mean(step, [each for each in dir(found) if not each.startswith("_")])
+            raise NotFound(f"nothing of that name in {module_name}: {path}{hint}") from None
+    if not callable(found) or (not isinstance(found, type) and not _is_function(found)):
+        return found
+    given, named = _given(arguments)
+    try:
+        return found(*given, **named)
+    except RtkitError:
+        raise
+    except Exception as error:
+        raise Refused(f"{thing}: {type(error).__name__}: {error}") from error
+
+
+def _is_function(found: object) -> bool:
+    import inspect
+
+    return inspect.isroutine(found)
+
+
+def _module(name: str) -> ModuleType:
+    try:
+        if name.endswith(".py"):
+            return _from_file(name)
+        if os.getcwd() not in sys.path:
+            sys.path.insert(0, os.getcwd())
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name is not None and name.startswith(error.name):
+            raise NotFound(f"no such module: {name}") from None
+        raise Refused(f"{name} does not import: {error}") from error
+    except RtkitError:
+        raise
+    except Exception as error:
+        raise Refused(f"{name} does not import: {type(error).__name__}: {error}") from error
+
+
+def _from_file(path: str) -> ModuleType:
+    if not os.path.isfile(path):
+        raise NotFound(f"no such file: {path}")
+    name = os.path.basename(path).removesuffix(".py")
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise Refused(f"cannot be imported: {path}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _given(arguments: Sequence[str]) -> tuple[list[object], dict[str, object]]:
+    """Return arguments by place and by name, as objects of Python."""
+    from rtkit.property.codes import PropertyError
+    from rtkit.property.conversion import from_value
+    from rtkit.property.reading import read
+
+    given: list[object] = []
+    named: dict[str, object] = {}
+    for each in arguments:
+        key, mark, text = each.partition("=")
+        is_named = bool(mark) and _KEY.fullmatch(key) is not None
+        try:
+            value = from_value(read(text if is_named else each), None, None)
+        except PropertyError as error:
+            raise Malformed(f"cannot be read: {each}: {error}") from None
+        if is_named:
+            named[key] = value
+        else:
+            given.append(value)
+    return given, named

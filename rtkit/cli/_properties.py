@@ -1,0 +1,96 @@
+"""What the commands of live properties share: options, connections, how values are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rtkit.cli import _records
+from rtkit.cli._app import App, working_directory
+from rtkit.cli._out import printable
+
+if TYPE_CHECKING:
+    from rtkit.property.messages import Payload
+    from rtkit.tree.properties import Places
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def place_options(function: F) -> F:
+    """Add ``-p`` and ``--at``."""
+    function = click.option(
+        "--at", metavar="HOST:PORT", help="Ask the services behind this TCP door."
+    )(function)
+    return click.option(
+        "-p",
+        "--parameter",
+        "parameters",
+        multiple=True,
+        metavar="KEY=VALUE",
+        help="A parameter of the request (repeatable).",
+    )(function)
+
+
+@contextmanager
+def connected(app: App, at: str | None) -> Iterator[Places]:
+    """Connect to owners of properties for as long as the context lasts.
+
+    Raises:
+        UsageError: ``--at`` is no address.
+    """
+    from rtkit.tree.properties import Places
+
+    if at is not None and not at.rpartition(":")[2].isdigit():
+        raise click.BadParameter(f"not HOST:PORT: {at}", param_hint="--at")
+    places = Places(working_directory(), at or "", app.timeout_s)
+    try:
+        yield places
+    finally:
+        places.close()
+
+
+def joined(parameters: Sequence[str]) -> str:
+    """Return parameters as they follow a question mark."""
+    from rtkit.property.naming import write_parameters
+
+    given: dict[str, str | None] = {}
+    for each in parameters:
+        key, mark, value = each.partition("=")
+        given[key] = value if mark else None
+    return write_parameters(given)
+
+
+def shown(payload: Payload) -> str:
+    """Return a value as one line on a terminal; bytes in hexadecimal."""
+    return payload.hex(" ") if isinstance(payload, bytes) else printable(payload)
+
+
+def record(kind: str, typed: str, payload: Payload, **more: Any) -> str:
+    """Return a value as a JSON record."""
+    from rtkit.property.plain import payload_to_plain
+
+    text = None if isinstance(payload, bytes) else payload
+    fields = {"target": typed, "value": payload_to_plain(payload), "text": text, **more}
+    return _records.line(kind, fields)
+
+
+def write_raw(payload: Payload) -> None:
+    """Write a value as it is, without an end of line; a string without its quotes."""
+    import sys
+
+    from rtkit.property.codes import PropertyError
+    from rtkit.property.reading import read
+
+    if isinstance(payload, str):
+        try:
+            value = read(payload)
+        except PropertyError:
+            value = payload
+        text = value if isinstance(value, str) and payload.startswith('"') else payload
+        payload = text.encode("utf-8", "surrogateescape")
+    sys.stdout.flush()
+    sys.stdout.buffer.write(payload)
+    sys.stdout.buffer.flush()

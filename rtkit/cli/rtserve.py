@@ -1,0 +1,47 @@
+"""``rtserve``: an ordinary Python object as a property service."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, command
+
+
+@command("rtserve", is_local=True)
+@click.option("-a", "--argument", "arguments", multiple=True, metavar="[KEY=]VALUE",
+              help="What the class is called with (repeatable).")  # fmt: skip
+@click.option("--hide", multiple=True, metavar="NAME", help="Do not show this (repeatable).")
+@click.option("--port", type=click.IntRange(0, 65535), metavar="PORT",
+              help="Also open a TCP door on this host, 0 for any free port.")  # fmt: skip
+@click.argument("thing", metavar="MODULE:CLASS")
+@click.argument("name")
+def main(
+    app: App,
+    arguments: tuple[str, ...],
+    hide: tuple[str, ...],
+    port: int | None,
+    thing: str,
+    name: str,
+) -> None:
+    """Serve a Python object as live properties.
+
+    Its attributes, properties, getters and setters become properties that rtget, rtset and
+    rtlisten know, its other public methods actions. MODULE is a name or a file; CLASS, which is
+    called, may also be a function or an object. When it can be found it is printed where.
+    """
+    import signal
+    import threading
+
+    from rtkit.cli._object import made
+    from rtkit.serving.serve import serve
+
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
+    with serve(made(thing, arguments), name, port=port, hide=hide) as served:
+        door = "" if served.port is None else f"  localhost:{served.port}"
+        _out.write([f"/localhost/{served.name}{door}"])
+        import sys
+
+        sys.stdout.flush()
+        ended.wait()

@@ -1,0 +1,169 @@
+"""A client of the line protocol: asks and listens over a unix socket or TCP."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rtkit.errors import Unreachable
+from rtkit.property.line import Replies, write_request
+from rtkit.property.messages import Answer, Event, Payload
+
+_PIECE = 1 << 16
+
+
+class LineClient:
+    """One connection. Requests are answered one after the other; events come in between.
+
+    Args:
+        end: A connected socket.
+        timeout_s: Bound on each request [s].
+    """
+
+    def __init__(self, end: socket.socket, timeout_s: float) -> None:
+        self._end = end
+        self._timeout_s = timeout_s
+        self._replies = Replies()
+        self._events: deque[Event] = deque()
+
+    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+        """GET, or SET, and wait for the reply.
+
+        Raises:
+            Unreachable: No reply in time, or the connection has ended.
+        """
+        deadline = time.monotonic() + self._timeout_s
+        self._send(write_request(target, payload))
+        while True:
+            told = self._receive(deadline)
+            if told is None:
+                raise Unreachable(f"no answer within {self._timeout_s:g} s")
+            if isinstance(told, Event):
+                self._events.append(told)
+            else:
+                return told[1]
+
+    def event(self, timeout_s: float | None = None) -> Event | None:
+        """Return the next event, None if none came in time; without a bound it waits for ever.
+
+        Raises:
+            Unreachable: The connection has ended.
+        """
+        if self._events:
+            return self._events.popleft()
+        deadline = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            told = self._receive(deadline)
+            if told is None or isinstance(told, Event):
+                return told
+
+    def listen(self, target: str) -> None:
+        """Begin to listen to ``P`` or ``P?queue=…``.
+
+        Raises:
+            PropertyError: As the service answers.
+        """
+        name, mark, tail = target.partition("?")
+        self.ask(f"{name}.listen{mark}{tail}", "self").value()
+
+    def events(self) -> Iterator[Event]:
+        """Yield events for ever."""
+        while (event := self.event()) is not None:
+            yield event
+
+    def _send(self, data: bytes) -> None:
+        self._end.settimeout(self._timeout_s)
+        try:
+            self._end.sendall(data)
+        except TimeoutError:
+            raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
+        except OSError as error:
+            # What it said before it hung up is worth more than that it did.
+            if self._receive(time.monotonic()) is None:
+                raise Unreachable(f"the connection has ended: {error.strerror}") from error
+
+    def _receive(self, deadline: float | None) -> tuple[str, Answer] | Event | None:
+        while True:
+            told = self._replies.next()
+            if told is not None:
+                return told
+            left = None if deadline is None else deadline - time.monotonic()
+            if left is not None and left <= 0:
+                return None
+            self._end.settimeout(left)
+            try:
+                data = self._end.recv(_PIECE)
+            except TimeoutError:
+                return None
+            except OSError as error:
+                raise Unreachable(f"the connection has ended: {error.strerror}") from error
+            if not data:
+                raise Unreachable("the connection has ended")
+            self._replies.feed(data)
+
+    def close(self) -> None:
+        """End the connection."""
+        self._end.close()
+
+    def __enter__(self) -> LineClient:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self.close()
+
+
+def connect_unix(path: str, timeout_s: float) -> LineClient:
+    """Connect to a unix socket.
+
+    Raises:
+        Unreachable: Nobody listens there.
+    """
+    end = socket.socket(socket.AF_UNIX)
+    end.settimeout(timeout_s)
+    try:
+        end.connect(path)
+    except OSError as error:
+        end.close()
+        raise Unreachable(f"cannot reach {path}: {error.strerror or error}") from error
+    return LineClient(end, timeout_s)
+
+
+def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:
+    """Connect to a TCP door with the user's secret.
+
+    Raises:
+        Unreachable: Nobody listens there, or there is no secret.
+        PropertyError: ``denied``.
+    """
+    import hmac
+
+    from rtkit.link import secret
+
+    known = secret.read()
+    try:
+        end = socket.create_connection((host, port), timeout_s)
+    except OSError as error:
+        raise Unreachable(f"cannot reach {host}:{port}: {error.strerror or error}") from error
+    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    client = LineClient(end, timeout_s)
+    try:
+        nonce = str(client.ask("door/nonce").value())
+        proof = hmac.new(known.password.encode(), nonce.encode(), "sha256").hexdigest()
+        client.ask("door/identity", f"{known.user} {proof}").value()
+    except Exception:
+        client.close()
+        raise
+    return client
+
+
+@contextmanager
+def listening(client: LineClient, target: str) -> Iterator[Iterator[Event]]:
+    """Listen on a connection of its own, which is closed at the end."""
+    try:
+        client.listen(target)
+        yield client.events()
+    finally:
+        client.close()

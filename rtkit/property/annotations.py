@@ -1,0 +1,161 @@
+"""What annotations of a class tell of its properties: type, unit, range, choices.
+
+``speed: Annotated[float, Unit("m/s"), Range(-1, 1)]``. A bare text is a unit too; what has ``ge``,
+``gt``, ``le``, ``lt`` (the package annotated-types) is a range.
+"""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Mapping, Sequence
+from enum import Enum
+from typing import Any, NamedTuple, get_args, get_origin
+
+from rtkit.property.conversion import to_value
+from rtkit.property.spec import Spec
+from rtkit.property.types import Type, parse_type
+from rtkit.property.values import Value, Word
+
+
+class Unit(NamedTuple):
+    """Unit of a number: ``Annotated[float, Unit("m/s")]``."""
+
+    unit: str
+
+
+class Range(NamedTuple):
+    """Bounds of a number, and what a slider moves it by."""
+
+    minimum: float | None = None
+    maximum: float | None = None
+    step: float | None = None
+
+
+_BASES = {bool: "boolean", int: "integer", float: "number", str: "string", bytes: "bytes"}
+_OPEN = {bool: "boolean", int: "number", float: "number", str: "string", bytes: "bytes"}
+
+
+def hints_of(cls: type) -> dict[str, Any]:
+    """Return the annotations of a class; none where one names what cannot be found."""
+    try:
+        return typing.get_type_hints(cls, include_extras=True)
+    except (NameError, TypeError, AttributeError):
+        return {}
+
+
+def returned(function: object) -> Any:
+    """Return the annotation of what a function returns, None if it has none."""
+    try:
+        return typing.get_type_hints(function, include_extras=True).get("return")
+    except (NameError, TypeError, AttributeError):
+        return None
+
+
+def taken(function: object) -> Any:
+    """Return the annotation of the only argument of a function, None if it has none."""
+    try:
+        hints = typing.get_type_hints(function, include_extras=True)
+    except (NameError, TypeError, AttributeError):
+        return None
+    return next((hint for name, hint in hints.items() if name != "return"), None)
+
+
+def is_final(hint: Any) -> bool:
+    """Whether an annotation says that the attribute is not to be changed."""
+    return hint is typing.Final or get_origin(hint) is typing.Final
+
+
+def bare(hint: Any) -> Any:
+    """Return an annotation without what is said about it."""
+    while get_origin(hint) in (typing.Annotated, typing.Final, typing.ClassVar):
+        hint = get_args(hint)[0]
+    return None if hint in (typing.Final, typing.ClassVar, typing.Any) else hint
+
+
+def spec_of(hint: Any, present: object, access: str, doc: str) -> Spec:
+    """Return what is declared of a property by its annotation, else by its present value."""
+    bounds, unit = _said(hint)
+    plain = bare(hint)
+    if plain is None and isinstance(present, Enum):
+        plain = type(present)
+    kind = type_of(plain) if plain is not None else _type_of_value(present)
+    return Spec(
+        kind, access, unit, bounds.minimum, bounds.maximum, bounds.step, choices_of(plain), doc=doc
+    )
+
+
+def choices_of(hint: Any) -> tuple[Value, ...]:
+    """Return the only values that an annotation allows, none for all."""
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return tuple(Word(member.name) for member in hint)
+    if get_origin(hint) is typing.Literal:
+        return tuple(_choice(each) for each in get_args(hint))
+    return ()
+
+
+def _choice(value: object) -> Value:
+    converted = to_value(value)
+    assert not isinstance(converted, bytes)
+    return converted
+
+
+def type_of(hint: Any) -> Type:
+    """Return the declared type for an annotation; ``any`` for what is not known."""
+    if hint in _BASES:
+        return parse_type(_BASES[hint])
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return parse_type("word")
+    origin = get_origin(hint)
+    if origin is typing.Literal and all(isinstance(each, str) for each in get_args(hint)):
+        return parse_type("string")
+    items = _items(hint, origin)
+    if items is None:
+        return parse_type("any")
+    is_numeric = bool(items) and all(bare(each) in (int, float) for each in items)
+    if not is_numeric:
+        return parse_type("list")
+    is_sized = origin is tuple and get_args(hint)[-1] is not Ellipsis
+    return parse_type(f"vector[{len(items)}]" if is_sized else "vector")
+
+
+def _items(hint: Any, origin: Any) -> tuple[Any, ...] | None:
+    """Return the annotations of what a sequence holds, None if it is no sequence."""
+    kind = origin or hint
+    if not isinstance(kind, type) or kind in (types.UnionType, str, bytes, bytearray):
+        return None
+    if not issubclass(kind, Sequence | set | frozenset) or issubclass(kind, Mapping):
+        return None
+    return tuple(each for each in get_args(hint) if each is not Ellipsis)
+
+
+def _type_of_value(present: object) -> Type:
+    if type(present) in _OPEN:
+        return parse_type(_OPEN[type(present)])
+    if isinstance(present, bool):
+        return parse_type("boolean")
+    return parse_type("any")
+
+
+def _said(hint: Any) -> tuple[Range, str]:
+    """Return range and unit that stand beside an annotation."""
+    while get_origin(hint) in (typing.Final, typing.ClassVar):
+        hint = get_args(hint)[0]
+    extras = hint.__metadata__ if get_origin(hint) is typing.Annotated else ()
+    bounds, unit = Range(), ""
+    for extra in extras:
+        if isinstance(extra, Range):
+            bounds = extra
+        elif isinstance(extra, str):
+            unit = extra
+        elif isinstance(getattr(extra, "unit", None), str):
+            unit = extra.unit
+        else:
+            low = getattr(extra, "ge", getattr(extra, "gt", None))
+            high = getattr(extra, "le", getattr(extra, "lt", None))
+            bounds = Range(
+                low if isinstance(low, int | float) else bounds.minimum,
+                high if isinstance(high, int | float) else bounds.maximum,
+                bounds.step,
+            )
+    return bounds, unit

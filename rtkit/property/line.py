@@ -1,0 +1,304 @@
+"""The line protocol: requests, replies and events as bytes, read piece by piece, memory bounded.
+
+::
+
+    request  = [ "#" id " " ] ( "GET " target | "SET " target " " payload ) LF
+    reply    = [ "#" id " " ] ( "=" [ " " payload ] | "!" " " code [ " " text ] ) LF
+    event    = "*" " " target [ ";" attrs ] " " payload LF
+    payload  = value without raw LF | "{" length "}" LF bytes
+
+Source: `property-service` reference, section 10.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer, Event, Payload
+
+LONGEST_LINE = (1 << 20) + 1024
+"""Bytes of a line; a value and its target fit in."""
+LONGEST_ID = 64
+
+_BLOCK = re.compile(rb"\{(\d{1,18})\}")
+_LOOKS_LIKE_BLOCK = re.compile(r"\{\d*\}")
+
+
+class Asked(NamedTuple):
+    """A request, or what cannot be one.
+
+    Attributes:
+        payload: None of a GET.
+        error: Why it is none; then `payload` is empty.
+        is_last: Nothing can be read after it.
+    """
+
+    id: str
+    target: str
+    payload: Payload | None
+    error: PropertyError | None = None
+    is_last: bool = False
+
+
+class _Block(NamedTuple):
+    """A request of which the bytes are still to come."""
+
+    asked: Asked
+    length: int
+
+
+class Splitter:
+    """Takes bytes as they come; gives lines, and blocks of bytes where a line announces one."""
+
+    def __init__(self, longest: int = LONGEST_LINE) -> None:
+        self._longest = longest
+        self._buffer = bytearray()
+        self._is_skipping = False
+        self._searched = 0
+
+    def feed(self, data: bytes) -> None:
+        """Take what came."""
+        self._buffer += data
+
+    @property
+    def waits(self) -> bool:
+        """Whether something has begun and is not complete."""
+        return bool(self._buffer) or self._is_skipping
+
+    def line(self) -> bytes | None:
+        """Return the next line without its end, None if there is none yet.
+
+        Raises:
+            PropertyError: ``too-large``: told once, then the rest of the line is skipped.
+        """
+        while True:
+            end = self._buffer.find(b"\n", self._searched)
+            self._searched = 0
+            if end < 0:
+                self._searched = len(self._buffer)
+                if len(self._buffer) <= self._longest and not self._is_skipping:
+                    return None
+                self._buffer.clear()
+                self._searched = 0
+                if self._is_skipping:
+                    return None
+                self._is_skipping = True
+                raise PropertyError("too-large", f"line is longer than {self._longest} bytes")
+            line = bytes(self._buffer[:end])
+            del self._buffer[: end + 1]
+            if self._is_skipping:
+                self._is_skipping = False
+                continue
+            if len(line) > self._longest:
+                raise PropertyError("too-large", f"line is longer than {self._longest} bytes")
+            return line[:-1] if line.endswith(b"\r") else line
+
+    def block(self, length: int) -> bytes | None:
+        """Return so many bytes and eat the line end after them, None while they are incomplete.
+
+        Raises:
+            PropertyError: ``syntax``: no line end follows.
+        """
+        if len(self._buffer) <= length:
+            return None
+        end = length + 1
+        if self._buffer[length : length + 1] == b"\r":
+            if len(self._buffer) <= length + 1:
+                return None
+            end = length + 2
+        if self._buffer[end - 1 : end] != b"\n":
+            raise PropertyError("syntax", f"{length} expected a line end after the bytes")
+        data = bytes(self._buffer[:length])
+        del self._buffer[:end]
+        return data
+
+
+class Requests:
+    """What a client sends, as requests."""
+
+    def __init__(self, longest: int = LONGEST_LINE) -> None:
+        self._longest = longest
+        self._splitter = Splitter(longest)
+        self._block: _Block | None = None
+
+    def feed(self, data: bytes) -> None:
+        """Take what came."""
+        self._splitter.feed(data)
+
+    @property
+    def waits(self) -> bool:
+        """Whether something has begun and is not complete."""
+        return self._splitter.waits or self._block is not None
+
+    def next(self) -> Asked | None:
+        """Return the next request, None if there is none yet."""
+        try:
+            if self._block is not None:
+                return self._filled(self._block)
+            line = self._splitter.line()
+            return None if line is None else self._request(line)
+        except PropertyError as error:
+            return Asked("", "", "", error, error.code == "syntax")
+
+    def _filled(self, block: _Block) -> Asked | None:
+        data = self._splitter.block(block.length)
+        if data is None:
+            return None
+        self._block = None
+        return block.asked._replace(payload=data)
+
+    def _request(self, raw: bytes) -> Asked | None:
+        try:
+            line = raw.decode("utf-8")
+        except UnicodeDecodeError as error:
+            return Asked("", "", "", PropertyError("syntax", f"{error.start} expected UTF-8"))
+        id = ""
+        if line.startswith("#"):
+            id, _, line = line[1:].partition(" ")
+            if not id or len(id) > LONGEST_ID or not id.isprintable():
+                return Asked("", "", "", PropertyError("syntax", "1 expected an id"))
+        if line.startswith("GET "):
+            return Asked(id, line[4:].strip(" "), None)
+        if not line.startswith("SET "):
+            return Asked(id, "", "", PropertyError("syntax", "0 expected GET or SET"))
+        target, _, payload = line[4:].partition(" ")
+        announced = _BLOCK.fullmatch(payload.encode()) if payload.startswith("{") else None
+        if announced is None:
+            return Asked(id, target, payload)
+        length = int(announced[1])
+        if length > self._longest:
+            refused = PropertyError("too-large", f"longer than {self._longest} bytes")
+            return Asked(id, target, "", refused, True)
+        self._block = _Block(Asked(id, target, ""), length)
+        return self._filled(self._block)
+
+
+def write_request(target: str, payload: Payload | None, id: str = "") -> bytes:
+    """Return a request as it is sent."""
+    head = f"#{id} " if id else ""
+    if payload is None:
+        return f"{head}GET {target}\n".encode("utf-8", "surrogatepass")
+    return f"{head}SET {target}".encode("utf-8", "surrogatepass") + _tail(payload)
+
+
+def write_answer(answer: Answer, id: str = "") -> bytes:
+    """Return a reply as it is sent."""
+    head = f"#{id} " if id else ""
+    if answer.error:
+        return f"{head}! {answer.error} {answer.payload!s}".encode("utf-8", "replace") + b"\n"
+    if not answer.payload:
+        return f"{head}=\n".encode()
+    return f"{head}=".encode() + _tail(answer.payload)
+
+
+def write_event(event: Event) -> bytes:
+    """Return an event as it is sent."""
+    return f"* {event.name};{write_attributes(event)}".encode() + _tail(event.payload)
+
+
+def write_attributes(event: Event) -> str:
+    """Return what an event carries beside the value: ``rev=3;time=…``."""
+    attributes = [f"rev={event.revision}", f"time={event.time!r}"]
+    if event.quality != "good":
+        attributes.append(f"quality={event.quality}")
+    if event.dropped:
+        attributes.append(f"dropped={event.dropped}")
+    if event.code:
+        attributes.append(f"code={event.code}")
+    return ";".join(attributes)
+
+
+def read_event(name: str, payload: Payload, attributes: str) -> Event:
+    """Return the event that arrived.
+
+    Raises:
+        PropertyError: ``syntax``.
+    """
+    given = dict(each.partition("=")[::2] for each in attributes.split(";"))
+    try:
+        return Event(
+            name,
+            payload,
+            float(given.get("time", "0")),
+            int(given.get("rev", "0")),
+            given.get("quality", "good"),
+            int(given.get("dropped", "0")),
+            given.get("code", ""),
+        )
+    except ValueError as error:
+        raise PropertyError("syntax", f"0 expected an event: {error}") from None
+
+
+def _tail(payload: Payload) -> bytes:
+    """Return a payload with the blank before it and the line end after it."""
+    if isinstance(payload, bytes):
+        return b" {%d}\n%b\n" % (len(payload), payload)
+    raw = payload.encode("utf-8", "surrogateescape")
+    if "\n" in payload or "\r" in payload or _LOOKS_LIKE_BLOCK.fullmatch(payload):
+        return b" {%d}\n%b\n" % (len(raw), raw)
+    return b" %b\n" % raw
+
+
+class Replies:
+    """What a service sends, as replies and events."""
+
+    def __init__(self, longest: int = 1 << 26) -> None:
+        self._splitter = Splitter(longest)
+        self._head: tuple[str, str] | None = None
+        self._length = 0
+
+    def feed(self, data: bytes) -> None:
+        """Take what came."""
+        self._splitter.feed(data)
+
+    def next(self) -> tuple[str, Answer] | Event | None:
+        """Return the next reply with its id, or the next event; None if there is none yet.
+
+        Raises:
+            PropertyError: ``syntax``: it speaks no line protocol; ``too-large``.
+        """
+        if self._head is None:
+            raw = self._splitter.line()
+            if raw is None:
+                return None
+            head, payload = self._read(raw.decode("utf-8", "replace"))
+            announced = _BLOCK.fullmatch(payload.encode("utf-8", "replace"))
+            if head[1].startswith("!") or announced is None:
+                return _made(head, payload)
+            self._head, self._length = head, int(announced[1])
+        data = self._splitter.block(self._length)
+        if data is None:
+            return None
+        head, self._head = self._head, None
+        try:
+            return _made(head, data.decode("utf-8"))
+        except UnicodeDecodeError:
+            return _made(head, data)
+
+    @staticmethod
+    def _read(line: str) -> tuple[tuple[str, str], str]:
+        id = ""
+        if line.startswith("#"):
+            id, _, line = line[1:].partition(" ")
+        mark, _, rest = line.partition(" ")
+        if mark == "=":
+            return (id, "="), rest
+        if mark == "!":
+            code, _, text = rest.partition(" ")
+            return (id, f"!{code}"), text
+        if mark == "*":
+            name, _, payload = rest.partition(" ")
+            return (id, f"*{name}"), payload
+        raise PropertyError("syntax", f"0 expected a reply: {line[:60]!r}")
+
+
+def _made(head: tuple[str, str], payload: Payload) -> tuple[str, Answer] | Event:
+    id, what = head
+    if what == "=":
+        return id, Answer(payload)
+    if what.startswith("!"):
+        return id, Answer(payload, what[1:])
+    name, _, attributes = what[1:].partition(";")
+    return read_event(name, payload, attributes)

@@ -1,0 +1,222 @@
+"""One client of the line protocol: its requests, the replies in their order, its events; bounded.
+
+Limits: a line, what waits to be sent, how long half a line may be, how long nothing is read.
+"""
+
+from __future__ import annotations
+
+import os
+import selectors
+import socket
+from collections.abc import Callable
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from rtkit.property.line import Asked, Requests, write_answer, write_event
+from rtkit.property.listening import Listener
+from rtkit.property.messages import Answer, Ask, Caller
+from rtkit.property.order import InOrder
+
+if TYPE_CHECKING:
+    from rtkit.serving.host import Host
+    from rtkit.serving.login import Login
+
+_PIECE = 1 << 16
+_HIGH = 1 << 18
+"""Bytes that wait to be sent, above which no further request is taken."""
+_ROOM_FOR_EVENTS = 1 << 15
+HALF_S = 30.0
+"""How long half a request, or a reply that nobody reads, is waited for [s]."""
+_MOST_WAITING = 4096
+"""Requests that are being worked on for one connection."""
+
+
+class Connection(Caller):
+    """A client behind a socket.
+
+    Args:
+        host: Whose loop serves it.
+        end: The socket.
+        service: The one that is meant where no other is named.
+        login: Asks who it is; None where the kernel has told.
+    """
+
+    def __init__(
+        self, host: Host, end: socket.socket, service: str, identity: str, login: Login | None
+    ) -> None:
+        super().__init__(identity)
+        self._host = host
+        self._end = end
+        self._service = service
+        self._login = login
+        self._requests = Requests()
+        self._out = bytearray()
+        self._order = InOrder(self._put)
+        self._is_working = False
+        self._listeners: list[Listener] = []
+        self._mask = selectors.EVENT_READ
+        self._moved_at = monotonic()
+        self._is_closing = False
+        self.is_open = True
+        end.setblocking(False)
+        host.register(end, self._mask, self)
+
+    # Caller
+
+    def listen(self, listener: Listener) -> None:
+        """See `Caller.listen`."""
+        self._listeners.append(listener)
+
+    def unlisten(self, listener: Listener) -> None:
+        """See `Caller.unlisten`."""
+        if listener in self._listeners:
+            self._listeners.remove(listener)
+
+    def wake(self) -> None:
+        """See `Caller.wake`."""
+        if self.is_open:
+            self._host.mark(self)
+
+    # Tenant
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`."""
+        if mask & selectors.EVENT_WRITE:
+            self._send()
+        if mask & selectors.EVENT_READ and self.is_open:
+            try:
+                data = self._end.recv(_PIECE)
+            except BlockingIOError:
+                return
+            except OSError:
+                data = b""
+            if not data:
+                self.close()
+                return
+            self._moved_at = monotonic()
+            self._requests.feed(data)
+        if self.is_open:
+            self._work()
+
+    def _work(self) -> None:
+        """Take the requests that are there, as long as replies are read."""
+        self._is_working = True
+        while self.is_open and not self._is_closing and not self._is_full():
+            asked = self._requests.next()
+            if asked is None:
+                break
+            self._take(asked)
+        self._is_working = False
+        self._send()
+
+    def _is_full(self) -> bool:
+        return len(self._out) > _HIGH or self._order.waiting > _MOST_WAITING
+
+    def _take(self, asked: Asked) -> None:
+        id = asked.id
+        send = self._order.expect(has_id=bool(id))
+
+        def answer(reply: Answer) -> None:
+            send(write_answer(reply, id))
+
+        if asked.error is not None:
+            answer(Answer(str(asked.error), asked.error.code))
+            self._is_closing = asked.is_last
+        else:
+            self._dispatch(asked, answer)
+
+    def _put(self, reply: bytes) -> None:
+        self._out += reply
+        if not self._is_working and self.is_open:
+            self._host.mark(self)
+
+    def _dispatch(self, asked: Asked, answer: Callable[[Answer], None]) -> None:
+        target, name = asked.target, self._service
+        path = target.partition("?")[0]
+        if "/" in path:
+            name, _, rest = path.rpartition("/")
+            target = rest + target[len(path) :]
+        if self._login is not None and (name == "door" or not self.identity):
+            told = self._login.take(self, name, target, asked.payload)
+            answer(told)
+            self._is_closing = self._login.is_refused
+            return
+        service = self._host.services.get(name)
+        if service is None:
+            answer(Answer(f"no such service: {name}", "no-service"))
+            return
+        service.handle(Ask(target, asked.payload, answer, self, asked.id))
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        due: list[float] = []
+        for listener in list(self._listeners):
+            while len(self._out) < _ROOM_FOR_EVENTS:
+                event = listener.take(now)
+                if event is None:
+                    break
+                self._out += write_event(event)
+            if listener.has_ended and not listener.pending:
+                self._listeners.remove(listener)
+            elif listener.pending and len(self._out) < _ROOM_FOR_EVENTS:
+                at = listener.due()
+                due += [] if at is None else [at]
+        self._work()
+        return min(due, default=None) if self.is_open else None
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`."""
+        is_half = self._requests.waits or bool(self._out)
+        login = self._login
+        if (is_half and now - self._moved_at > HALF_S) or (
+            login is not None and not self.identity and now > login.ends_at
+        ):
+            self.close()
+
+    def _send(self) -> None:
+        while self._out and self.is_open:
+            try:
+                sent = self._end.send(memoryview(self._out)[:_HIGH])
+            except BlockingIOError:
+                break
+            except OSError:
+                self.close()
+                return
+            self._moved_at = monotonic()
+            del self._out[:sent]
+        if not self.is_open:
+            return
+        if self._is_closing and not self._out:
+            self.close()
+            return
+        mask = (0 if self._is_full() or self._is_closing else selectors.EVENT_READ) | (
+            selectors.EVENT_WRITE if self._out else 0
+        )
+        if mask != self._mask:
+            self._host.modify(self._end, mask, self)
+            self._mask = mask
+        if not self._out and any(each.pending for each in self._listeners):
+            self._host.mark(self)
+
+    def close(self) -> None:
+        """Forget the client and whatever it listens to."""
+        if not self.is_open:
+            return
+        self.is_open = False
+        self._host.unregister(self._end, self)
+        self._end.close()
+        for service in self._host.services.values():
+            service.listeners.end_caller(self)
+
+
+def peer(end: socket.socket) -> str:
+    """Return who is at the other end of a unix socket, as the kernel tells it; empty if another.
+
+    Raises:
+        OSError: The socket is gone.
+    """
+    import struct
+
+    raw = end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i"))
+    _, uid, _ = struct.unpack("3i", raw)
+    return f"uid {uid}" if uid == os.getuid() else ""

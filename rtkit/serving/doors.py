@@ -1,0 +1,134 @@
+"""The doors of the line protocol: a unix socket of the user, and TCP for who knows the secret."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import socket
+import time
+
+from rtkit.errors import Refused, Unreachable
+from rtkit.link import places, secret
+from rtkit.serving.connection import Connection, peer
+from rtkit.serving.host import Host
+from rtkit.serving.login import Login
+
+LOOPBACK = "127.0.0.1"
+_MOST_CONNECTIONS = 512
+_BACKLOG = 128
+
+
+class Door:
+    """A socket that takes clients.
+
+    Args:
+        service: The one that clients mean where they name none.
+        is_open_to_all: Of the host: clients have to show that they know the secret.
+    """
+
+    def __init__(
+        self, host: Host, end: socket.socket, service: str, *, is_open_to_all: bool
+    ) -> None:
+        self._host = host
+        self._end = end
+        self._service = service
+        self._is_open_to_all = is_open_to_all
+        self._connections: list[Connection] = []
+        end.setblocking(False)
+        end.listen(_BACKLOG)
+        host.register(end, selectors.EVENT_READ, self)
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`."""
+        try:
+            client, _ = self._end.accept()
+        except OSError:
+            return  # it has gone again, or there is no descriptor left: the next one may fit
+        self._connections = [each for each in self._connections if each.is_open]
+        if len(self._connections) >= _MOST_CONNECTIONS:
+            _turn_away(client, f"busy there are {_MOST_CONNECTIONS} connections")
+            return
+        identity, login = "", None
+        if self._is_open_to_all:
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            login = Login(secret.read(), time.monotonic(), self._host.services)
+        else:
+            identity = peer(client)
+            if not identity:
+                _turn_away(client, "denied this is the door of another user")
+                return
+        self._connections.append(Connection(self._host, client, self._service, identity, login))
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        return None
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`."""
+
+
+def _turn_away(client: socket.socket, why: str) -> None:
+    with contextlib.suppress(OSError):
+        client.setblocking(False)
+        client.send(f"! {why}\n".encode())
+    client.close()
+
+
+def open_unix(host: Host, service: str) -> str:
+    """Open the unix socket of a service; return its path.
+
+    Raises:
+        Refused: A service of that name runs, or the path does not do.
+    """
+    places.make_private(places.runtime_dir())
+    path = places.check_socket_length(places.service_socket(service))
+    if is_answering(path):
+        raise Refused(f"a service named {service!r} is running already")
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(path)
+    end = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
+    try:
+        end.bind(path)
+    except OSError as error:
+        end.close()
+        raise Refused(f"cannot make the socket {path}: {error.strerror}") from error
+    Door(host, end, service, is_open_to_all=False)
+    inode = os.stat(path).st_ino
+    host.at_end(lambda: _remove(path, inode))
+    return path
+
+
+def open_tcp(host: Host, service: str, port: int) -> int:
+    """Open a port of this host, 0 for any, to those who know the user's secret; return it.
+
+    Raises:
+        Unreachable: The port is taken.
+        Refused: The secret cannot be made.
+    """
+    secret.make()
+    end = socket.socket(socket.AF_INET, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        end.bind((LOOPBACK, port))
+    except OSError as error:
+        end.close()
+        raise Unreachable(f"cannot listen on port {port}: {error.strerror}") from error
+    Door(host, end, service, is_open_to_all=True)
+    return int(end.getsockname()[1])
+
+
+def is_answering(path: str) -> bool:
+    """Whether somebody listens on a unix socket."""
+    with socket.socket(socket.AF_UNIX) as probe:
+        try:
+            probe.connect(path)
+        except OSError:
+            return False
+    return True
+
+
+def _remove(path: str, inode: int) -> None:
+    with contextlib.suppress(FileNotFoundError):
+        if os.stat(path).st_ino == inode:
+            os.unlink(path)

@@ -1,0 +1,221 @@
+"""The loop that owns the properties of a process: its sockets, what other threads ask, time.
+
+Whoever touches a service holds the lock of the host; user code runs on the loop's thread only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import selectors
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.functional import Finished, Work
+from rtkit.property.service import Service
+
+POLL_S = 0.02
+"""How often what is computed is read anew while somebody listens to it."""
+_HOUSEKEEPING_S = 0.25
+_MOST_CALLS = 64
+_LONGEST_WAIT_S = 3600.0
+
+
+class Tenant(Protocol):
+    """Something with a socket that the loop serves."""
+
+    def ready(self, mask: int) -> None:
+        """Hear that the socket can be read or written."""
+        ...
+
+    def flush(self, now: float) -> float | None:
+        """Send what is due; return when something will be, None if nothing is to come."""
+        ...
+
+    def check(self, now: float) -> None:
+        """Look whether the far side takes too long."""
+        ...
+
+
+class Host:
+    """Services of one process, and the one thread that owns them.
+
+    Attributes:
+        services: By name.
+        lock: To be held by who touches a service.
+    """
+
+    def __init__(self) -> None:
+        self.services: dict[str, Service] = {}
+        self.lock = threading.Lock()
+        self._selector = selectors.DefaultSelector()
+        self._wake, self._waker = socket.socketpair()
+        for end in (self._wake, self._waker):
+            end.setblocking(False)
+        self._selector.register(self._wake, selectors.EVENT_READ)
+        self._posted: deque[Callable[[], object]] = deque()
+        self._dirty: set[Tenant] = set()
+        self._tenants: set[Tenant] = set()
+        self._calls = 0
+        self._is_woken = False
+        self._is_ended = threading.Event()
+        self._housekeeping_at = 0.0
+        self._poll_at = 0.0
+        self._thread = threading.Thread(target=self.run, name="properties", daemon=True)
+        self._closers: list[Callable[[], object]] = []
+
+    def start(self) -> None:
+        """Begin to serve, on a thread of its own."""
+        self._thread.start()
+
+    def add(self, service: Service) -> None:
+        """Serve a service.
+
+        Raises:
+            PropertyError: ``conflict``: there is one of that name.
+        """
+        if service.name in self.services:
+            raise PropertyError("conflict", f"exists: service {service.name}")
+        self.services[service.name] = service
+
+    def at_end(self, closer: Callable[[], object]) -> None:
+        """Have something called when the host closes; the last one first."""
+        self._closers.append(closer)
+
+    def post(self, work: Callable[[], object]) -> None:
+        """Have the loop do something, soon; from any thread."""
+        self._posted.append(work)
+        self.wake()
+
+    def wake(self) -> None:
+        """Have the loop look what there is to do; from any thread."""
+        if not self._is_woken:
+            self._is_woken = True
+            with contextlib.suppress(BlockingIOError, OSError):
+                self._waker.send(b"\0")
+
+    def run_on_thread(self, work: Work, finished: Finished) -> None:
+        """Run the call of an action beside the loop; its outcome comes back to the loop.
+
+        Raises:
+            PropertyError: ``busy``: very many run already.
+        """
+        if self._calls >= _MOST_CALLS:
+            raise PropertyError("busy", f"{_MOST_CALLS} calls are running")
+        self._calls += 1
+
+        def run() -> None:
+            result: object = None
+            raised: BaseException | None = None
+            try:
+                result = work()
+            except Exception as error:
+                raised = error
+            self.post(lambda: self._finish(finished, result, raised))
+
+        threading.Thread(target=run, name="call", daemon=True).start()
+
+    def _finish(self, finished: Finished, result: object, raised: BaseException | None) -> None:
+        self._calls -= 1
+        finished(result, raised)
+
+    # Sockets
+
+    def register(self, end: socket.socket, mask: int, tenant: Tenant) -> None:
+        """Serve a socket; on the loop's thread, or before it runs."""
+        self._selector.register(end, mask, tenant)
+        self._tenants.add(tenant)
+
+    def modify(self, end: socket.socket, mask: int, tenant: Tenant) -> None:
+        """Wait for something else on a socket, or for nothing (0)."""
+        if mask == 0:
+            self._selector.unregister(end)
+        elif end in self._selector.get_map():
+            self._selector.modify(end, mask, tenant)
+        else:
+            self._selector.register(end, mask, tenant)
+
+    def unregister(self, end: socket.socket, tenant: Tenant) -> None:
+        """Serve a socket no longer."""
+        if end in self._selector.get_map():
+            self._selector.unregister(end)
+        self._tenants.discard(tenant)
+        self._dirty.discard(tenant)
+
+    def mark(self, tenant: Tenant) -> None:
+        """Note that a tenant has something to send; by who holds the lock."""
+        self._dirty.add(tenant)
+        self.wake()
+
+    # The loop
+
+    def run(self) -> None:
+        """Serve until the host is closed."""
+        wait_s: float | None = None
+        while not self._is_ended.is_set():
+            ready = self._selector.select(wait_s)
+            with self.lock:
+                for key, mask in ready:
+                    if key.fileobj is self._wake:
+                        self._is_woken = False
+                        with contextlib.suppress(BlockingIOError):
+                            self._wake.recv(4096)
+                    elif key.data in self._tenants:
+                        key.data.ready(mask)
+                while self._posted:
+                    self._posted.popleft()()
+                wait_s = self._tidy(time.monotonic())
+
+    def _tidy(self, now: float) -> float | None:
+        """Send, poll, end leases; return how long there is nothing to do [s]."""
+        times = []
+        is_polled = self._poll(now)
+        if is_polled:
+            times.append(self._poll_at)
+        delayed = set()
+        for tenant in list(self._dirty):
+            due = tenant.flush(now)
+            if due is not None:
+                delayed.add(tenant)
+                times.append(due)
+        self._dirty = delayed
+        if self._tenants and now >= self._housekeeping_at:
+            self._housekeeping_at = now + _HOUSEKEEPING_S
+            for tenant in list(self._tenants):
+                tenant.check(now)
+            for service in self.services.values():
+                service.listeners.tick()
+        if self._tenants:
+            times.append(self._housekeeping_at)
+        return max(0.0, min(min(times) - now, _LONGEST_WAIT_S)) if times else None
+
+    def _poll(self, now: float) -> bool:
+        listened = [each for each in self.services.values() if each.listeners.is_any]
+        if listened and now >= self._poll_at:
+            self._poll_at = now + POLL_S
+            for service in listened:
+                service.listeners.poll()
+                if service.on_names is not None and service.listeners.of_names:
+                    service.on_names()
+        return any(each.listeners.computed() or each.listeners.of_names for each in listened)
+
+    def close(self) -> None:
+        """Serve nothing any more, and forget all connections."""
+        if self._is_ended.is_set():
+            return
+        while self._closers:
+            self._closers.pop()()
+        self._is_ended.set()
+        self._is_woken = False
+        self.wake()
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join()
+        for key in list(self._selector.get_map().values()):
+            if isinstance(key.fileobj, socket.socket):
+                key.fileobj.close()
+        self._selector.close()
+        self._waker.close()

@@ -1,0 +1,120 @@
+"""``rtkit.serve(thing, "name")``: an object as a property service with its doors."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+from types import TracebackType
+
+from rtkit.errors import Malformed
+from rtkit.property.codes import PropertyError
+from rtkit.property.naming import canonical_segment
+from rtkit.property.objects import Exported
+from rtkit.property.service import Service
+from rtkit.serving.doors import open_tcp, open_unix
+from rtkit.serving.host import Host
+
+
+class Served:
+    """A service with its doors; close it, or use it as a context.
+
+    Attributes:
+        name: Under which it is found.
+        socket: The path of its unix socket.
+        port: Of its TCP door, None if it has none.
+    """
+
+    def __init__(self, host: Host, service: Service, socket: str, port: int | None) -> None:
+        self.name = service.name
+        self.socket = socket
+        self.port = port
+        self.service = service
+        self._host = host
+
+    def update(self, name: str, value: object) -> None:
+        """Tell a new value of a property that is kept here."""
+        from rtkit.property.conversion import to_value
+
+        with self._host.lock:
+            self.service.update(name, to_value(value))
+
+    def owned(self, work: Callable[[], object]) -> None:
+        """Run something as the owner of the service, and wait until it is done."""
+        done = threading.Event()
+
+        def run() -> None:
+            try:
+                work()
+            finally:
+                done.set()
+
+        self._host.post(run)
+        done.wait()
+
+    def close(self) -> None:
+        """Serve it no longer."""
+        self._host.close()
+
+    def __enter__(self) -> Served:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        raised: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def serve(
+    thing: object,
+    name: str,
+    *,
+    port: int | None = None,
+    hide: Iterable[str] = (),
+    is_on_zenoh: bool = True,
+) -> Served:
+    """Serve an object: its attributes are properties, its methods actions; its class stays as is.
+
+    Commands of the same user find it by its name (``rtget NAME.PROPERTY``). Methods are called on
+    threads of their own, properties are read and set on one other thread.
+
+    Example::
+
+        with rtkit.serve(motor, "motor"):
+            motor.run()
+
+    Args:
+        thing: Any object, or a `Service` that is there already.
+        name: Parts joined by slashes.
+        port: Also open this TCP port of the host, 0 for any, to who knows the user's secret.
+        hide: Names that are not to be seen.
+        is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
+
+    Raises:
+        Refused: A service of that name runs.
+        Malformed: It is no name.
+        Unreachable: The port is taken.
+    """
+    host = Host()
+    service = thing if isinstance(thing, Service) else Service()
+    try:
+        service.name = "/".join(map(canonical_segment, name.split("/")))
+    except PropertyError as error:
+        raise Malformed(f"not a name of a service: {name!r}") from error
+    if not isinstance(thing, Service):
+        Exported(service, thing, hide, host.run_on_thread)
+    host.add(service)
+    try:
+        socket = open_unix(host, service.name)
+        opened = None if port is None else open_tcp(host, service.name, port)
+        if is_on_zenoh:
+            from rtkit.serving.zenoh_door import open_zenoh
+
+            open_zenoh(host, service)
+    except BaseException:
+        host.close()
+        raise
+    host.start()
+    return Served(host, service, socket, opened)

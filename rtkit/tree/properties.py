@@ -1,0 +1,190 @@
+"""Where a property is that somebody typed, and the connection to its owner.
+
+``SERVICE.NAME``, ``/localhost/SERVICE.NAME``, ``/localhost/SERVICE/NAME`` are the same. What of it
+is the service is known from the services there are: the longest that fits.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, Protocol
+
+from rtkit.errors import Unreachable
+from rtkit.property.codes import PropertyError, code_of
+from rtkit.property.messages import Answer, Event, Payload
+from rtkit.rtc.names import LOCAL, is_local_host
+
+
+class End(Protocol):
+    """A connection to the owner of properties."""
+
+    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+        """GET, or SET."""
+        ...
+
+    def listen(self, target: str) -> None:
+        """Begin to listen."""
+        ...
+
+    def event(self, timeout_s: float | None = None) -> Event | None:
+        """Return the next event, None if none came in time."""
+        ...
+
+    def close(self) -> None:
+        """End the connection."""
+        ...
+
+
+class Place(NamedTuple):
+    """A property as it was typed.
+
+    Attributes:
+        service: Where it is, empty if no service fits.
+        name: Of the property, as a target without parameters; empty for the service itself.
+        parameters: What was typed behind the question mark, None for nothing.
+    """
+
+    typed: str
+    service: str
+    name: str
+    parameters: str | None = None
+
+    def target(self, more: str = "", extension: str = "") -> str:
+        """Return what to ask for; the service itself stands for the names it has."""
+        name = self.name or ("" if extension == "listen" else "properties")
+        if extension:
+            name = f"{name}.{extension}" if name else f"properties.{extension}"
+        given = [each for each in (self.parameters, more) if each]
+        is_marked = self.parameters is not None or more
+        return f"{name}?{'&'.join(given)}" if is_marked else name
+
+
+def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> Place:
+    """Read what was typed, relative to the working directory `cwd` in the tree."""
+    path, mark, parameters = typed.partition("?")
+    whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
+    steps = [step for step in whole.split("/") if step not in ("", ".")]
+    if steps and is_local_host(steps[0], hostname):
+        steps.pop(0)
+    elif steps and path.startswith("/"):
+        return Place(typed, "", whole, parameters if mark else None)
+    rest = "/".join(steps)
+    given = parameters if mark else None
+    for service in sorted(services, key=len, reverse=True):
+        if rest == service:
+            return Place(typed, service, "", given)
+        if rest.startswith((f"{service}.", f"{service}/")):
+            name = rest[len(service) + 1 :].strip("/")
+            return Place(typed, service, name.replace("/", "."), given)
+    return Place(typed, "", rest, given)
+
+
+class Places:
+    """Finds properties and keeps one connection for each owner.
+
+    Args:
+        at: ``HOST:PORT`` of a TCP door, else services of this user on this host are meant.
+        timeout_s: Bound on each request [s].
+    """
+
+    def __init__(self, cwd: str, at: str, timeout_s: float) -> None:
+        self._cwd = cwd
+        self._at = at
+        self._timeout_s = timeout_s
+        self._ends: dict[str, End] = {}
+        self._services: list[str] | None = None
+
+    def find(self, typed: str) -> tuple[Place, End]:
+        """Return where a property is and the connection to its owner.
+
+        Raises:
+            RtkitError: ``no-service``, with what was typed in front.
+        """
+        place = parse(typed, self._cwd, self._known(), os.uname().nodename)
+        try:
+            return place, self._end(place)
+        except Exception as error:
+            raise told(typed, error) from error
+
+    def _known(self) -> list[str]:
+        if self._services is None:
+            from rtkit.link.places import services
+
+            self._services = self._at_door() if self._at else services()
+        return self._services
+
+    def _at_door(self) -> list[str]:
+        answer = self._door().ask("door/services").value()
+        return [] if answer == "()" else str(answer).strip("()").split()
+
+    def _door(self) -> End:
+        if "" not in self._ends:
+            from rtkit.link.line_client import connect_tcp
+
+            host, _, port = self._at.rpartition(":")
+            self._ends[""] = connect_tcp(host or LOCAL, int(port), self._timeout_s)
+        return self._ends[""]
+
+    def _end(self, place: Place) -> End:
+        if not place.service:
+            known = " ".join(self._known()) or "none"
+            first = place.name.split(".")[0]
+            raise PropertyError("no-service", f"no service named {first} (there is {known})")
+        if place.service not in self._ends:
+            self._ends[place.service] = self._connected(place.service)
+        return self._ends[place.service]
+
+    def _connected(self, service: str) -> End:
+        if self._at:
+            return OfService(self._door(), service)
+        from rtkit.link.line_client import connect_unix
+        from rtkit.link.places import service_socket
+
+        return connect_unix(service_socket(service), self._timeout_s)
+
+    def close(self) -> None:
+        """End all connections."""
+        for end in self._ends.values():
+            end.close()
+        self._ends.clear()
+
+
+class OfService:
+    """One of several services behind a door."""
+
+    def __init__(self, door: End, service: str) -> None:
+        self._door = door
+        self._service = service
+        self.event = door.event
+        self.close = door.close
+
+    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+        """See `End.ask`."""
+        return self._door.ask(f"{self._service}/{target}", payload)
+
+    def listen(self, target: str) -> None:
+        """See `End.listen`."""
+        self._door.listen(f"{self._service}/{target}")
+
+
+def told(typed: str, error: Exception) -> PropertyError:
+    """Return an error as commands tell it: ``TARGET: code: text``."""
+    code = "timeout" if _is_late(error) else code_of(error)
+    return PropertyError(code, f"{typed}: {code}: {error}")
+
+
+def _is_late(error: Exception) -> bool:
+    return isinstance(error, Unreachable) and str(error).startswith("no answer within")
+
+
+def asked(ask: Callable[[], Answer], typed: str) -> Payload:
+    """Return the value of an answer.
+
+    Raises:
+        PropertyError: As commands tell it.
+    """
+    try:
+        return ask().value()
+    except Exception as error:
+        raise told(typed, error) from error

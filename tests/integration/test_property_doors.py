@@ -1,0 +1,280 @@
+"""Every door of a real service answers alike, and none is brought down by who abuses it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import socket
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+
+import pytest
+from conformance import Door, check_answers, check_events, subject
+
+from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.link import keys, places, secret
+from rtkit.link.line_client import LineClient, connect_tcp, connect_unix, listening
+from rtkit.link.properties import PropertyClient
+from rtkit.link.zenoh import open_client, unix_endpoint
+from rtkit.property.messages import Event
+from rtkit.property.service import Service
+from rtkit.serving import connection, login
+from rtkit.serving.serve import Served, serve
+
+BOUND_S = 30.0
+
+
+@pytest.fixture
+def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    folder = tempfile.mkdtemp(prefix="rtk")
+    for name in ("run", "state"):
+        os.mkdir(f"{folder}/{name}", 0o700)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
+    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
+    yield folder
+    assert os.listdir(f"{folder}/run") == []
+    shutil.rmtree(folder)
+
+
+@pytest.fixture
+def service() -> Service:
+    return subject()
+
+
+@pytest.fixture
+def served(place: str, service: Service) -> Iterator[Served]:
+    with serve(service, "robot", port=0) as served:
+        yield served
+
+
+class Lines:
+    """The line protocol; each who listens has a connection of its own."""
+
+    def __init__(self, connect: Callable[[], LineClient]) -> None:
+        self._connect = connect
+        self._client = connect()
+        self.ask = self._client.ask
+        self.close = self._client.close
+
+    def listen(self, target: str) -> AbstractContextManager[Iterator[Event]]:
+        return listening(self._connect(), target)
+
+
+class Zenoh:
+    """Queries on a session of its own."""
+
+    def __init__(self) -> None:
+        path = places.service_key_socket("robot")
+        self._session = open_client(unix_endpoint(path), BOUND_S)
+        key = keys.property_service(os.uname().nodename, "robot")
+        self._client = PropertyClient(self._session, key, BOUND_S)
+        self.ask = self._client.ask
+
+    @contextmanager
+    def listen(self, target: str) -> Iterator[Iterator[Event]]:
+        with self._client.listen(target) as ear:
+            yield iter(ear)
+
+    def close(self) -> None:
+        self._session.close()  # type: ignore[no-untyped-call]
+
+
+def _unix(served: Served) -> Lines:
+    return Lines(lambda: connect_unix(served.socket, BOUND_S))
+
+
+def _speed(served: Served) -> object:
+    with connect_unix(served.socket, BOUND_S) as client:
+        return client.ask("speed").payload
+
+
+def _tcp(served: Served) -> Lines:
+    port = served.port or 0
+    return Lines(lambda: connect_tcp("127.0.0.1", port, BOUND_S))
+
+
+DOORS: dict[str, Callable[[Served], Lines | Zenoh]] = {
+    "unix": _unix,
+    "tcp": _tcp,
+    "zenoh": lambda served: Zenoh(),
+}
+"""Each is a row: what is asked of one is asked of all."""
+
+
+@pytest.fixture(params=DOORS)
+def door(request: pytest.FixtureRequest, served: Served) -> Iterator[Door]:
+    made = DOORS[request.param](served)
+    yield made
+    made.close()
+
+
+def test_requests(door: Door) -> None:
+    check_answers(door)
+
+
+def test_events(door: Door, served: Served, service: Service) -> None:
+    check_events(door, service, served.owned)
+
+
+def test_changes_through_one_door_are_heard_at_the_others(served: Served) -> None:
+    doors = {name: make(served) for name, make in DOORS.items()}
+    try:
+        for name, door in doors.items():
+            with (
+                doors["unix"].listen("any?initial=0") as here,
+                doors["zenoh"].listen("any?initial=0") as there,
+            ):
+                assert door.ask("any", name).error == ""
+                assert (next(here).payload, next(there).payload) == (name, name)
+                assert {each.ask("any").payload for each in doors.values()} == {name}
+    finally:
+        for door in doors.values():
+            door.close()
+
+
+def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
+    with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
+        end.sendall(b"GET speed\nSET speed 1\n")
+        assert end.makefile().readline().startswith("! denied ")
+        assert end.recv(100) == b""
+    with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
+        end.sendall(b"GET door/nonce\nGET door/services\n")
+        assert re.fullmatch("= n[0-9a-f]{32}\n! denied .*\n", end.makefile().read())
+    user = secret.read().user
+    with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
+        end.sendall(f"SET door/identity {user} {login.proof('guess', 'n')}\nGET speed\n".encode())
+        assert end.makefile().read().startswith("! denied ")
+    assert _speed(served) == "0.25"
+
+
+def test_the_name_is_taken_while_it_runs_and_free_when_it_was_killed(served: Served) -> None:
+    with pytest.raises(Refused, match="running already"):
+        serve(Service(), "robot")
+    left = places.service_socket("gone")
+    with socket.socket(socket.AF_UNIX) as end:
+        end.bind(left)
+    with serve(Service(), "gone"), connect_unix(left, BOUND_S) as client:
+        assert client.ask("properties").payload == "()"
+
+
+@pytest.mark.parametrize(
+    "rubbish",
+    [
+        b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)) * 8,
+        b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n",
+        b"x" * (3 << 20),
+        b"SET any " + b"(" * 1_000_000 + b"\n",
+        b"SET any {999999999999}\n",
+        b"GET " + b"\xff" * 1000 + b"\n",
+        b"#" * 100_000 + b"\n",
+        b"\n" * 10_000,
+        b"SET any {5}\n12",
+    ],
+)
+def test_rubbish_harms_nobody_else(served: Served, rubbish: bytes) -> None:
+    with socket.socket(socket.AF_UNIX) as end:
+        end.settimeout(BOUND_S)
+        end.connect(served.socket)
+        # It may hang up on rubbish that is not taken to its end.
+        sender = threading.Thread(target=_send, args=(end, rubbish))
+        sender.start()
+        assert _speed(served) == "0.25"
+        end.shutdown(socket.SHUT_RDWR)
+        sender.join(BOUND_S)
+
+
+def _send(end: socket.socket, data: bytes) -> None:
+    try:
+        end.sendall(data)
+    except OSError:
+        return
+
+
+def test_who_never_reads_delays_nobody_and_costs_little(
+    served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connection, "HALF_S", 0.5)
+    served.owned(lambda: service.update("notes", "x" * 500_000))
+    with socket.socket(socket.AF_UNIX) as deaf:
+        deaf.settimeout(BOUND_S)
+        deaf.connect(served.socket)
+        deaf.sendall(b"SET count.listen self\n" + b"GET notes\n" * 200)
+        with listening(connect_unix(served.socket, BOUND_S), "count?queue=1000") as events:
+            assert next(events).payload == "7"
+            for value in range(100, 200):
+                served.owned(lambda value=value: service.update("count", value))  # type: ignore[misc]
+            assert [next(events).payload for _ in range(100)][-1] == "199"
+        tenants = [
+            each for each in served._host._tenants if isinstance(each, connection.Connection)
+        ]
+        assert all(len(each._out) < 3_000_000 for each in tenants)
+        # It is given up: the end of the stream comes after what the kernel holds.
+        while deaf.recv(1 << 20):
+            pass
+        left = [each for each in tenants if each.is_open]
+        assert len(left) <= 1, "only the one that listens as it should"
+
+
+def test_who_says_nothing_is_not_waited_for(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(login, "PATIENCE_S", 0.3)
+    monkeypatch.setattr(connection, "HALF_S", 0.3)
+    with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as silent:
+        assert silent.recv(10) == b""
+    with socket.socket(socket.AF_UNIX) as half:
+        half.settimeout(BOUND_S)
+        half.connect(served.socket)
+        half.sendall(b"GET sp")
+        assert half.recv(10) == b""
+
+
+def test_a_service_that_ends_is_told_to_who_listens(place: str) -> None:
+    service = subject()
+    served = serve(service, "robot", is_on_zenoh=False)
+    client = connect_unix(served.socket, BOUND_S)
+    client.listen("count")
+    assert client.event(BOUND_S) is not None
+    served.close()
+    with client, pytest.raises(Unreachable, match="ended"):
+        client.event(BOUND_S)
+    with pytest.raises(RtkitError):
+        connect_unix(served.socket, BOUND_S)
+
+
+def test_actions_run_beside_everything_else(place: str) -> None:
+    go = threading.Event()
+
+    class Slow:
+        speed = 1.0
+
+        def work(self, seconds: float) -> float:
+            go.wait(BOUND_S)
+            return seconds
+
+    with (
+        serve(Slow(), "slow", is_on_zenoh=False) as served,
+        connect_unix(served.socket, BOUND_S) as first,
+        connect_unix(served.socket, BOUND_S) as second,
+    ):
+        _check_slow(first, second, go)
+
+
+def _check_slow(first: LineClient, second: LineClient, go: threading.Event) -> None:
+    assert first.ask("work", "3").error == ""
+    assert second.ask("work", "3").error == "busy"
+    assert second.ask("speed").payload == "1.0"
+    assert second.ask("work.state").payload == "running"
+    second.listen("work")
+    go.set()
+    states = []
+    while not states or "done" not in states[-1]:
+        event = second.event(BOUND_S)
+        assert event is not None
+        states.append(str(event.payload))
+    assert states[-1] == '<call state="done"><result>3.0</result></call>'
+    assert first.ask("work?echo", "4").payload == (
+        '<call state="done"><result>4.0</result></call>')  # fmt: skip

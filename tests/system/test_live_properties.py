@@ -1,0 +1,139 @@
+"""Live properties with the real commands: an object served, got, set, listened to, ended."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Iterator
+from typing import Any
+
+import jsonrecords
+import pytest
+
+MODULE = '''
+class Arm:
+    """An arm of nothing."""
+
+    def __init__(self, angle=0.0, name="left"):
+        self.angle = angle
+        self.name = name
+        self.picture = b"\\xff\\x00\\n"
+        self.pose = [1.0, 2.0, 3.0]
+
+    def raised(self, by: float):
+        self.angle += by
+        return self.angle
+
+
+def broken():
+    raise ValueError("no arm")
+'''
+
+
+@pytest.fixture
+def arm(shell: Any) -> Iterator[Any]:
+    """A shell with an arm that is served."""
+    (shell.folder / "arm.py").write_text(MODULE, encoding="utf-8")
+    process = shell.open("rtserve arm:Arm robots/arm -a 0.5 -a name=right --port 0 --hide hidden")
+    shell.address = process.stdout.readline().split()[1]
+    yield shell
+    process.send_signal(signal.SIGTERM)
+    assert process.communicate(timeout=30) == ("", "")
+    assert process.returncode == 0
+
+
+def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
+    assert arm.ok("rtget robots/arm") == "(raised angle name picture pose)\n"
+    line = "rtget robots/arm.angle /localhost/robots/arm/name robots/arm/pose.y"
+    assert arm.ok(line) == '0.5\n"right"\n2.0\n'
+    assert arm.ok("rtset robots/arm.angle -0.25") == ""
+    assert arm.ok("rtset robots/arm angle -1e-3 --echo") == "-0.001\n"
+    assert arm.ok("rtset --echo robots/arm.raised 2") == (
+        '<call state="done"><result>1.999</result></call>\n'
+    )
+    assert arm.ok(f"rtget --at {arm.address} robots/arm.angle") == "1.999\n"
+    arm.ok("rtset robots/arm properties '((angle 3) (name up))'")
+    assert arm.ok("rtget -p values -p names='(angle name)' robots/arm") == (
+        '((angle 3) (name "up"))\n'
+    )
+    (record,) = jsonrecords.checked(arm.ok("rtget --json robots/arm.pose"))
+    assert (record["schema"], record["value"]) == ("rtkit.property/1", [1.0, 2.0, 3.0])
+    listening = arm.open("rtlisten --json -n 2 robots/arm.angle robots/arm.name")
+    first = [listening.stdout.readline() for _ in range(2)]
+    assert listening.communicate(timeout=30)[1] == ""
+    records = jsonrecords.checked("".join(first))
+    assert {record["target"] for record in records} == {"robots/arm.angle", "robots/arm.name"}
+    assert {record["schema"] for record in records} == {"rtkit.property-event/1"}
+    changes = arm.open("rtlisten --queue 9 -n 3 robots/arm.angle")
+    heard = [changes.stdout.readline()]
+    for value in ("4", "5"):
+        arm.ok(f"rtset robots/arm.angle {value}")
+        heard.append(changes.stdout.readline())
+    assert heard == ["3\n", "4\n", "5\n"]
+    assert changes.wait(30) == 0
+    changes.communicate()
+
+
+def test_files_and_stdin(arm: Any) -> None:
+    content = bytes(range(256)) * 10
+    (arm.folder / "in.bin").write_bytes(content)
+    arm.ok("rtset --file in.bin robots/arm.picture")
+    done = arm.open("rtget --raw robots/arm.picture")
+    assert done.stdout.buffer.read() == content
+    assert done.wait(30) == 0
+    done.communicate()
+    outcome = arm.run("rtset robots/arm.name -", text='"two words"\n')
+    assert (outcome.status, outcome.err) == (0, "")
+    assert arm.ok("rtget --raw robots/arm.name") == "two words"
+
+
+REFUSED = [
+    ("rtget robots/arm.nope", 4, "robots/arm.nope: unknown: no such property: nope"),
+    ("rtget nope.x", 5, "nope.x: no-service: no service named nope (there is robots/arm)"),
+    (
+        "rtset robots/arm.angle red",
+        2,
+        "robots/arm.angle: bad-value: expected number, found word red",
+    ),
+    ("rtset robots/arm.angle ((", 2, "robots/arm.angle: syntax: 2 expected )"),
+    ("rtset --if 99 robots/arm.name x", 1, "robots/arm.name: conflict: revision of name is 1"),
+    (
+        "rtset robots/arm.angle.meta 3",
+        1,
+        "robots/arm.angle.meta: read-only: cannot be set: angle.meta",
+    ),
+    ("rtget -p x=1 robots/arm.name", 2, "robots/arm.name: bad-parameter: name has no parameter x"),
+    ("rtlisten robots/arm.nope", 4, "robots/arm.nope: unknown: no such property: nope"),
+    ("rtserve arm:Arm robots/arm", 1, "a service named 'robots/arm' is running already"),
+    ("rtserve arm:Leg x", 4, "nothing of that name in arm: Leg"),
+    ("rtserve arm:broken x", 1, "arm:broken: ValueError: no arm"),
+    ("rtserve legs:Leg x", 4, "no such module: legs"),
+    ("rtserve arm:Arm 'a b'", 2, "not a name of a service: 'a b'"),
+]
+
+
+def test_refusals_are_one_line(arm: Any) -> None:
+    arm.environment["RTKIT_EXIT_DETAIL"] = "1"
+    for line, status, error in REFUSED:
+        outcome = arm.run(line)
+        assert (outcome.status, outcome.err) == (status, f"{line.split()[0]}: {error}\n"), line
+        assert outcome.out == ""
+
+
+def test_a_listener_hears_that_the_service_has_gone(shell: Any) -> None:
+    process = shell.open("rtserve statistics:NormalDist noise -a 10 -a 2")
+    assert process.stdout.readline() == "/localhost/noise\n"
+    listening = shell.open("rtlisten noise.mean")
+    assert listening.stdout.readline() == "10.0\n"
+    process.kill()
+    process.communicate()
+    assert listening.communicate(timeout=30) == (
+        "", "rtlisten: noise.mean: no-service: the connection has ended\n")  # fmt: skip
+    assert listening.returncode == 1
+    assert shell.run("rtget noise.mean").err.startswith("rtget: noise.mean: no-service: ")
+    again = shell.open("rtserve statistics:NormalDist noise")
+    assert again.stdout.readline() == "/localhost/noise\n"
+    assert json.loads(shell.ok("rtget --json noise.stdev"))["value"] == 1.0
+    again.send_signal(signal.SIGINT)
+    assert again.wait(30) == -signal.SIGINT
+    again.communicate()

@@ -1,0 +1,243 @@
+"""Objects as properties: what is shown, of what type, what is not; classes stay as they are."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+import threading
+import typing
+from enum import Enum
+from typing import Annotated
+
+import numpy
+import pytest
+from simple_pid import PID
+
+from rtkit.property.annotations import Range, Unit
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Ask, Caller
+from rtkit.property.objects import Exported
+from rtkit.property.service import Service
+
+
+class Mode(Enum):
+    IDLE = 1
+    DRIVE = 2
+
+
+@dataclasses.dataclass
+class Arm:
+    angle: Annotated[float, Unit("rad"), Range(-3, 3, 0.1)] = 0.0
+    name: str = "left"
+    _torque: float = 1.0
+
+    def wave(self, times: int = 1) -> int:
+        return times * 2
+
+
+@dataclasses.dataclass(frozen=True)
+class Fixed:
+    x: float = 1.0
+
+
+class Robot:
+    """A robot.
+
+    Attributes:
+        speed: How fast
+            it goes.
+    """
+
+    kind: typing.Final = "rover"
+    _secret = 7
+
+    def __init__(self) -> None:
+        self.speed = 0.0
+        self.mode = Mode.IDLE
+        self.arm = Arm()
+        self.fixed = Fixed()
+        self.me = self
+        self.path = [1.0, 2.0]
+        self.tags = ["a", "b c"]
+        self.raw = b"\x00"
+        self.extra: dict[str, int] = {"a": 1, "_b": 2}
+        self.nothing = None
+        self.lock = threading.Lock()
+        self.module = statistics
+        self.cls = Arm
+        self.call = lambda: 1
+        self.pose = numpy.zeros(3)
+        self.grid = numpy.eye(2, dtype=int)
+        self.count = numpy.int64(4)
+        self._gain = 1.0
+
+    def get_gain(self) -> float:
+        """Of the loop."""
+        return self._gain
+
+    def set_gain(self, value: float) -> None:
+        self._gain = value
+
+    def setOnly(self, value: float) -> None:  # noqa: N802
+        self._gain = value
+
+    def move(self, x: float, *, fast: bool = False) -> float:
+        """Move it."""
+        if x < 0:
+            raise ValueError("backwards")
+        return x * (2 if fast else 1)
+
+    def get_by(self, key: str) -> str:
+        return key
+
+    def _hidden(self) -> None:
+        raise AssertionError
+
+    @property
+    def broken(self) -> float:
+        raise RuntimeError("no sensor")
+
+
+def served(thing: object, *hidden: str) -> Service:
+    service = Service("o")
+    Exported(service, thing, hidden)
+    return service
+
+
+def refused(service: Service, target: str, payload: str | None = None) -> str:
+    with pytest.raises(PropertyError) as error:
+        service.get(target) if payload is None else service.set(target, payload)
+    return error.value.code
+
+
+def test_what_is_shown_and_nothing_else() -> None:
+    service = served(Robot())
+    names = str(service.get("properties")).strip("()").split()
+    assert set(names) == {
+        "kind", "move", "get_by", "broken", "speed", "mode", "arm", "fixed", "path", "tags", "raw",
+        "extra", "nothing", "pose", "grid", "count", "gain", "only",
+    }  # fmt: skip
+    assert service.get("arm") == "(angle name wave)"
+    assert service.get("extra") == "(a)"
+    for name in ("_secret", "lock", "me", "__class__", "arm._torque", "extra._b", "module", "cls"):
+        assert refused(service, name) == "unknown"
+
+
+def test_hidden_names_stay_hidden() -> None:
+    service = served(Robot(), "speed", "angle")
+    assert refused(service, "speed") == "unknown"
+    assert service.get("arm") == "(name wave)"
+
+
+def test_a_nested_object_is_followed_where_it_goes() -> None:
+    robot = Robot()
+    service = served(robot)
+    service.set("arm.angle", "1")
+    assert (robot.arm.angle, type(robot.arm.angle)) == (1.0, float)
+    robot.arm = Arm(2.0, "right")
+    assert service.get("properties?names=(arm.angle%20arm.name)&values") == (
+        '((arm.angle 2.0) (arm.name "right"))'
+    )
+    assert refused(service, "arm.angle", "4") == "bad-value"
+    assert service.get("arm.angle.gui") == (
+        '<gui kind="slider" min="-3" max="3" step="0.1" unit="rad"/>'
+    )
+    assert service.set("arm.wave?echo", "3") == '<call state="done"><result>6</result></call>'
+
+
+def test_types_follow_from_annotations_and_values() -> None:
+    robot = Robot()
+    service = served(robot)
+    types = {name: service.get(f"{name}.meta.type") for name in (
+        "speed", "mode", "path", "raw", "gain", "arm.name", "count")}  # fmt: skip
+    assert types == {
+        "speed": "number", "mode": "word", "path": "any", "raw": "bytes", "gain": "number",
+        "arm.name": "string", "count": "any",
+    }  # fmt: skip
+    assert service.get("speed.meta.doc") == '"How fast it goes."'
+    assert service.get("mode.meta.choices") == "(IDLE DRIVE)"
+    service.set("mode", "DRIVE")
+    assert robot.mode is Mode.DRIVE
+    assert refused(service, "mode", "FLY") == "bad-value"
+    service.set("tags", "(x y)")
+    assert robot.tags == ["x", "y"]
+    service.set("raw", b"\xff")
+    assert robot.raw == b"\xff"
+
+
+def test_arrays_keep_their_shape() -> None:
+    robot = Robot()
+    service = served(robot)
+    service.set("pose", "(1 2 3)")
+    service.set("pose.y", "7")
+    assert robot.pose.tolist() == [1.0, 7.0, 3.0]
+    assert robot.pose.dtype == float
+    assert service.get("grid") == "((1 0) (0 1))"
+    assert refused(service, "pose", "(1 2)") == "bad-value"
+
+
+def test_access_follows_from_the_class() -> None:
+    service = served(Robot())
+    for name in ("kind", "broken", "fixed.x"):
+        assert refused(service, name, "3") == "read-only"
+    assert refused(service, "only") == "write-only"
+    assert refused(service, "broken") == "internal"
+    assert service.get("broken.meta.quality") == "bad"
+
+
+def test_getters_and_setters_are_one_property() -> None:
+    robot = Robot()
+    service = served(robot)
+    service.set("gain", "2")
+    service.set("only", "3")
+    assert (robot._gain, service.get("gain")) == (3.0, "3.0")
+    assert service.get("gain.meta.doc") == '"Of the loop."'
+    assert service.get("get_by.parameters") == '((key string () () ""))'
+
+
+def test_methods_are_actions_with_their_signature() -> None:
+    service = served(Robot())
+    assert service.get("move.parameters") == '((x number () () "") (fast boolean false () ""))'
+    assert service.set("move?fast&echo", "3") == '<call state="done"><result>6.0</result></call>'
+    failed = '<call state="failed"><error code="bad-value">ValueError: backwards</error></call>'
+    assert service.set("move?echo", "-1") == failed
+    assert refused(service, "move", "red") == "bad-value"
+
+
+def test_keys_that_come_and_go_are_told() -> None:
+    robot, heard = Robot(), []
+    service = served(robot)
+    ear = Caller("ear")
+    ear.listen = heard.append  # type: ignore[method-assign]
+    service.handle(Ask("extra.properties.listen?queue=9&initial=0&mode=diff", "self", print, ear))
+    robot.extra["new"] = 3
+    assert service.get("extra.new") == "3"
+    del robot.extra["a"]
+    assert service.get("extra") == "(a new)"
+    assert service.get("extra.properties") == "(new)"
+    events = iter(lambda: heard[0].take(service.clock()), None)
+    assert [event.payload for event in events] == [
+        "((added extra.new) (removed))", "((added) (removed extra.a))"]  # fmt: skip
+
+
+def test_a_class_of_the_standard_library() -> None:
+    before = vars(statistics.NormalDist).copy()
+    service = served(statistics.NormalDist(10, 2))
+    assert service.get("properties?names=(mean%20stdev)&values") == "((mean 10.0) (stdev 2.0))"
+    assert refused(service, "mean", "3") == "read-only"
+    assert service.set("cdf?echo", "10") == '<call state="done"><result>0.5</result></call>'
+    assert vars(statistics.NormalDist) == before
+
+
+def test_a_class_of_the_package_index() -> None:
+    pid = PID(1, 0.1, 0.05, setpoint=1)
+    service = served(pid)
+    service.set("Kp", "2.5")
+    service.set("tunings", "(1 2 3)")
+    service.set("output_limits", "(0 10)")
+    assert (pid.Kp, pid.tunings, pid.output_limits) == (1, (1, 2, 3), (0, 10))
+    assert refused(service, "output_limits", "(10 0)") == "bad-value"
+    service.set("auto_mode", "false")
+    assert pid.auto_mode is False
+    assert refused(service, "components", "(1 2 3)") == "read-only"
+    assert type(pid) is PID
