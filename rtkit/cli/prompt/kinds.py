@@ -10,6 +10,7 @@ from rtkit.cli.prompt.candidates import Candidate, Files, those
 from rtkit.cli.prompt.grammar import Asked
 from rtkit.cli.prompt.live import Live, instances_of
 from rtkit.cli.prompt.places import Wanted, in_state, living, paths, with_row
+from rtkit.errors import RtkitError
 from rtkit.rtc.names import parse_path
 from rtkit.tree.view import Kind, Node
 
@@ -24,6 +25,8 @@ _CONNECTOR_PROPERTIES = (
     "dataport.push_rate=",
     "dataport.subscription_type=",
 )
+_MOST_ASKED = 8
+_PATIENCE_S = 0.3
 _COMPOSITES = ("PeriodicECSharedComposite", "PeriodicStateSharedComposite", "GroupingComposite")
 
 
@@ -252,6 +255,23 @@ def _instances(asked: Asked, live: Live) -> Found:
     return those((row.instance for row in live.tree().listing().rows), asked.typed)
 
 
+def _live(asked: Asked, _live: Live) -> Found:
+    """Return services, and the properties of those of which the name is typed."""
+    from rtkit.link.line_client import connect_unix
+    from rtkit.link.places import service_socket, services
+
+    names = [name for name in services() if f"{name}.".startswith(asked.typed[: len(name) + 1])]
+    found = list(names)
+    for name in names[:_MOST_ASKED]:
+        try:
+            with connect_unix(service_socket(name), _PATIENCE_S) as client:
+                listed = client.ask("properties?all").value()
+        except RtkitError:
+            continue  # nobody is behind the socket: the next one may be asked
+        found += [f"{name}.{each}" for each in str(listed).strip("()").split()]
+    return those(found, asked.typed)
+
+
 _PORT = Wanted(with_row(lambda row: bool(row.ins + row.outs + row.services)), has_port=True)
 _MAKERS: dict[str, Maker] = {
     "active": _changeable("Active"),
@@ -281,6 +301,7 @@ _MAKERS: dict[str, Maker] = {
     "in-port": _in_port,
     "inactive": _changeable("Inactive"),
     "instance": _instances,
+    "live": _live,
     "loaded-module": _modules,
     "manager": _all(Wanted(_is_manager)),
     "manager-name": _manager_names,
