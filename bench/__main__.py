@@ -26,6 +26,7 @@ GROUPS = (
     "faults",
     "static",
     "profiles",
+    "properties",
     "prompt",
     "planner",
     "table3",

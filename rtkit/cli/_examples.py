@@ -104,6 +104,10 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "rtget": (
         ("rtget robot", "The names that a service has."),
         ("rtget robot.speed robot.location.x", "Two values, a line each."),
+        (
+            "rtget /localhost/Motor0.rtc.state",
+            "Of a component; also of managers, and localhost.load.",
+        ),
         ("rtget -p frame=robot robot.pose", "With a parameter."),
         ("rtget robot.speed.meta", "Type, unit, range, time, quality of a property."),
         ("rtget --raw robot.image > image.jpg", "Bytes, as they are."),
@@ -121,6 +125,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "rtlisten": (
         ("rtlisten robot.speed", "Every change, until Ctrl-C."),
         ("rtlisten -n 1 --every 0.5 robot.location", "At most two a second, and only one."),
+        ("rtlisten /localhost/Motor0.rtc.ports.out.count", "How much passes a port."),
         ("rtlisten --mode diff robot", "Which names come and go."),
     ),
     "rtlog": (
@@ -134,6 +139,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtls -R /", "Everything."),
         ("rtls -l --watch=0.5 /localhost", "Look again twice a second."),
         ("rtls -R --json /", "Everything, for another program."),
+        ("rtls -l robot", "The properties of an object that rtserve serves."),
     ),
     "rtmgr": (
         ("rtmgr start", "Start the manager of this host in the background."),
@@ -195,6 +201,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtset --echo robot.double 21", "An action: wait, and print what came of it."),
         ("rtset --if 7 robot.mode drive", "Only if nobody has changed it since."),
         ("rtset robot properties '((speed 0) (mode idle))'", "Several, all or none."),
+        ("rtset /localhost/Motor0.rtc.state Active", "Of a component: it is activated."),
         ("rtset --file image.jpg robot.image", "The content of a file."),
     ),
     "rtstart": (

@@ -33,7 +33,8 @@ def main(
 ) -> None:
     """Print the values of live properties, a line each.
 
-    TARGET is SERVICE.NAME, or a path such as /localhost/SERVICE/NAME; a service alone stands for
+    TARGET is SERVICE.NAME, or a path such as /localhost/SERVICE/NAME; in place of a service it
+    may be a component, a manager or this host (/localhost/Motor0.rtc.state). Alone, it stands for
     the names it has. Behind the name of a property .meta asks what is known of it, .properties
     what is below, .parameters, .gui, .history more.
     """

@@ -9,7 +9,8 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
-from rtkit.cli._watch import CLEAR, MayWatch
+from rtkit.cli._service_listing import listed, service_at
+from rtkit.cli._watch import CLEAR, MayWatch, watch
 from rtkit.errors import Malformed
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import Kind, Node
@@ -54,12 +55,25 @@ def main(
     Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it,
     has a * before its name. With -l each line tells the state, then ports and how many of them
     are connected (all, in, out, service), then the name and in brackets what else to know.
+    Of a served object (rtserve): its properties; with -l type, access, unit, quality, name, value.
     Watched, it is written again only when it has changed, on a terminal in place of what was.
     """
     check_at_most_one(paths, "path")
     path = app.path(paths[0] if paths else ".")
     if path.port is not None:
         raise Malformed("Cannot list ports.")
+    gap = "" if is_json else "\n"
+    service = service_at(paths[0] if paths else ".")
+    if service is not None:
+
+        def look_at_service() -> Iterable[str]:
+            return listed(app, service, is_long=is_long, recurse=recurse, is_json=is_json)
+
+        if period_s is None:
+            _out.write(look_at_service())
+        else:
+            watch(look_at_service, period_s, gap)
+        return
     show = _json if is_json else _long if is_long else _short(is_single)
 
     def look() -> Iterable[str]:
@@ -76,7 +90,7 @@ def main(
     if period_s is None:
         _out.write(look())
     else:
-        _watch(app, path, look, period_s, "" if is_json else "\n")
+        _watch(app, path, look, period_s, gap)
 
 
 def _watch(

@@ -23,7 +23,7 @@ from rtkit.link.zenoh import _ERROR_ENCODING as ERROR_ENCODING
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event, write_attributes
 from rtkit.property.messages import Answer, Event, Payload
-from rtkit.property.naming import parse_target, write_parameters
+from rtkit.property.naming import parse_target
 
 LEASE_S = 10.0
 """How long a listener is served that is not heard of again [s]."""
@@ -139,7 +139,7 @@ class PropertyClient:
             asked = parse_target(target)
         except PropertyError as error:
             return Answer(str(error), error.code)  # no key can be made of it
-        parameters = write_parameters(asked.parameters).replace("&", ";")
+        parameters = target.partition("?")[2].replace("&", ";")
         if ear:
             parameters += f"{';' if parameters else ''}{_EAR}={ear}"
         key = keys.of_target(self._key, asked.name)

@@ -27,6 +27,21 @@ def managers() -> list[str]:
     )
 
 
+def services() -> list[str]:
+    """Return the names of the property services of this user that answer, in order."""
+    import socket
+
+    found = []
+    for name in places.services():
+        with socket.socket(socket.AF_UNIX) as probe:
+            try:
+                probe.connect(places.service_socket(name))
+            except OSError:
+                continue
+        found.append(name)
+    return found
+
+
 def traces(name: str) -> list[str]:
     """Return the files ``NAME.PID.KIND`` that processes of a manager of that name have, or had."""
     try:

@@ -99,6 +99,7 @@ def _names(service: Service, place: Place, parameters: dict[str, Value]) -> Payl
     selected = given.pop("names", None)
     pattern = given.pop("match", None)
     has_values = given.pop("values", False) not in (False, 0)
+    has_meta = given.pop("meta", False) not in (False, 0)
     _nothing_else(given, "properties")
     prefix = f"{place.name}." if place.name else ""
     if selected is not None:
@@ -109,11 +110,26 @@ def _names(service: Service, place: Place, parameters: dict[str, Value]) -> Payl
         names = [each[len(prefix) :] for each in service.registry.below(place.name, depth)]
     if pattern is not None:
         names = [each for each in names if fnmatchcase(each, str(pattern))]
+    if has_meta:
+        return write(tuple(_told(service, prefix, each) for each in names))
     if not has_values:
         for each in names if selected is not None else ():
             service.registry.find(prefix + each)
         return write(tuple(map(as_value, names)))
     return _pairs(service, prefix, names, is_strict=selected is not None)
+
+
+def _told(service: Service, prefix: str, name: str) -> Value:
+    """Return ``(name meta value)`` of a property, only the name of what is none."""
+    node = service.registry.nodes.get(prefix + name)
+    if node is None:
+        return (as_value(name),)
+    described = meta(service, node)
+    try:
+        value = _item(service.get(prefix + name))
+    except PropertyError as error:
+        return (as_value(name), described, Element("error", {"code": error.code}, (), str(error)))
+    return (as_value(name), described, value)
 
 
 def _parts(service: Service, place: Place) -> list[str]:
@@ -134,7 +150,7 @@ def _pairs(service: Service, prefix: str, names: list[str], *, is_strict: bool) 
     texts: list[str] = []
     nodes = service.registry.nodes
     for name in names:
-        node = nodes.get(prefix + name)
+        node = nodes.get(prefix + name if prefix else name)
         if node is not None and node.reader is None and node.value is not None:
             payload: Payload = node.payload
             base = node.spec.type.base

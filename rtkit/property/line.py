@@ -13,6 +13,7 @@ Source: `property-service` reference, section 10.
 from __future__ import annotations
 
 import re
+from collections import deque
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
@@ -55,17 +56,24 @@ class Splitter:
     def __init__(self, longest: int = LONGEST_LINE) -> None:
         self._longest = longest
         self._buffer = bytearray()
+        self._whole: deque[bytes] = deque()
         self._is_skipping = False
         self._searched = 0
 
     def feed(self, data: bytes) -> None:
         """Take what came."""
-        self._buffer += data
+        if self._buffer or self._whole or self._is_skipping or data[-1:] != b"\n":
+            self._buffer += data
+        elif len(data) <= self._longest:
+            # What comes are nearly always whole lines: they need not pass the buffer.
+            self._whole.extend(data[:-1].split(b"\n"))
+        else:
+            self._buffer += data
 
     @property
     def waits(self) -> bool:
         """Whether something has begun and is not complete."""
-        return bool(self._buffer) or self._is_skipping
+        return bool(self._buffer) or bool(self._whole) or self._is_skipping
 
     def line(self) -> bytes | None:
         """Return the next line without its end, None if there is none yet.
@@ -73,6 +81,9 @@ class Splitter:
         Raises:
             PropertyError: ``too-large``: told once, then the rest of the line is skipped.
         """
+        if self._whole:
+            line = self._whole.popleft()
+            return line[:-1] if line.endswith(b"\r") else line
         while True:
             end = self._buffer.find(b"\n", self._searched)
             self._searched = 0
@@ -101,6 +112,11 @@ class Splitter:
         Raises:
             PropertyError: ``syntax``: no line end follows.
         """
+        if self._whole:
+            # They were bytes after all.
+            self._buffer[:0] = b"\n".join(self._whole) + b"\n"
+            self._whole.clear()
+            self._searched = 0
         if len(self._buffer) <= length:
             return None
         end = length + 1
@@ -236,7 +252,8 @@ def _tail(payload: Payload) -> bytes:
     if isinstance(payload, bytes):
         return b" {%d}\n%b\n" % (len(payload), payload)
     raw = payload.encode("utf-8", "surrogateescape")
-    if "\n" in payload or "\r" in payload or _LOOKS_LIKE_BLOCK.fullmatch(payload):
+    is_odd = payload[:1] == "{" and _LOOKS_LIKE_BLOCK.fullmatch(payload)
+    if is_odd or "\n" in payload or "\r" in payload:
         return b" {%d}\n%b\n" % (len(raw), raw)
     return b" %b\n" % raw
 
@@ -252,6 +269,11 @@ class Replies:
     def feed(self, data: bytes) -> None:
         """Take what came."""
         self._splitter.feed(data)
+
+    @property
+    def waits(self) -> bool:
+        """Whether something has begun and was not given."""
+        return self._splitter.waits or self._head is not None
 
     def next(self) -> tuple[str, Answer] | Event | None:
         """Return the next reply with its id, or the next event; None if there is none yet.

@@ -87,6 +87,12 @@ def escape(text: str) -> str:
     return "".join([chr(byte) if byte in _FREE else f"%{byte:02X}" for byte in raw])
 
 
+def segment_of(text: str) -> str:
+    """Return any text as a part of a name that a property may bear."""
+    segment = escape(text)
+    return f"{segment}_" if segment in EXTENSIONS else segment
+
+
 def unescape(segment: str) -> str:
     """Return the text that a part of a name stands for.
 
@@ -95,6 +101,11 @@ def unescape(segment: str) -> str:
     """
     if "%" not in segment:
         return segment
+    if "%20" in segment:
+        # Of long texts nearly all escapes are blanks.
+        segment = segment.replace("%20", " ")
+        if "%" not in segment:
+            return segment
     head, *rest = segment.split("%")
     parts = [head.encode("utf-8", "surrogatepass")]
     for each in rest:

@@ -15,7 +15,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import from_value, to_value
 from rtkit.property.functional import Function, Run, run_at_once
 from rtkit.property.members import Member, is_data, is_nested, members
-from rtkit.property.naming import EXTENSIONS, escape
+from rtkit.property.naming import segment_of
 from rtkit.property.service import Service
 from rtkit.property.spec import Parameter, Spec
 from rtkit.property.types import Content, parse_type
@@ -72,10 +72,7 @@ class Exported:
         thing = holder()
         seen = (*seen, id(thing))
         for member in members(thing, self._hidden):
-            segment = escape(member.name)
-            if segment in EXTENSIONS:
-                segment += "_"
-            name = prefix + segment
+            name = prefix + segment_of(member.name)
             if member.kind == "method":
                 found[name] = (holder, member, _UNSET)
                 continue

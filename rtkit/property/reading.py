@@ -37,6 +37,7 @@ _TOKEN = re.compile(
     )""",
     re.VERBOSE,
 )
+_FLAT = re.compile(r"\([^()<>\"{}\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]*\)")
 _NUMBER = re.compile(r"[+-]?(?:(\d+)|(?:\d+\.\d*|\.?\d+)(?:[eE][+-]?\d+)?|inf)|nan", re.ASCII)
 _ESCAPE = re.compile(r"\\(?:([\"\\nrt])|u\{([0-9A-Fa-f]{1,6})\}|)")
 _ESCAPED = {'"': '"', "\\": "\\", "n": "\n", "r": "\r", "t": "\t"}
@@ -90,6 +91,8 @@ def read(text: str, limits: Limits = LIMITS) -> Value:
 
 def read_item(text: str, depth: int, budget: Budget) -> Value:
     """Read a whole text as one item that lies `depth` deep in another one."""
+    if _FLAT.fullmatch(text) and text.isascii():
+        return _flat(text, depth, budget)
     match = _TOKEN.match
     open_groups: list[list[Value]] = []
     done: Value | None = None
@@ -132,6 +135,16 @@ def read_item(text: str, depth: int, budget: Budget) -> Value:
     if open_groups:
         raise syntax(len(text), "expected )")
     return "" if done is None else done
+
+
+def _flat(text: str, depth: int, budget: Budget) -> Value:
+    """Read a group of nothing but atoms, as most large ones are."""
+    budget.spend(depth + 1)
+    tokens = text[1:-1].split()
+    budget.items += len(tokens)
+    budget.check()
+    atom = _atom
+    return tuple([atom(token, 0) for token in tokens])
 
 
 def _atom(token: str, offset: int) -> Value:

@@ -152,6 +152,19 @@ class Service:
 
     # What doors do.
 
+    def kept(self, name: str) -> bytes | None:
+        """Return a value as a line holds it, if it is kept here and fits on one.
+
+        A door may answer a plain GET with it, once it has seen that the caller may.
+        """
+        node = self._nodes.get(name)
+        if node is None or node.reader is not None or node.value is None:
+            return None
+        text = node.payload
+        if not isinstance(text, str) or not text or text[0] == "{" or "\n" in text or "\r" in text:
+            return None
+        return text.encode("utf-8", "surrogateescape")
+
     def handle(self, ask: Ask) -> None:
         """Answer a request, now or later; never raises for what is asked."""
         if ask.payload is None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import selectors
 import socket
 import time
 
@@ -37,7 +36,7 @@ class Door:
         self._connections: list[Connection] = []
         end.setblocking(False)
         end.listen(_BACKLOG)
-        host.register(end, selectors.EVENT_READ, self)
+        host.register(end, self)
 
     def ready(self, mask: int) -> None:
         """See `Tenant.ready`."""

@@ -6,7 +6,7 @@ Whoever touches a service holds the lock of the host; user code runs on the loop
 from __future__ import annotations
 
 import contextlib
-import selectors
+import select
 import socket
 import threading
 import time
@@ -52,14 +52,15 @@ class Host:
     def __init__(self) -> None:
         self.services: dict[str, Service] = {}
         self.lock = threading.Lock()
-        self._selector = selectors.DefaultSelector()
+        self._epoll = select.epoll()
         self._wake, self._waker = socket.socketpair()
         for end in (self._wake, self._waker):
             end.setblocking(False)
-        self._selector.register(self._wake, selectors.EVENT_READ)
+        self._epoll.register(self._wake, select.EPOLLIN)
         self._posted: deque[Callable[[], object]] = deque()
         self._dirty: set[Tenant] = set()
-        self._tenants: set[Tenant] = set()
+        self._tenants: dict[int, Tenant] = {}
+        self._sockets: dict[int, socket.socket] = {}
         self._calls = 0
         self._is_woken = False
         self._is_ended = threading.Event()
@@ -125,25 +126,24 @@ class Host:
 
     # Sockets
 
-    def register(self, end: socket.socket, mask: int, tenant: Tenant) -> None:
+    def register(self, end: socket.socket, tenant: Tenant) -> None:
         """Serve a socket; on the loop's thread, or before it runs."""
-        self._selector.register(end, mask, tenant)
-        self._tenants.add(tenant)
+        number = end.fileno()
+        self._tenants[number] = tenant
+        self._sockets[number] = end
+        self._epoll.register(number, select.EPOLLIN)
 
-    def modify(self, end: socket.socket, mask: int, tenant: Tenant) -> None:
-        """Wait for something else on a socket, or for nothing (0)."""
-        if mask == 0:
-            self._selector.unregister(end)
-        elif end in self._selector.get_map():
-            self._selector.modify(end, mask, tenant)
-        else:
-            self._selector.register(end, mask, tenant)
+    def await_room(self, end: socket.socket, *, reads: bool, writes: bool) -> None:
+        """Wait until a socket can be read, or be written to, or for neither of them."""
+        mask = (select.EPOLLIN if reads else 0) | (select.EPOLLOUT if writes else 0)
+        self._epoll.modify(end.fileno(), mask)
 
     def unregister(self, end: socket.socket, tenant: Tenant) -> None:
         """Serve a socket no longer."""
-        if end in self._selector.get_map():
-            self._selector.unregister(end)
-        self._tenants.discard(tenant)
+        number = end.fileno()
+        if self._tenants.pop(number, None) is not None:
+            del self._sockets[number]
+            self._epoll.unregister(number)
         self._dirty.discard(tenant)
 
     def mark(self, tenant: Tenant) -> None:
@@ -156,16 +156,19 @@ class Host:
     def run(self) -> None:
         """Serve until the host is closed."""
         wait_s: float | None = None
+        own = self._wake.fileno()
+        poll, tenants, lock = self._epoll.poll, self._tenants, self.lock
         while not self._is_ended.is_set():
-            ready = self._selector.select(wait_s)
-            with self.lock:
-                for key, mask in ready:
-                    if key.fileobj is self._wake:
+            ready = poll(wait_s)
+            with lock:
+                for number, mask in ready:
+                    tenant = tenants.get(number)
+                    if tenant is not None:
+                        tenant.ready(mask)
+                    elif number == own:
                         self._is_woken = False
                         with contextlib.suppress(BlockingIOError):
                             self._wake.recv(4096)
-                    elif key.data in self._tenants:
-                        key.data.ready(mask)
                 while self._posted:
                     self._posted.popleft()()
                 wait_s = self._tidy(time.monotonic())
@@ -173,25 +176,33 @@ class Host:
     def _tidy(self, now: float) -> float | None:
         """Send, poll, end leases; return how long there is nothing to do [s]."""
         times = []
-        is_polled = self._poll(now)
-        if is_polled:
+        if any(each.listeners.is_any for each in self.services.values()) and self._poll(now):
             times.append(self._poll_at)
-        delayed = set()
-        for tenant in list(self._dirty):
-            due = tenant.flush(now)
-            if due is not None:
-                delayed.add(tenant)
-                times.append(due)
-        self._dirty = delayed
-        if self._tenants and now >= self._housekeeping_at:
-            self._housekeeping_at = now + _HOUSEKEEPING_S
-            for tenant in list(self._tenants):
-                tenant.check(now)
-            for service in self.services.values():
-                service.listeners.tick()
+        if self._dirty:
+            times += self._flush(now)
         if self._tenants:
+            if now >= self._housekeeping_at:
+                self._keep_house(now)
             times.append(self._housekeeping_at)
         return max(0.0, min(min(times) - now, _LONGEST_WAIT_S)) if times else None
+
+    def _flush(self, now: float) -> list[float]:
+        """Have tenants send what is due; return when something will be."""
+        times: list[float] = []
+        waiting, self._dirty = self._dirty, set()
+        for tenant in waiting:
+            due = tenant.flush(now)
+            if due is not None:
+                self._dirty.add(tenant)
+                times.append(due)
+        return times
+
+    def _keep_house(self, now: float) -> None:
+        self._housekeeping_at = now + _HOUSEKEEPING_S
+        for tenant in list(self._tenants.values()):
+            tenant.check(now)
+        for service in self.services.values():
+            service.listeners.tick()
 
     def _poll(self, now: float) -> bool:
         listened = [each for each in self.services.values() if each.listeners.is_any]
@@ -214,8 +225,6 @@ class Host:
         self.wake()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()
-        for key in list(self._selector.get_map().values()):
-            if isinstance(key.fileobj, socket.socket):
-                key.fileobj.close()
-        self._selector.close()
-        self._waker.close()
+        for end in [*self._sockets.values(), self._wake, self._waker]:
+            end.close()
+        self._epoll.close()

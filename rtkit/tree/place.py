@@ -76,16 +76,33 @@ def add_others(root: Node, tree: Tree, path: Path, *, is_deep: bool) -> None:
 
     What they hold is asked only if it is wanted (`is_deep`); who does not answer is marked.
     """
+    is_here = not path.elements or not is_address(path.elements[0])
+    local = root.children.get(LOCAL)
+    if local is not None and is_here:
+        _add_services(local)
     if len(path.elements) > 1:
         return
     if not path.elements:
         for address in servers():
             root.add(_server(address, tree.timeout_s, is_deep=is_deep))
-    local = root.children.get(LOCAL)
-    if local is not None and (not path.elements or not is_address(path.elements[0])):
+    if local is not None and is_here:
         for name in _others(tree.manager):
             if name + MANAGER_SUFFIX not in local.children:
                 local.add(_neighbour(name, tree.timeout_s, is_deep=is_deep))
+
+
+def _add_services(host: Node) -> None:
+    """Show the property services of this user as directories."""
+    from rtkit.link.places import services as sockets
+
+    if not sockets():
+        return
+    from rtkit.link.running import services
+
+    for name in services():
+        node = host
+        for step in name.split("/"):
+            node = node.children.get(step) or node.add(Node(step, Kind.DIRECTORY))
 
 
 def _others(manager: str) -> Iterator[str]:

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rtkit.errors import Unreachable
 from rtkit.property.codes import PropertyError, code_of
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.rtc.names import LOCAL, is_local_host
+
+if TYPE_CHECKING:
+    from rtkit.tree.live import ThisHost
 
 
 class End(Protocol):
@@ -94,6 +97,7 @@ class Places:
         self._timeout_s = timeout_s
         self._ends: dict[str, End] = {}
         self._services: list[str] | None = None
+        self._this_host: ThisHost | None = None
 
     def find(self, typed: str) -> tuple[Place, End]:
         """Return where a property is and the connection to its owner.
@@ -103,9 +107,37 @@ class Places:
         """
         place = parse(typed, self._cwd, self._known(), os.uname().nodename)
         try:
+            if not place.service and not self._at:
+                return self._in_tree(place)
             return place, self._end(place)
         except Exception as error:
             raise told(typed, error) from error
+
+    def _in_tree(self, place: Place) -> tuple[Place, End]:
+        """Return where a property of a component, of a manager or of this host is."""
+        from rtkit.tree.live_place import name_of_host, open_live, split
+
+        path = place.typed.partition("?")[0]
+        node, name = split(path, self._cwd)
+        if node:
+            if node not in self._ends:
+                self._ends[node] = open_live(node, self._timeout_s)
+            return place._replace(service=node, name=name), self._ends[node]
+        of_host = name_of_host(path, self._cwd, os.uname().nodename)
+        if of_host is None:
+            return place, self._end(place)
+        host = self._host()
+        if of_host and of_host.split(".")[0] not in host.names:
+            return place, self._end(place._replace(name=of_host))
+        return place._replace(service=LOCAL, name=of_host), host
+
+    def _host(self) -> ThisHost:
+        if self._this_host is None:
+            from rtkit.link.running import managers
+            from rtkit.tree.live import ThisHost
+
+            self._this_host = ThisHost(self._known(), managers())
+        return self._this_host
 
     def _known(self) -> list[str]:
         if self._services is None:

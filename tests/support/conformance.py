@@ -132,6 +132,13 @@ ROWS: tuple[Row, ...] = (
         '((blob <bytes length="5"/>) (notes "plain (text"))',
     ),
     ("properties?names=(door_code)&values", None, "!write-only"),
+    (
+        "arm.properties?meta",
+        None,
+        lambda text: (
+            text.startswith("((angle <meta><type>number</type>") and text.endswith(" 3) (joint))")
+        ),
+    ),
     ("properties?nonsense=1", None, "!bad-parameter"),
     ("properties?depth=red", None, "!bad-parameter"),
     ("speed.meta.unit", None, '"m/s"'),

@@ -1,0 +1,180 @@
+"""Live properties: one at a time, many at once, very many; each beside a bare transport."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import zenoh
+
+from bench.harness import Lines, Row, folders, paired, timed
+from rtkit.link import keys, places
+from rtkit.link.line_client import connect_unix
+from rtkit.link.properties import PropertyClient
+from rtkit.link.zenoh import open_client, unix_endpoint
+
+_TIMES = 300
+_MANY = 1000
+_VERY_MANY = 100_000
+_BARE_ZENOH_IS = "bare zenoh queries to another process, same sockets, same bytes"
+_BARE_LINES_IS = "a loop that sends each line back, in another process"
+
+
+def _zenoh() -> Lines:
+    with _server() as _, _session(places.service_key_socket("bench")) as ours:
+        client = PropertyClient(ours, _key(), 10.0)
+        with _session(f"{places.runtime_dir()}/bare.zps") as bare:
+            for what, payload, floor in (("GET", None, None), ("SET", "2.5", "2.5")):
+                measured = paired(
+                    lambda payload=payload: _each_us(lambda: client.ask("p7", payload)),  # type: ignore[misc]
+                    lambda floor=floor: _each_us(lambda: _query(bare, "bare/get", floor)),  # type: ignore[misc]
+                )
+                what = f"property: {what} over zenoh"
+                yield Row(what, "us", *measured, 1 / 0.85, True, _BARE_ZENOH_IS)
+
+
+def _line() -> Lines:
+    with _server(), connect_unix(places.service_socket("bench"), 10.0) as client:
+        path = f"{places.runtime_dir()}/bare.lines"
+        with socket.socket(socket.AF_UNIX) as bare:
+            bare.connect(path)
+            line = b"GET p7\n"
+            measured = paired(
+                lambda: _each_us(lambda: client.ask("p7")),
+                lambda: _each_us(lambda: _echo(bare, line)),
+            )
+            yield Row("property: GET as a line", "us", *measured, 1 / 0.6, True, _BARE_LINES_IS)
+            yield Row(
+                "property: GET as a line, time", "us", *measured, 100.0, False, _BARE_LINES_IS
+            )
+            measured = paired(
+                lambda: _each_us(lambda: client.ask("p7", "2.5")),
+                lambda: _each_us(lambda: _echo(bare, b"SET p7 2.5\n")),
+            )
+            yield Row("property: SET as a line", "us", *measured, 1 / 0.6, True, _BARE_LINES_IS)
+
+
+def _bulk() -> Lines:
+    names = "%20".join(f"p{index}" for index in range(_MANY))
+    target = f"properties?values&names=({names})"
+    with _server(), _session(places.service_key_socket("bench")) as ours:
+        client = PropertyClient(ours, _key(), 10.0)
+        length = len(client.ask(target).value())
+        with _session(f"{places.runtime_dir()}/bare.zps") as bare:
+            measured = paired(
+                lambda: timed(lambda: client.ask(target).value()),
+                lambda: timed(lambda: _query(bare, f"bare/get?n={length};names={names}", None)),
+            )
+            what = f"property: GET of {_MANY} at once over zenoh"
+            yield Row(what, "ms", *measured, 5.0, True, _BARE_ZENOH_IS)
+
+
+def _very_many() -> Lines:
+    script = f"""
+import time
+from rtkit.property.service import Service
+begin = time.perf_counter()
+service = Service()
+for index in range({_VERY_MANY}):
+    service.add(f"p{{index}}", float(index), "number")
+made = time.perf_counter()
+service.get("properties")
+listed = time.perf_counter()
+print((made - begin) * 1e3, (listed - made) * 1e3,
+      int(open("/proc/self/status").read().split("VmRSS:")[1].split()[0]) / 1024)
+"""
+    bare = f"""
+import time
+begin = time.perf_counter()
+known = {{}}
+for index in range({_VERY_MANY}):
+    known[f"p{{index}}"] = str(float(index))
+made = time.perf_counter()
+" ".join(known)
+listed = time.perf_counter()
+print((made - begin) * 1e3, (listed - made) * 1e3,
+      int(open("/proc/self/status").read().split("VmRSS:")[1].split()[0]) / 1024)
+"""
+    pairs = [(_run(script), _run(bare)) for _ in range(5)]
+    floor_is = "a dictionary of as many texts"
+    for index, (what, unit, target) in enumerate(
+        (("made", "ms", 1500.0), ("listed", "ms", 60.0), ("memory", "MiB", 120.0))
+    ):
+        ones = sorted(pair[0][index] for pair in pairs)
+        others = sorted(pair[1][index] for pair in pairs)
+        one, other = ones[2], others[2]
+        label = f"property: {_VERY_MANY} in one service, {what}"
+        yield Row(label, unit, one, other, one / other, target, False, floor_is)
+
+
+PARTS = {"zenoh": _zenoh, "line": _line, "bulk": _bulk, "many": _very_many}
+
+
+def _run(script: str) -> list[float]:
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, check=True, text=True
+    )
+    return [float(each) for each in done.stdout.split()]
+
+
+def _each_us(work: Callable[[], object]) -> float:
+    def repeat() -> None:
+        for _ in range(_TIMES):
+            work()
+
+    return timed(repeat) * 1e3 / _TIMES
+
+
+def _key() -> str:
+    return keys.property_service(os.uname().nodename, "bench")
+
+
+def _query(session: zenoh.Session, selector: str, payload: str | None) -> str:
+    for reply in session.get(
+        selector,
+        payload=payload,
+        timeout=10.0,
+        handler=zenoh.handlers.FifoChannel(16),
+        consolidation=zenoh.ConsolidationMode.NONE,
+    ):
+        if reply.ok is not None:
+            return reply.ok.payload.to_string()
+    raise RuntimeError(f"no reply to {selector}")
+
+
+def _echo(end: socket.socket, line: bytes) -> None:
+    end.sendall(line)
+    while not end.recv(65536).endswith(b"\n"):
+        pass
+
+
+@contextmanager
+def _session(path: str) -> Iterator[zenoh.Session]:
+    session = open_client(unix_endpoint(path), 10.0)
+    try:
+        yield session
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
+
+
+@contextmanager
+def _server() -> Iterator[None]:
+    """Run a service of very simple properties, and what it is compared with, each a process."""
+    with folders():
+        ends = [subprocess.Popen(
+            [sys.executable, "-m", "bench.property_ends", role],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        ) for role in ("ours", "zenoh", "lines")]  # fmt: skip
+        try:
+            for end in ends:
+                assert end.stdout is not None
+                if end.stdout.readline() != "ready\n":
+                    raise RuntimeError("a server of the benchmark did not start")
+            yield
+        finally:
+            for end in ends:
+                end.communicate("", timeout=20)

@@ -1,0 +1,76 @@
+"""The far sides of what is measured of properties: ``-m bench.property_ends ours|zenoh|lines``.
+
+Each says ``ready`` and serves until its input ends.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import threading
+
+import zenoh
+
+from rtkit.link import places
+from rtkit.link.zenoh import open_listener, unix_endpoint
+
+
+def ours() -> None:
+    """Serve a thousand numbers."""
+    from rtkit.property.service import Service
+    from rtkit.serving.serve import serve
+
+    service = Service()
+    for index in range(1000):
+        service.add(f"p{index}", float(index), "number")
+    with serve(service, "bench"):
+        _wait()
+
+
+def bare_zenoh() -> None:
+    """Answer each query with as many bytes as it asks for, or a number."""
+    places.make_private(places.runtime_dir())
+    session = open_listener(unix_endpoint(f"{places.runtime_dir()}/bare.zps"))
+    kept: dict[int, str] = {}
+
+    def answer(query: zenoh.Query) -> None:
+        length = int(query.parameters.get("n") or 0)
+        text = kept.setdefault(length, "x" * length) if length else "2.5"
+        query.reply(query.key_expr, text)
+        query.drop()  # type: ignore[no-untyped-call]
+
+    handler = zenoh.handlers.Callback(answer, indirect=False)
+    queryable = session.declare_queryable("bare/get", handler)
+    _wait()
+    queryable.undeclare()  # type: ignore[no-untyped-call]
+    session.close()  # type: ignore[no-untyped-call]
+
+
+def lines() -> None:
+    """Send each line back."""
+    places.make_private(places.runtime_dir())
+    path = f"{places.runtime_dir()}/bare.lines"
+    with socket.socket(socket.AF_UNIX) as door:
+        door.bind(path)
+        door.listen()
+        threading.Thread(target=_echo, args=(door,), daemon=True).start()
+        _wait()
+        os.unlink(path)
+
+
+def _echo(door: socket.socket) -> None:
+    while True:
+        client, _ = door.accept()
+        with client:
+            while data := client.recv(65536):
+                client.sendall(data)
+
+
+def _wait() -> None:
+    print("ready", flush=True)
+    sys.stdin.read()
+
+
+if __name__ == "__main__":
+    {"ours": ours, "zenoh": bare_zenoh, "lines": lines}[sys.argv[1]]()

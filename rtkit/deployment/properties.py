@@ -1,0 +1,223 @@
+"""Components and managers as live properties: what their facts are called, what a SET of one asks.
+
+Values of parameters are text: only the component that has them reads them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+from rtkit.deployment.actions import Action, ActivateSet, ChangeState, SetParameters, SetRate
+from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.figures import ComponentFigures
+from rtkit.property.codes import PropertyError
+from rtkit.property.naming import segment_of
+from rtkit.property.spec import Spec
+from rtkit.property.types import Content, parse_type
+from rtkit.property.values import Value, Word
+from rtkit.rtc.enums import PortType, Transition
+from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile
+
+Change = Callable[[Content], Sequence[Action]]
+
+
+class Shown(NamedTuple):
+    """One property.
+
+    Attributes:
+        change: What is asked of the manager for a SET; None of what cannot be set.
+    """
+
+    name: str
+    value: Content
+    spec: Spec
+    change: Change | None = None
+
+
+_STATES = (Word("Inactive"), Word("Active"), Word("Error"), Word("Created"), Word("Unknown"))
+_TRANSITIONS: Mapping[tuple[str, str], Transition] = {
+    ("Inactive", "Active"): Transition.ACTIVATE,
+    ("Active", "Inactive"): Transition.DEACTIVATE,
+    ("Error", "Inactive"): Transition.RESET,
+}
+
+
+def of_component(
+    facts: ComponentFacts,
+    wires: Sequence[ConnectorProfile],
+    figures: ComponentFigures | None = None,
+) -> list[Shown]:
+    """Return what is shown of a component; counters only if its figures are known."""
+    kind = facts.type
+    told = {
+        "type": kind.type_name,
+        "vendor": kind.vendor,
+        "category": kind.category,
+        "version": kind.version,
+        "description": kind.description,
+        "process": facts.process,
+        "cause": facts.cause,
+        "trouble": facts.zombie or facts.trouble,
+    }
+    shown = [Shown("state", Word(facts.state), _state_spec(), _state_change(facts))]
+    shown += [_text(name, text) for name, text in told.items()]
+    shown.append(_list("names", facts.names))
+    if facts.members:
+        shown.append(_list("members", facts.members))
+    if facts.fsm_state:
+        shown.append(_text("fsm_state", facts.fsm_state))
+    shown += _sets(facts)
+    shown += _contexts(facts)
+    return shown + _ports(facts, wires, figures)
+
+
+def _state_spec() -> Spec:
+    doc = "Life-cycle state; set to Active or Inactive to change it"
+    return Spec(parse_type("word"), choices=_STATES, doc=doc)
+
+
+def _state_change(facts: ComponentFacts) -> Change:
+    def change(value: Content) -> Sequence[Action]:
+        if value == Word(facts.state):
+            return ()
+        transition = _TRANSITIONS.get((facts.state, str(value)))
+        if transition is None or not facts.contexts:
+            raise PropertyError("conflict", f"it is {facts.state}, it cannot become {value!s}")
+        return (ChangeState(facts.instance, facts.contexts[0].id, transition),)
+
+    return change
+
+
+def _sets(facts: ComponentFacts) -> list[Shown]:
+    if not facts.sets:
+        return []
+    choices = tuple(Word(name) for name in facts.sets)
+    spec = Spec(parse_type("any"), doc="The active configuration set")
+    shown = [Shown("active_set", _name(facts.active_set), spec, _activation(facts, choices))]
+    for set_id, values in facts.sets.items():
+        for name, text in values.items():
+            path = f"configuration.{segment_of(set_id)}.{segment_of(name)}"
+            spec = Spec(parse_type("text"), doc=f"Parameter {name} of set {set_id}")
+            shown.append(Shown(path, text, spec, _parameter(facts, set_id, name)))
+    return shown
+
+
+def _activation(facts: ComponentFacts, choices: Sequence[str]) -> Change:
+    def change(value: Content) -> Sequence[Action]:
+        if str(value) not in map(str, choices):
+            raise PropertyError("bad-value", f"expected one of {' '.join(choices)}")
+        return (ActivateSet(facts.instance, str(value)),)
+
+    return change
+
+
+def _parameter(facts: ComponentFacts, set_id: str, name: str) -> Change:
+    def change(value: Content) -> Sequence[Action]:
+        setting = SetParameters(facts.instance, set_id, {name: str(value)})
+        if set_id != facts.active_set:
+            return (setting,)
+        return (setting, ActivateSet(facts.instance, set_id))
+
+    return change
+
+
+def _contexts(facts: ComponentFacts) -> list[Shown]:
+    shown = []
+    for index, context in enumerate(facts.contexts):
+        path = f"contexts.{index}"
+        spec = Spec(parse_type("number"), unit="Hz", minimum=0.0)
+        shown += [
+            _text(f"{path}.id", context.id),
+            Shown(f"{path}.kind", Word(context.kind.name), _read_only("word")),
+            Shown(f"{path}.rate", context.rate, spec, _rate(facts, context)),
+            Shown(f"{path}.state", Word(context.state.name), _read_only("word")),
+            Shown(f"{path}.is_running", context.is_running, _read_only("boolean")),
+            _text(f"{path}.owner", context.owner),
+        ]
+    return shown
+
+
+def _rate(facts: ComponentFacts, context: ExecutionContextProfile) -> Change:
+    def change(value: Content) -> Sequence[Action]:
+        assert isinstance(value, int | float)
+        return (SetRate(facts.instance, context.id, float(value)),)
+
+    return change
+
+
+_DIRECTIONS = {PortType.IN: "in", PortType.OUT: "out", PortType.SERVICE: "service"}
+
+
+def _ports(
+    facts: ComponentFacts,
+    wires: Sequence[ConnectorProfile],
+    figures: ComponentFigures | None,
+) -> list[Shown]:
+    shown = []
+    counts = {} if figures is None else {**figures.written, **figures.read}
+    for port in facts.ports:
+        path = f"ports.{segment_of(port.name)}"
+        ends = [wire for wire in wires if _has_end(wire, facts.instance, port.name)]
+        others = [str(end) for wire in ends for end in wire.ports
+                  if (end.instance, end.port) != (facts.instance, port.name)]  # fmt: skip
+        shown += [
+            Shown(f"{path}.direction", Word(_DIRECTIONS[port.port_type]), _read_only("word")),
+            _text(f"{path}.type", port.data_type),
+            _list(f"{path}.connected", others),
+        ]
+        if port.port_type is not PortType.SERVICE:
+            count = counts.get(port.name, -1)
+            doc = "Values that passed, from the beginning of the process; -1 is not known yet"
+            spec = Spec(parse_type("integer"), "r", doc=doc)
+            shown.append(Shown(f"{path}.count", count, spec))
+    return shown
+
+
+def _has_end(wire: ConnectorProfile, instance: str, port: str) -> bool:
+    return any((end.instance, end.port) == (instance, port) for end in wire.ports)
+
+
+def of_manager(snapshot: Snapshot, settings: Mapping[str, str]) -> list[Shown]:
+    """Return what is shown of a manager beside its operations; settings as far as given."""
+    slaves = [process.name for process in snapshot.processes if process.is_slave]
+    shown = [
+        _text("name", snapshot.manager),
+        _text("host", snapshot.host),
+        _text("version", snapshot.version),
+        Shown("pid", snapshot.pid, _read_only("integer")),
+        _list("components", [facts.instance for facts in snapshot.components]),
+        _list("slaves", slaves),
+        _list("modules", [module.path for module in snapshot.modules]),
+        _list("connectors", [wire.connector_id for wire in snapshot.connectors]),
+    ]
+    for key, text in settings.items():
+        path = ".".join(map(segment_of, key.split(".")))
+        # A key may have keys below it and a value of its own; both are properties.
+        shown.append(Shown(f"settings.{path}", text, Spec(parse_type("text"))))
+    return shown
+
+
+def _text(name: str, text: str) -> Shown:
+    return Shown(name, text, _read_only("string"))
+
+
+def _list(name: str, items: Sequence[str]) -> Shown:
+    return Shown(name, tuple(_name(item) for item in items), _read_only("list"))
+
+
+def _name(text: str) -> Value:
+    from rtkit.property.writing import write
+
+    word = Word(text)
+    return str(text) if write(word).startswith('"') else word
+
+
+def _read_only(kind: str) -> Spec:
+    known = _READ_ONLY.get(kind)
+    if known is None:
+        known = _READ_ONLY[kind] = Spec(parse_type(kind), "r")
+    return known
+
+
+_READ_ONLY: dict[str, Spec] = {}

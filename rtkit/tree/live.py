@@ -1,0 +1,286 @@
+"""Components, managers and this host as live properties, through the lines that managers have.
+
+What the manager tells (facts, news, figures) is folded into a service of our own, which answers as
+any service does; a SET becomes the action of the manager that it stands for.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.figures import FIGURES, ComponentFigures, Figures
+from rtkit.deployment.news import TREE
+from rtkit.deployment.properties import Change, Shown, of_component, of_manager
+from rtkit.errors import NotFound, Unreachable
+from rtkit.property.functional import Function
+from rtkit.property.listening import Listener
+from rtkit.property.messages import Answer, Ask, Caller, Event, Payload
+from rtkit.property.service import Service
+from rtkit.property.spec import Parameter, Spec
+from rtkit.property.types import Content, parse_type
+from rtkit.property.values import Value, Word
+from rtkit.tree.client import Tree
+from rtkit.tree.listening import Ear, Ended
+
+READ = (
+    "get_loaded_modules", "get_factory_profiles", "get_loadable_modules", "get_components",
+    "get_component_profiles", "get_profile", "get_configuration", "is_master",
+    "get_master_managers", "get_slave_managers",
+)  # fmt: skip
+"""Operations of a manager that only tell."""
+DO = (
+    "load_module", "unload_module", "create_component", "delete_component",
+    "get_components_by_name", "set_configuration", "fork", "add_master_manager",
+    "remove_master_manager", "add_slave_manager", "remove_slave_manager", "get_service",
+    "shutdown", "restart",
+)  # fmt: skip
+"""Operations of a manager that are actions."""
+
+_FIGURES_S = 3.0
+"""How long the first figures are waited for; they come once a second [s]."""
+_ARGUMENT = (Parameter("argument", parse_type("string"), "", (), "as the operation takes it"),)
+
+
+class _Me(Caller):
+    """Who asks and listens here."""
+
+    def __init__(self) -> None:
+        super().__init__("owner")
+        self.listeners: list[Listener] = []
+
+    def listen(self, listener: Listener) -> None:
+        """See `Caller.listen`."""
+        self.listeners.append(listener)
+
+    def unlisten(self, listener: Listener) -> None:
+        """See `Caller.unlisten`."""
+        self.listeners.remove(listener)
+
+
+class Live:
+    """A component, or the manager itself when no instance is named, as properties.
+
+    Args:
+        tree: The connection to the manager; it is closed with this.
+    """
+
+    def __init__(self, tree: Tree, instance: str) -> None:
+        self._tree = tree
+        self._instance = instance
+        self._service = Service()
+        self._me = _Me()
+        self._changes: dict[str, Change | None] = {}
+        self._figures: ComponentFigures | None = None
+        self._ear: Ear | None = None
+        self._is_closed = False
+        if not instance:
+            self._add_operations()
+
+    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+        """GET, or SET, and wait for the reply.
+
+        Raises:
+            Unreachable: The manager does not answer.
+        """
+        if ".count" in target and self._figures is None:
+            self._await_figures()
+        self._refresh()
+        answers: list[Answer] = []
+        self._service.handle(Ask(target, payload, answers.append, self._me))
+        answer = answers[0]
+        node = self._service.registry.nodes.get(target.partition("?")[0])
+        if payload is not None and node is not None and node.function is not None:
+            failed = node.function.describe().find("error")
+            if failed is not None and not answer.error:
+                return Answer(str(failed.leaf or ""), failed.attributes["code"])
+        return answer
+
+    def listen(self, target: str) -> None:
+        """Begin to listen.
+
+        Raises:
+            PropertyError: As the service answers.
+        """
+        if self._ear is None:
+            self._ear = Ear(self._tree, (TREE, FIGURES))
+        name, mark, tail = target.partition("?")
+        self._take(self._ear.facts)
+        answers: list[Answer] = []
+        self._service.handle(Ask(f"{name}.listen{mark}{tail}", "self", answers.append, self._me))
+        answers[0].value()
+
+    def event(self, timeout_s: float | None = None) -> Event | None:
+        """Return the next event, None if none came in time.
+
+        Raises:
+            Unreachable: The manager has ended.
+        """
+        assert self._ear is not None
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            now = time.monotonic()
+            for listener in list(self._me.listeners):
+                event = listener.take(now)
+                if event is not None:
+                    return event
+            if end is not None and now >= end:
+                return None
+            dues = [listener.due() for listener in self._me.listeners]
+            times = [each for each in (*dues, end) if each is not None]
+            self._hear(min(times) - now if times else None)
+
+    def _hear(self, wait_s: float | None) -> None:
+        """Wait for word of the manager, and fold it in."""
+        assert self._ear is not None
+        try:
+            all_heard = self._ear.wait(None if wait_s is None else max(0.0, wait_s))
+        except (OSError, ValueError):
+            if not self._is_closed:
+                raise
+            raise Unreachable("the connection has ended") from None
+        for heard in all_heard:
+            if isinstance(heard, Ended):
+                raise Unreachable(heard.why)
+            if isinstance(heard, Figures):
+                self._take_figures(heard)
+        self._take(self._ear.facts)
+
+    def _await_figures(self) -> None:
+        """Take the next figures, so that counters are known."""
+        with Ear(self._tree, (TREE, FIGURES)) as ear:
+            until = time.monotonic() + _FIGURES_S
+            while self._figures is None and (left := until - time.monotonic()) > 0:
+                for heard in ear.wait(left):
+                    if isinstance(heard, Figures):
+                        self._take_figures(heard)
+
+    def _take_figures(self, figures: Figures) -> None:
+        for process in figures.processes:
+            for component in process.components:
+                if component.instance == self._instance:
+                    self._figures = component
+
+    def _refresh(self) -> None:
+        if self._instance:
+            self._take(self._tree.part([self._instance]))
+        else:
+            self._take(self._tree.snapshot())
+
+    def _take(self, snapshot: Snapshot) -> None:
+        """Have the properties be what the facts are."""
+        if not self._instance:
+            self._fold(of_manager(snapshot, snapshot.properties))
+            return
+        facts = snapshot.component(self._instance)
+        if facts is None:
+            raise NotFound(f"no such component any more: {self._instance}")
+        self._fold(of_component(facts, snapshot.connectors, self._figures))
+
+    def _fold(self, shown: Sequence[Shown]) -> None:
+        nodes = self._service.registry.nodes
+        names = {each.name for each in shown}
+        for name in [name for name in self._changes if name not in names]:
+            del self._changes[name]
+            if name in nodes:
+                self._service.remove(name)
+        for each in shown:
+            self._changes[each.name] = each.change
+            if each.name in nodes:
+                self._service.update(each.name, each.value)
+            else:
+                self._add(each)
+
+    def _add(self, shown: Shown) -> None:
+        def write(value: Content, _given: dict[str, Value]) -> None:
+            change = self._changes[shown.name]
+            if change is not None:
+                for result in self._tree.apply(change(value)):
+                    result.raise_for_error()
+            else:
+                key = shown.name.removeprefix("settings.")
+                self._tree.set(key, str(value))
+
+        is_set = "w" in shown.spec.access
+        self._service.add(shown.name, shown.value, shown.spec, write=write if is_set else None)
+
+    def _add_operations(self) -> None:
+        """Register the operations of the manager."""
+        spec = Spec(parse_type("element"), is_functional=True)
+        for name in DO:
+            function = Function(
+                lambda argument="", name=name: self._tree.set(name, argument), _ARGUMENT
+            )
+            self._service.add(name, spec=spec, function=function)
+        for name in READ:
+            self._service.add(
+                name,
+                spec=Spec(parse_type("text"), "r"),
+                read=lambda _given, name=name: self._tree.get(name),  # type: ignore[misc]
+            )
+
+    def close(self) -> None:
+        """End the connection."""
+        self._is_closed = True
+        if self._ear is not None:
+            self._ear.close()
+        self._tree.close()
+
+
+class ThisHost:
+    """This host: which managers and services of this user are on it, and how busy it is.
+
+    Attributes:
+        names: Of its properties.
+    """
+
+    def __init__(self, services: Sequence[str], managers: Sequence[str]) -> None:
+        self._service = Service()
+        uname = os.uname()
+        told: Mapping[str, Value] = {
+            "name": uname.nodename,
+            "system": f"{uname.sysname} {uname.release} {uname.machine}",
+            "processors": os.cpu_count() or 0,
+            "managers": tuple(map(Word, managers)),
+            "services": tuple(map(Word, services)),
+        }
+        for name, value in told.items():
+            self._service.add(name, value, Spec(access="r"))
+        load = Spec(parse_type("vector[3]"), "r", doc="Load average over 1, 5 and 15 minutes")
+        self._service.add("load", spec=load, read=lambda _given: os.getloadavg())
+        self._me = _Me()
+        self.names = self._service.registry.children("")
+
+    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+        """GET, or SET, which it refuses."""
+        answers: list[Answer] = []
+        self._service.handle(Ask(target, payload, answers.append, self._me))
+        return answers[0]
+
+    def listen(self, target: str) -> None:
+        """Begin to listen.
+
+        Raises:
+            PropertyError: As the service answers.
+        """
+        name, mark, tail = target.partition("?")
+        self.ask(f"{name}.listen{mark}{tail}", "self").value()
+
+    def event(self, timeout_s: float | None = None) -> Event | None:
+        """Return the next event; what a host tells is looked at once a second."""
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            self._service.listeners.poll()
+            now = time.monotonic()
+            for listener in self._me.listeners:
+                event = listener.take(now)
+                if event is not None:
+                    return event
+            if end is not None and now >= end:
+                return None
+            time.sleep(min(1.0, max(0.0, end - now)) if end is not None else 1.0)
+
+    def close(self) -> None:
+        """End nothing: nobody is connected."""

@@ -1,0 +1,71 @@
+"""Which component, manager or host a path is about, and what of it: ``…/Motor0.rtc.state``."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from rtkit.errors import Refused
+from rtkit.rtc.names import is_local_host, parse_path
+from rtkit.tree.resolve import entry
+from rtkit.tree.view import Kind, build
+
+if TYPE_CHECKING:
+    from rtkit.tree.live import Live
+
+_NODE = re.compile(r"(.+?\.(?:rtc|mgr))(?:\.(.*))?")
+
+
+def split(path: str, cwd: str) -> tuple[str, str]:
+    """Return the absolute path of a component or manager, and the name of a property of it.
+
+    The last step that ends a component's or manager's name ends the path; without one it is empty.
+    """
+    whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
+    steps = [step for step in whole.split("/") if step not in ("", ".")]
+    for index in reversed(range(len(steps))):
+        match = _NODE.fullmatch(steps[index])
+        if match is not None:
+            rest = [match[2]] if match[2] else []
+            name = ".".join([*rest, *steps[index + 1 :]])
+            return "/" + "/".join([*steps[:index], match[1]]), name
+    return "", ""
+
+
+def name_of_host(path: str, cwd: str, hostname: str) -> str | None:
+    """Return the name of a property of this host, None if a path is about something else."""
+    whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
+    first, *rest = [step for step in whole.split("/") if step not in ("", ".")] or [""]
+    if is_local_host(first, hostname):
+        return ".".join(rest)
+    host, dot, name = first.partition(".")
+    if dot and not rest and is_local_host(host, hostname):
+        return name
+    return None
+
+
+def open_live(path: str, timeout_s: float) -> Live:
+    """Connect to the manager that a component or manager is found through.
+
+    Raises:
+        NotFound: Nothing is there.
+        Refused: A zombie, or a slave.
+        Unreachable: The manager does not answer.
+    """
+    from rtkit.tree.connect import connect
+    from rtkit.tree.live import Live
+    from rtkit.tree.place import manager_of
+
+    where = parse_path(path)
+    tree = connect(manager_of(where), timeout_s)
+    try:
+        listing = tree.listing()
+        node = entry(build(listing), where, listing.host)
+        if node.kind is Kind.ZOMBIE:
+            raise Refused(f"Zombie object: {path}")
+        if node.is_slave or node.kind not in (Kind.COMPONENT, Kind.MANAGER):
+            raise Refused(f"Not a component or manager: {path}")
+        return Live(tree, node.instance)
+    except BaseException:
+        tree.close()
+        raise
