@@ -15,6 +15,7 @@ from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Event, Payload
 
 _PIECE = 1 << 16
+_MOST_DRAINED = 1 << 22
 
 
 class LineClient:
@@ -34,6 +35,8 @@ class LineClient:
         self._timeout_s = timeout_s
         self._replies = Replies()
         self._events: deque[Event] = deque()
+        self._latest: dict[str, Event] = {}
+        self._names_of_latest: set[str] = set()
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         """GET, or SET, and wait for the reply.
@@ -52,7 +55,7 @@ class LineClient:
             if told is None:
                 raise Unreachable(f"no answer within {self._timeout_s:g} s")
             if isinstance(told, Event):
-                self._events.append(told)
+                self._keep(told)
             else:
                 return told[1]
 
@@ -62,21 +65,58 @@ class LineClient:
         Raises:
             Unreachable: The connection has ended.
         """
-        if self._events:
-            return self._events.popleft()
+        self._drain()
+        known = self._next_known()
+        if known is not None:
+            return known
         deadline = None if timeout_s is None else monotonic() + timeout_s
         while True:
             told = self._receive(deadline)
-            if told is None or isinstance(told, Event):
-                return told
+            if told is None:
+                return None
+            if isinstance(told, Event):
+                self._keep(told)
+                self._drain()
+                return self._next_known()
+
+    def _drain(self) -> None:
+        """Take what has arrived: of a property of which the latest is wanted, older ones go."""
+        room = _MOST_DRAINED
+        while room > 0:
+            try:
+                data = self._end.recv(_PIECE, socket.MSG_DONTWAIT)
+            except OSError:
+                break  # nothing is there; if the connection has ended, whoever waits hears it
+            if not data:
+                break
+            room -= len(data)
+            self._replies.feed(data)
+        while (told := self._replies.next()) is not None:
+            if isinstance(told, Event):
+                self._keep(told)
+
+    def _keep(self, event: Event) -> None:
+        if event.name in self._names_of_latest and not event.code:
+            self._latest[event.name] = event
+        else:
+            self._events.append(event)
+
+    def _next_known(self) -> Event | None:
+        if self._latest:
+            return self._latest.pop(next(iter(self._latest)))
+        return self._events.popleft() if self._events else None
 
     def listen(self, target: str) -> None:
         """Begin to listen to ``P`` or ``P?queue=…``.
+
+        Without a queue only the latest event is kept, however slowly they are taken.
 
         Raises:
             PropertyError: As the service answers.
         """
         name, mark, tail = target.partition("?")
+        is_latest = not any(each.startswith(("queue=", "mode=")) for each in tail.split("&"))
+        (self._names_of_latest.add if is_latest else self._names_of_latest.discard)(name)
         self.ask(f"{name}.listen{mark}{tail}", "self").value()
 
     def events(self) -> Iterator[Event]:

@@ -67,6 +67,12 @@ class Served:
         self.close()
 
 
+def _log_refusal(identity: str, method: str, target: str) -> None:
+    from logging import getLogger
+
+    getLogger("rtkit.properties").warning("denied: %s %s by %r", method, target, identity)
+
+
 def serve(
     thing: object,
     name: str,
@@ -105,6 +111,7 @@ def serve(
         raise Malformed(f"not a name of a service: {name!r}") from error
     if not isinstance(thing, Service):
         Exported(service, thing, hide, host.run_on_thread)
+    service.on_refusal = _log_refusal
     host.add(service)
     try:
         socket = open_unix(host, service.name)

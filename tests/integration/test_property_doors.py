@@ -135,6 +135,25 @@ def test_changes_through_one_door_are_heard_at_the_others(served: Served) -> Non
             door.close()
 
 
+def test_a_slow_listener_sees_the_latest_value(door: Door, served: Served) -> None:
+    with door.listen("count") as slow, door.listen("count?queue=10000&initial=0") as all_of_them:
+        assert next(slow).payload == "7"
+
+        def change() -> None:
+            for value in range(1000, 3000):
+                served.service.update("count", value)
+
+        served.owned(change)
+        served.owned(lambda: served.service.update("count", -1))
+        heard = [next(all_of_them).payload]
+        while heard[-1] != "-1":
+            heard.append(next(all_of_them).payload)
+        taken = [next(slow).payload]
+        while taken[-1] != "-1":
+            taken.append(next(slow).payload)
+        assert len(taken) <= 3, "what is older than the latest was not kept for it"
+
+
 def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
     with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
         end.sendall(b"GET speed\nSET speed 1\n")
