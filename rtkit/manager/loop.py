@@ -31,7 +31,12 @@ from rtkit.manager.processes.lines import Lines
 from rtkit.manager.processes.nursery import Nursery
 from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.manager.processes.usage import usage
-from rtkit.manager.processes.watchman import DEADLINE_S, Watchman, callback_deadline_s
+from rtkit.manager.processes.watchman import (
+    DEADLINE_S,
+    Watchman,
+    callback_deadline_s,
+    remove_traces,
+)
 from rtkit.manager.requests import Desk
 from rtkit.property.exchange import Request, failure
 
@@ -123,6 +128,7 @@ class Loop:
         self._selector.close()
         self._lines.close()
         self._watchman.forget(ev.OWN_PROCESS)
+        remove_traces(self._nursery.data_pattern, self._core.state.pid)  # watched or not
         for descriptor in (self._wake_read, self._wake_write, self._stacks):
             os.close(descriptor)
 

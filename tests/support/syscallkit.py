@@ -137,7 +137,11 @@ def traced(site: Site, line: str, target: str, options: list[str]) -> tuple[Any,
 
 @contextmanager
 def _attached(pids: list[int], options: list[str], log: Path) -> Iterator[None]:
-    """Have strace look at processes and what they start."""
+    """Have strace look at processes and what they start; where there are none, do nothing."""
+    if not pids:
+        log.touch()
+        yield
+        return
     whom = [option for pid in pids for option in ("-p", str(pid))]
     command = ["strace", "-o", str(log), *options, *whom]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as strace:

@@ -11,7 +11,6 @@ import os
 import signal
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from typing import Any
 
 from rtkit import fault
@@ -20,8 +19,7 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.processes.forkserver import ForkServer
 from rtkit.manager.processes.fosters import Fosters
 from rtkit.manager.processes.leftovers import end_children, end_sessions, reap_orphans
-from rtkit.manager.processes.stacks import stack_path
-from rtkit.manager.processes.watchman import beats_path
+from rtkit.manager.processes.watchman import remove_traces
 from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import ENDS, STOPS, reason
 
@@ -292,9 +290,7 @@ class Nursery:
         """Remove what a process that was killed could not remove itself."""
         pattern = self.data_pattern
         remove_socket(pattern.replace("%p", str(pid)))
-        for path in (beats_path(pattern, pid), stack_path(pattern, pid)):
-            with suppress(FileNotFoundError):
-                os.unlink(path)
+        remove_traces(pattern, pid)
 
 
 def _some(event: ev.Event | None) -> list[ev.Event]:

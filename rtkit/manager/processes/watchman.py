@@ -51,6 +51,13 @@ def callback_deadline_s(create: str) -> float:
     return deadline if deadline > 0 else DEADLINE_S
 
 
+def remove_traces(pattern: str, pid: int) -> None:
+    """Remove what a process wrote to be watched by."""
+    for path in (beats_path(pattern, pid), stack_path(pattern, pid)):
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(path)
+
+
 @dataclass(slots=True)
 class _Watched:
     """A process and what is known to be stuck in it, by instance.
@@ -107,12 +114,7 @@ class Watchman:
         if watched is None:
             return
         watched.reader.close()
-        for path in (
-            beats_path(self._pattern, watched.pid),
-            stack_path(self._pattern, watched.pid),
-        ):
-            with contextlib.suppress(FileNotFoundError):
-                os.unlink(path)
+        remove_traces(self._pattern, watched.pid)
 
     @property
     def look_at(self) -> float:
