@@ -197,3 +197,23 @@ def test_escaping_can_be_undone_and_leaves_nothing_special(chunk: str) -> None:
 @given(st.text(alphabet="%0123456789abcXYZ/", max_size=20))
 def test_undoing_an_escape_never_fails(chunk: str) -> None:
     assert isinstance(keys.unescape(chunk), str)
+
+
+def test_a_line_is_heard_by_all_who_listen_and_costs_nothing_without_them(ends: Ends) -> None:
+    key = keys.line_key(SERVICE, "news")
+    listened: queue.SimpleQueue[bool] = queue.SimpleQueue()
+    heard: queue.SimpleQueue[tuple[int, str]] = queue.SimpleQueue()
+    tell = ends.owner.announce(key, listened.put)
+    tell("to nobody")
+    serve(ends, ok())
+    stops = [ends.caller.listen(key, lambda text, n=n: heard.put((n, text))) for n in (1, 2)]
+    assert listened.get(timeout=AT_ONCE_S)
+    for text in ("one", "two"):
+        tell(text)
+    told = sorted(heard.get(timeout=AT_ONCE_S) for _ in range(4))
+    assert told == [(1, "one"), (1, "two"), (2, "one"), (2, "two")]
+    for stop in stops:
+        stop()
+    assert not listened.get(timeout=AT_ONCE_S)
+    tell("to nobody")
+    assert heard.empty()
