@@ -11,7 +11,7 @@ from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
 from rtkit.cli._service_listing import listed, service_at
 from rtkit.cli._watch import CLEAR, MayWatch, watch
-from rtkit.errors import Malformed
+from rtkit.errors import Malformed, Unreachable
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import Kind, Node
 
@@ -119,12 +119,17 @@ def _watch(
             is_stale |= bool(told)
             if not is_stale or monotonic() < shown_at + period_s or "" not in ears.ears:
                 continue
-            lines = list(look())
+            shown_at = monotonic()
+            try:
+                lines = list(look())
+            except Unreachable as error:  # it is ending, of which the ears will hear
+                app.tell(str(error))
+                continue
             if lines != before:
                 sys.stdout.write(CLEAR if _out.is_terminal() else gap if before else "")
                 _out.write(lines)
                 sys.stdout.flush()
-            before, is_stale, shown_at = lines, False, monotonic()
+            before, is_stale = lines, False
 
 
 def _blocks(node: Node, title: str, show: _Show) -> Iterator[str]:
