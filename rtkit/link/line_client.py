@@ -12,7 +12,7 @@ from time import monotonic
 
 from rtkit.errors import Unreachable
 from rtkit.property.line import Replies, write_request
-from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.messages import DONE, Answer, Event, Payload
 
 _PIECE = 1 << 16
 _MOST_DRAINED = 1 << 22
@@ -132,6 +132,8 @@ class LineClient:
             return None
         if data[:2] == b"= " and data[2:3] != b"{" and data.find(b"\n") == len(data) - 1:
             return Answer(data[2:-1].decode("utf-8", "surrogateescape"))
+        if data == b"=\n":
+            return DONE
         if not data:
             raise Unreachable("the connection has ended")
         self._replies.feed(data)

@@ -29,6 +29,9 @@ LEASE_S = 10.0
 """How long a listener is served that is not heard of again [s]."""
 _BYTES = zenoh.Encoding.APPLICATION_OCTET_STREAM
 _EAR = "ear"
+_SHORT = 256
+_MOST_KNOWN = 4096
+"""Targets of which a client remembers the keys, and how long they may be."""
 
 
 class Queried(NamedTuple):
@@ -128,6 +131,7 @@ class PropertyClient:
         self._session = session
         self._key = service_key
         self._timeout_s = timeout_s
+        self._selectors: dict[str, str] = {}
 
     def ask(self, target: str, payload: Payload | None = None, ear: str = "") -> Answer:
         """GET, or SET, and wait for the reply.
@@ -135,16 +139,21 @@ class PropertyClient:
         Raises:
             Unreachable: No reply in time, or nobody serves it.
         """
-        try:
-            asked = parse_target(target)
-        except PropertyError as error:
-            return Answer(str(error), error.code)  # no key can be made of it
-        parameters = target.partition("?")[2].replace("&", ";")
+        selector = self._selectors.get(target)
+        if selector is None:
+            try:
+                asked = parse_target(target)
+            except PropertyError as error:
+                return Answer(str(error), error.code)  # no key can be made of it
+            parameters = target.partition("?")[2].replace("&", ";")
+            key = keys.of_target(self._key, asked.name)
+            selector = f"{key}?{parameters}" if parameters else key
+            if len(target) < _SHORT and len(self._selectors) < _MOST_KNOWN:
+                self._selectors[target] = selector
         if ear:
-            parameters += f"{';' if parameters else ''}{_EAR}={ear}"
-        key = keys.of_target(self._key, asked.name)
+            selector += f"{';' if '?' in selector else '?'}{_EAR}={ear}"
         replies = self._session.get(
-            f"{key}?{parameters}" if parameters else key,
+            selector,
             payload=payload,
             timeout=self._timeout_s,
             handler=zenoh.handlers.FifoChannel(16),

@@ -185,6 +185,14 @@ class Service:
             ask.answer(answer)
 
     def _perform(self, ask: Ask) -> Answer | None:
+        node = self._nodes.get(ask.target)
+        # A name and nothing else, which most are, needs no reading.
+        is_plain = node is not None and not node.function and not ask.id
+        if is_plain and ask.payload is not None and ask.caller.may("SET", ask.target):
+            assert node is not None
+            self.check_writable(node, ask.target)
+            self.apply(node, node.spec.admit(from_payload(node.spec.type, ask.payload)))
+            return DONE
         target = parse_target(ask.target)
         if target.service and target.service != self.name:
             raise PropertyError("no-service", f"no such service: {target.service}")
