@@ -7,6 +7,7 @@ import sys
 
 COMMANDS: dict[str, str] = {
     "act": "rtact",
+    "apply": "rtapply",
     "build": "rtbuild",
     "cat": "rtcat",
     "check": "rtcheck",
@@ -29,6 +30,7 @@ COMMANDS: dict[str, str] = {
     "log": "rtlog",
     "ls": "rtls",
     "mgr": "rtmgr",
+    "plan": "rtplan",
     "print": "rtprint",
     "profile": "rtprofile",
     "pwd": "rtpwd",

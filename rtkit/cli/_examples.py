@@ -8,6 +8,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtact -e all /localhost/Robot0.rtc", "In all of its execution contexts."),
         ("rtact A.rtc B.rtc C.rtc", "Several at once, below the working directory of the tree."),
     ),
+    "rtapply": (
+        ("rtapply robot.xml", "Create, connect, set and activate just what is not so yet."),
+        ("rtapply --rollback robot.xml", "Come back to what was before if a step fails."),
+        ("rtapply -s inactive --parallel 4 robot.xml", "Activate nothing, at most four at once."),
+    ),
     "rtbuild": (
         ("rtbuild RTC.xml", "Generate a component beside its profile; again after each change."),
         ("rtbuild robot.yaml -o robot -I idl", "In a folder of its own, with IDL files of idl."),
@@ -156,6 +161,12 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ),
         ("rtmgr -d Left /localhost/manager.mgr", "Finalise a component and forget it."),
         ("rtmgr stop", "End the manager with everything that it holds."),
+    ),
+    "rtplan": (
+        ("rtplan robot.xml", "What would be done, what it costs, what is kept."),
+        ("rtplan --cost Motor0=1000 robot.xml", "Interrupt Motor0 only if nothing else will do."),
+        ("rtplan --detailed-exitcode robot.xml", "Exit status 2 when something is to be changed."),
+        ("rtplan --dot robot.xml", "What comes before what, as a graph."),
     ),
     "rtprint": (
         ("rtprint Robot0.rtc:pose", "Every value, until Ctrl-C."),

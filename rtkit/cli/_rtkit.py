@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 SUMMARIES: dict[str, str] = {
     "act": "Activate components: Inactive to Active.",
+    "apply": "Make the live system what an RTS profile says.",
     "build": "Generate a component from its RTC profile.",
     "cat": "Describe a component, a port or a manager.",
     "check": "Compare the live system with an RTS profile.",
@@ -39,6 +40,7 @@ SUMMARIES: dict[str, str] = {
     "log": "Record what comes out of ports, and play it again.",
     "ls": "List directories, managers and components of the tree.",
     "mgr": "Start, stop and command managers.",
+    "plan": "Show the cheapest plan from the live system to an RTS profile.",
     "print": "Print the values that come out of ports.",
     "profile": "Check, show, compare and convert profiles.",
     "pwd": "Print the working directory in the tree.",

@@ -150,12 +150,13 @@ def _loads(missing: list[WantedComponent], live: Live) -> Iterator[Step]:
             required[component.module] = is_required
     for module, is_required in required.items():
         path, init = split_module(module)
-        holds = any(_is_loaded(known, path, init) for known in live.snapshot.modules)
+        holds = any(is_loaded(known, path, init) for known in live.snapshot.modules)
         action = None if holds else Load(path, init)
         yield Step(f'Load module "{module}"', action, is_required, holds=holds)
 
 
-def _is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
+def is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
+    """Whether a module that is loaded is the one of a path, and of an init function if named."""
     return known.path == path and init in ("", known.init)
 
 

@@ -52,6 +52,7 @@ class WantedComponent:
         pattern: What its stand-in is generated from; None when it is to be the real one.
         unknown_host: The host it names, when nobody knows that host.
         guests: Context id and instance name of others that its contexts are to drive.
+        hot: Parameters that may be changed while it is active; ``*`` for all.
     """
 
     id: str
@@ -68,6 +69,7 @@ class WantedComponent:
     pattern: ComponentPattern | None = None
     unknown_host: str = ""
     guests: tuple[tuple[str, str], ...] = ()
+    hot: tuple[str, ...] = ()
 
     def port(self, name: str) -> PortProfile | None:
         """Return the port of that name, or None."""

@@ -191,6 +191,7 @@ def _component(
         contexts=contexts_of(component.execution_contexts),
         unknown_host=where.unknown_host,
         guests=guests_of(component),
+        hot=tuple(filter(None, map(str.strip, own.get(extension.HOT, "").split(",")))),
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")

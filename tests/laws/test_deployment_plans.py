@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from systems import ACTIVE, INACTIVE, by_key, disturb, disturbances, make_world, profiles
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.capture import Heading, capture
 from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import merged
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
@@ -21,110 +21,12 @@ from rtkit.deployment.wiring import wiring_plan
 from rtkit.deployment.world import World
 from rtkit.errors import Refused
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
-from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.rtc.enums import ReturnCode
 from rtkit.tree.apply import Runner
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 
-SETS = {"default": {"a": "0", "b": "0"}, "fast": {"a": "1", "b": "1"}}
-PORTS = (
-    PortProfile("out", PortType.OUT),
-    PortProfile("in", PortType.IN),
-    PortProfile("in2", PortType.IN),
-)
-INSTANCES = ("Node0", "Node1", "Node2", "Node3")
-INACTIVE, ACTIVE = LifeCycleState.INACTIVE, LifeCycleState.ACTIVE
-
-
-def make_world() -> World:
-    return World([ComponentPattern(TypeProfile("Node"), PORTS, SETS)])
-
-
 few = settings(max_examples=40, deadline=None)
-values = st.sampled_from(["0", "1", "2", "", "x y"])
-set_values = st.dictionaries(
-    st.sampled_from(["default", "fast"]),
-    st.dictionaries(st.sampled_from("ab"), values, max_size=2),
-    max_size=2,
-)
-
-
-@st.composite
-def components(draw: st.DrawFn, instance: str) -> rts.Component:
-    slave = draw(st.sampled_from(["", "&manager_name=s1", "&manager_name=s2"]))
-    told = [Property("rtkit.create", f"Node?x=y{slave}")]
-    if draw(st.booleans()):
-        told.append(Property("rtkit.stand-in", "yes"))
-    sets = draw(set_values)
-    return rts.Component(
-        "RTC:::Node:",
-        f"{draw(st.sampled_from(['localhost', 'localhost/dir', 'box']))}/{instance}.rtc",
-        instance,
-        data_ports=tuple(
-            rts.Port(p.name, properties=(Property("port.port_type", p.port_type.value),))
-            for p in PORTS
-        ),
-        active_configuration_set=draw(st.sampled_from([None, "default", "fast"])),
-        configuration_sets=tuple(
-            rts.ConfigurationSet(
-                name, tuple(rts.ConfigurationData(key, value) for key, value in data.items())
-            )
-            for name, data in sets.items()
-        ),
-        execution_contexts=(rts.ExecutionContext("0", "PERIODIC", 10.0),),
-        properties=tuple(told),
-    )
-
-
-@st.composite
-def profiles(draw: st.DrawFn) -> rts.RtsProfile:
-    instances = INSTANCES[: draw(st.integers(1, len(INSTANCES)))]
-    made = tuple(draw(components(instance)) for instance in instances)
-    ends = st.sampled_from(instances)
-    wires = draw(
-        st.lists(st.tuples(ends, ends, st.sampled_from(["in", "in2"])), max_size=4, unique=True)
-    )
-    return rts.RtsProfile(
-        "RTSystem:a:b:1",
-        "0.2",
-        "2025-01-01T00:00:00",
-        "2025-01-01T00:00:00",
-        components=made,
-        data_port_connectors=tuple(
-            rts.DataPortConnector(
-                f"w{number}",
-                "wire",
-                "IDL:RTC/TimedLong:1.0",
-                "corba_cdr",
-                "push",
-                rts.TargetPort("RTC:::Node:", source, f"{source}.out"),
-                rts.TargetPort("RTC:::Node:", sink, f"{sink}.{port}"),
-            )
-            for number, (source, sink, port) in enumerate(wires)
-        ),
-    )
-
-
-@st.composite
-def disturbances(draw: st.DrawFn) -> list[act.Action | str]:
-    """Return what others did to the world: actions, and slaves that were killed."""
-    instance = st.sampled_from(INSTANCES)
-    one = st.one_of(
-        st.builds(act.Delete, instance),
-        st.builds(act.Disconnect, st.sampled_from(["w0", "w1", "w2", "w3"])),
-        st.builds(act.ActivateSet, instance, st.sampled_from(["default", "fast"])),
-        st.builds(
-            act.SetParameters,
-            instance,
-            st.sampled_from(["default", "fast"]),
-            st.dictionaries(st.sampled_from("ab"), values, min_size=1, max_size=2),
-        ),
-        st.sampled_from(["s1", "s2"]),
-    )
-    return draw(st.lists(one, max_size=6))
 
 
 def bring_up(world: World, profile: rts.RtsProfile) -> tuple[System, list[str]]:
@@ -142,23 +44,6 @@ def reach(world: World, profile: rts.RtsProfile) -> System:
     system, told = bring_up(world, profile)
     assert all("No such configuration" in line for line in told), told
     return system
-
-
-def disturb(world: World, disturbances: list[act.Action | str]) -> None:
-    for each in disturbances:
-        if not isinstance(each, str):
-            world.perform(each)
-        elif each in world.processes:
-            world.kill(each)
-
-
-def by_key(snapshot: Snapshot) -> tuple[object, ...]:
-    """Return facts without the order in which they came to be, and without process ids."""
-    return (
-        {c.instance: c for c in snapshot.components},
-        {wire.connector_id: wire for wire in snapshot.connectors},
-        {process.name for process in snapshot.processes},
-    )
 
 
 def rest(world: World, system: System) -> list[str]:

@@ -20,9 +20,16 @@ if TYPE_CHECKING:
 
 
 def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options and the argument that every system command has."""
+    """Add the options and the argument that every system command has which changes something."""
+    dry_run = click.option(
+        "--dry-run", is_flag=True, help="Print what would be done, and do nothing."
+    )
+    return dry_run(document_options(function))
+
+
+def document_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options and the argument that name a system profile."""
     decorators: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
-        click.option("--dry-run", is_flag=True, help="Print what would be done, and do nothing."),
         form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml"),
         click.option("--strict", is_flag=True, help="Refuse a profile that would need repair."),
         click.option(

@@ -100,7 +100,7 @@ class _Emitting:
 
     def _rests(self) -> Iterator[Move]:
         model, moves = self._model, self._moves
-        to_rest = [n for n in self._fates if self._is_to_rest(n)]
+        to_rest = [name for name in reversed([*self._fates]) if self._is_to_rest(name)]
         to_rest.sort(key=lambda name: -self._ranks.get(name, _LAST_OF_ALL))
         for name in to_rest:
             if model.now(f"act:{name}") == ACTIVE:

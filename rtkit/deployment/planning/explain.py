@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 
 from rtkit.deployment.planning.decide import Stuck, check_managers, decide
-from rtkit.deployment.planning.model import ABSENT, NO, Model, Wish, manager_of
+from rtkit.deployment.planning.model import ABSENT, ANY, NO, YES, Model, Wish, manager_of, owner_of
 from rtkit.errors import Impossible
 from rtkit.planner import minimal_conflict
 
@@ -20,11 +20,11 @@ class NoPlan(Impossible):
         reasons: What stands in the way of them.
     """
 
-    def __init__(self, wishes: Sequence[str], reasons: Sequence[str]) -> None:
+    def __init__(self, wishes: Sequence[str], words: Sequence[str], reasons: Sequence[str]) -> None:
         self.wishes = tuple(wishes)
         self.reasons = tuple(reasons)
-        together = "cannot hold together" if len(wishes) > 1 else "cannot hold"
-        told = f"impossible: {', '.join(wishes)} {together}"
+        how = "cannot hold together" if len(wishes) > 1 else "cannot be"
+        told = f"impossible: {', '.join(words)} {how}"
         super().__init__(told + (f" ({'; '.join(reasons)})" if reasons else ""))
 
 
@@ -37,7 +37,8 @@ def explained(model: Model, error: Impossible) -> NoPlan:
         local = wishes
     found = minimal_conflict(local, lambda some: _is_possible(model, some))
     told = [_told(wish) for wish in found or local]
-    return NoPlan(told, list(dict.fromkeys(_reasons(model, found))))
+    words = [_words(model, wish) for wish in found or local]
+    return NoPlan(told, words, list(dict.fromkeys(_reasons(model, found))))
 
 
 def _is_possible(model: Model, wishes: Sequence[Wished]) -> bool:
@@ -61,12 +62,36 @@ def _concerns(model: Model, variable: str, units: Collection[str]) -> bool:
     kind, _, name = variable.partition(":")
     if kind == "con":
         return any(end in units for end in model.wires[name].ends)
-    return kind in ("mgr", "mod") or name.partition(".")[0] in units
+    return kind in ("mgr", "mod") or owner_of(name) in units
 
 
 def _told(wish: Wished) -> str:
     variable, value = wish
     return f"{variable}={value if isinstance(value, str) else '|'.join(value)}"
+
+
+def _words(model: Model, wish: Wished) -> str:
+    """Return a wish as people would say it."""
+    variable, values = wish
+    kind, _, name = variable.partition(":")
+    value = values if isinstance(values, str) else " or ".join(values)
+    match kind:
+        case "cmp":
+            return {ANY: f"that {name} exists", ABSENT: f"no {name}"}.get(
+                value, f"{name} at {value}"
+            )
+        case "act":
+            return f"{name} {value}"
+        case "cfg":
+            text = model.keys[name].text.removeprefix("set ") or f"{name}="
+            return f"{text}{value}"
+        case "con":
+            told = f"connection {model.wires[name].text or name}"
+            return told if value == YES else f"no {told}"
+        case "mod":
+            manager, _, module = name.partition("/")
+            return f"module {module} {value} on {manager}"
+    return f"manager {name} {value}"
 
 
 def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:
@@ -85,7 +110,7 @@ def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:
             if found is not None and module not in found and not asked.allows(variable, ABSENT):
                 yield f"{manager} does not find module {module}"
         elif kind in ("cmp", "act", "cfg"):
-            yield from _unit_reasons(asked, name.partition(".")[0])
+            yield from _unit_reasons(asked, owner_of(name))
 
 
 def _unit_reasons(model: Model, name: str) -> Iterator[str]:

@@ -18,6 +18,7 @@ INACTIVE, ACTIVE, ERROR = "inactive", "active", "error"
 NO, YES, OTHER = "no", "yes", "other"
 ANY = "*"
 """As a wish: anything but absent."""
+_DOT = "\1"  # stands for a dot in the name of a component
 UNKNOWN = "\0"
 """As a default: nobody knows which value a new component has."""
 
@@ -66,22 +67,26 @@ class Key:
     Attributes:
         default: What it is in a component just made; `UNKNOWN` if nobody knows.
         is_hot: It may be set while the component is active.
+        text: How setting it is told, up to the value; ``set C.KEY=`` if not told.
     """
 
     default: str = UNKNOWN
     is_hot: bool = False
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """A connection between two components.
+    """A connection between two components, or that one drives the other.
 
     Attributes:
+        text: How it is told, if not by its name.
         why_not: Why it cannot be made.
     """
 
     ends: tuple[str, ...]
     why_not: str = ""
+    text: str = ""
 
 
 @dataclass(frozen=True)
@@ -132,7 +137,7 @@ class Model:
         """The parameters of each component, by its name."""
         found: dict[str, list[str]] = {name: [] for name in self.units}
         for key in self.keys:
-            found[key.partition(".")[0]].append(key)
+            found[owner_of(key)].append(key)
         return found
 
     @cached_property
@@ -187,6 +192,16 @@ def is_granted(wish: Wish, value: str) -> bool:
     if isinstance(wish, tuple):
         return any(is_granted(each, value) for each in wish)
     return value != ABSENT if wish == ANY else value == wish
+
+
+def owner_of(key: str) -> str:
+    """Return the component of a parameter: ``C.KEY``."""
+    return key.partition(".")[0].replace(_DOT, ".")
+
+
+def key_of(name: str, parameter: str) -> str:
+    """Return how a parameter of a component is called here."""
+    return f"{name.replace('.', _DOT)}.{parameter}"
 
 
 def manager_of(place: str) -> str:

@@ -21,6 +21,7 @@ from rtkit.deployment.planning.model import (
     Unit,
     is_inproc,
     manager_of,
+    owner_of,
 )
 
 
@@ -156,7 +157,7 @@ class Moves:
         return Move(
             "connect",
             name,
-            f"connect {name}",
+            f"connect {self._told(name)}",
             (
                 Need(f"con:{name}", (NO,)),
                 *(Need(f"cmp:{end}", (ABSENT,), is_not=True) for end in ends),
@@ -171,7 +172,7 @@ class Moves:
         return Move(
             "disconnect",
             name,
-            f"disconnect {name}",
+            f"disconnect {self._told(name)}",
             (Need(f"con:{name}", (YES, OTHER)),),
             ((f"con:{name}", NO),),
             self._model.cost("disconnect", name),
@@ -180,18 +181,19 @@ class Moves:
 
     def configure(self, key: str, value: str) -> Move:
         """Set a parameter: ``C.KEY``."""
-        name = key.partition(".")[0]
+        name, told = owner_of(key), self._model.keys[key].text or f"set {key}="
         needs = [Need(f"cmp:{name}", (ABSENT,), is_not=True)]
         if not self._model.keys[key].is_hot:
             needs.append(Need(f"act:{name}", (INACTIVE,)))
         return Move(
             "configure",
             key,
-            f"set {key}={value}",
+            f"{told}{value}",
             tuple(needs),
             ((f"cfg:{key}", value),),
             self._model.cost("configure", key),
             value,
+            heeds=tuple(f"cfg:{each}" for each in self._model.keys_of[name] if key.endswith(".@")),
         )
 
     def activate(self, name: str) -> Move:
@@ -255,6 +257,9 @@ class Moves:
             yield self.disconnect(name)
             if not wire.why_not:
                 yield self.connect(name)
+
+    def _told(self, name: str) -> str:
+        return self._model.wires[name].text or name
 
     def finds(self, name: str) -> bool:
         """Whether a manager finds a module: ``M/X``."""

@@ -1,0 +1,62 @@
+"""``rtapply``: make the live system what a profile says, by the cheapest plan."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, command
+from rtkit.cli.system import planning, shared
+
+
+@command("rtapply")
+@click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
+@click.option(
+    "--parallel",
+    type=click.IntRange(min=1),
+    metavar="COUNT",
+    help="Most steps under way at once (default: all that need nothing of each other).",
+)
+@planning.planning_options
+@shared.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    rollback: bool,
+    parallel: int | None,
+    state: str,
+    costs: tuple[str, ...],
+    stand_in: bool,
+    transmit: bool,
+    dry_run: bool,
+    strict: bool,
+    mapped: tuple[str, ...],
+) -> None:
+    """Make the live system what an RTS profile says (FILE, or stdin), by the plan rtplan shows.
+
+    What holds already is not touched. Steps that need nothing of each other are done at once, and
+    what lives is looked at before each round: what turned out otherwise is planned anew. When a
+    step fails nothing more is begun, and what is left is told; run again, it goes on from there.
+    With --rollback it goes back instead, by the cheapest way.
+
+    --timeout bounds each step. Steps are told on stderr when they are done.
+    """
+    from rtkit.deployment.planning.telling import lines
+    from rtkit.tree.applying import Applier
+
+    goal, snapshot, plan = planning.prepare(
+        app,
+        files,
+        is_dry=dry_run,
+        strict=strict,
+        mapped=mapped,
+        state=state,
+        costs=costs,
+        stand_in=stand_in,
+        transmit=transmit,
+        parallel=parallel or 0,
+    )
+    if dry_run:
+        _out.write(map(_out.printable, lines(plan)))
+        return
+    Applier(app.tree, goal, app.say, app.say).run(plan, snapshot, rolls_back=rollback)

@@ -1,0 +1,68 @@
+"""``rtplan``: the cheapest plan from the live system to a profile."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, command
+from rtkit.cli.system import planning, shared
+from rtkit.errors import UsageProblem
+
+CHANGE_NEEDED = 2
+
+
+@command("rtplan")
+@click.option("--json", "is_json", is_flag=True, help="The plan as one JSON object.")
+@click.option("--dot", "is_dot", is_flag=True, help="The plan as a graph (dot).")
+@click.option(
+    "--detailed-exitcode",
+    is_flag=True,
+    help=f"Exit status {CHANGE_NEEDED} when there is something to do.",
+)
+@planning.planning_options
+@shared.document_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    is_json: bool,
+    is_dot: bool,
+    detailed_exitcode: bool,
+    state: str,
+    costs: tuple[str, ...],
+    stand_in: bool,
+    transmit: bool,
+    strict: bool,
+    mapped: tuple[str, ...],
+) -> int:
+    """Show the cheapest plan from the live system to an RTS profile (FILE, or stdin).
+
+    Nothing is changed. Each step is shown with its cost and with what it changes; then which
+    steps may be done at once, and what is kept. What holds already takes no step: a parameter
+    that may be changed while its component runs (rtkit.hot) is set without a stop, another by
+    stopping that component and no other; one that moves is made anew with its connections.
+
+    When there is no plan it is told which wishes cannot hold together, and why.
+    """
+    from rtkit.deployment.planning import telling
+
+    if is_json and is_dot:
+        raise UsageProblem("--json and --dot exclude each other")
+    plan = planning.prepare(
+        app,
+        files,
+        is_dry=True,
+        strict=strict,
+        mapped=mapped,
+        state=state,
+        costs=costs,
+        stand_in=stand_in,
+        transmit=transmit,
+    ).plan
+    if is_json:
+        from json import dumps
+
+        click.echo(dumps(telling.as_plain(plan)))
+    else:
+        _out.write(map(_out.printable, telling.to_dot(plan) if is_dot else telling.lines(plan)))
+    return CHANGE_NEEDED if detailed_exitcode and plan.moves else 0

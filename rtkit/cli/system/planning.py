@@ -1,0 +1,153 @@
+"""What rtplan and rtapply share: their options, what is wanted over what lives, the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from rtkit.cli._app import App
+from rtkit.cli.system import shared
+from rtkit.cli.system.document import read_document
+from rtkit.errors import UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.cli.system.document import Document
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.planning.plan import DeploymentPlan
+    from rtkit.deployment.system import System
+    from rtkit.tree.applying import Goal
+
+ANY = "Any"
+STATES = ("Active", "Inactive", ANY)
+INTERRUPTIONS = ("deactivate", "delete", "reset")
+"""Kinds of commands that interrupt a component."""
+
+
+class Prepared(NamedTuple):
+    """What is wanted, what lives, and the plan from there."""
+
+    goal: Goal
+    snapshot: Snapshot
+    plan: DeploymentPlan
+
+
+def planning_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say what is planned."""
+    decorators = [
+        click.option(
+            "-s",
+            "--state",
+            type=click.Choice(STATES, case_sensitive=False),
+            default=STATES[0],
+            help="State that every component is to be in (default Active).",
+        ),
+        click.option(
+            "--cost",
+            "costs",
+            multiple=True,
+            metavar="NAME=NUMBER",
+            help="What a kind of step costs, or any interruption of a component.",
+        ),
+        click.option(
+            "--stand-in",
+            "stand_in",
+            is_flag=True,
+            help="Generate what is missing from the profile, without its modules.",
+        ),
+        click.option("--transmit", is_flag=True, help="Stand-ins write values while active."),
+    ]
+    for decorator in reversed(decorators):
+        function = decorator(function)
+    return function
+
+
+def prepare(
+    app: App,
+    files: tuple[str, ...],
+    *,
+    is_dry: bool,
+    strict: bool,
+    mapped: tuple[str, ...],
+    state: str,
+    costs: tuple[str, ...],
+    stand_in: bool,
+    transmit: bool,
+    parallel: int = 0,
+) -> Prepared:
+    """Read the profile, look at what lives, and plan.
+
+    Raises:
+        Impossible: There is no plan; names wishes that cannot hold together.
+    """
+    from rtkit.cli.system.known_types import known_types
+    from rtkit.rtc.enums import LifeCycleState
+    from rtkit.tree.applying import Goal
+
+    document = read_document(app, files, strict=strict)
+    snapshot = shared.look(app, dry_run=is_dry)
+    system = shared.wanted_system(
+        app,
+        document,
+        snapshot,
+        stand_in=stand_in,
+        transmit=transmit,
+        mapped=mapped,
+        known_types=None if stand_in else known_types(document.profile, snapshot),
+    )
+    wished = None if state == ANY else LifeCycleState(state)
+    ranks = _ranks(app, document, system)
+    goal = Goal(system, wished, ranks, read_costs(costs, system), parallel)
+    from rtkit.deployment.planning.plan import make_plan
+
+    survey = goal.survey(snapshot)
+    for note in survey.notes:
+        app.fail(note)
+    return Prepared(goal, snapshot, make_plan(survey.model, ranks))
+
+
+def read_costs(given: tuple[str, ...], system: System) -> Mapping[str, float]:
+    """Return the table of costs with what the user gave; a component stands for interrupting it.
+
+    Raises:
+        UsageProblem: One is not NAME=NUMBER, or there is no such kind of step and no component.
+    """
+    from rtkit.deployment.planning.model import DEFAULT_COSTS
+
+    costs = dict(DEFAULT_COSTS)
+    names = {component.instance for component in system.components}
+    for item in given:
+        name, equals, text = item.rpartition("=")
+        try:
+            number = float(text)
+        except ValueError:
+            number = -1.0
+        if not equals or not 0 < number < float("inf"):
+            raise UsageProblem(f"--cost needs NAME=NUMBER with a number above 0: {item}")
+        kind, _, subject = name.partition(" ")
+        if name in DEFAULT_COSTS or (kind in DEFAULT_COSTS and subject):
+            costs[name] = number
+        elif name in names:
+            costs.update((f"{each} {name}", number) for each in INTERRUPTIONS)
+        else:
+            known = ", ".join(DEFAULT_COSTS)
+            raise UsageProblem(f"--cost: no component and no kind of step ({known}): {name}")
+    return costs
+
+
+def _ranks(app: App, document: Document, system: System) -> dict[str, int]:
+    """Return the order in which the profile has components activated, if it has one."""
+    from rtkit.deployment.conditions import start_orders
+    from rtkit.deployment.live import Live
+    from rtkit.deployment.running import start_plan
+    from rtkit.deployment.turns import expected_order
+
+    with document.naming():
+        orders = start_orders(document.profile)
+    if not orders:
+        return {}
+    plan = start_plan(system, Live(shared.nothing(), system), orders)
+    if any(condition.wait_ms for each in orders.values() for condition in each):
+        app.tell("waiting times of Activation are kept by rtstart only; their order is kept here")
+    return {target.instance: rank for rank, target in enumerate(expected_order(plan))}

@@ -1,0 +1,135 @@
+"""The actions of a manager that carry out the steps of a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import zip_longest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action
+from rtkit.deployment.creation import split_module
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.live import Live, context_of
+from rtkit.deployment.plan import Layer, Step
+from rtkit.deployment.planning.model import Model, is_inproc, owner_of
+from rtkit.deployment.planning.moves import Move
+from rtkit.deployment.planning.survey import ACTIVE_SET, create_text
+from rtkit.deployment.system import System
+from rtkit.errors import Refused
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import LifeCycleState, Transition
+from rtkit.rtc.pattern import ComponentPattern, ContextPattern
+from rtkit.rtc.profiles import ConnectorProfile
+
+_TRANSITIONS = {
+    "activate": (Transition.ACTIVATE, LifeCycleState.INACTIVE),
+    "deactivate": (Transition.DEACTIVATE, LifeCycleState.ACTIVE),
+    "reset": (Transition.RESET, LifeCycleState.ERROR),
+}
+
+
+class Doing:
+    """Turns steps into actions, by what is wanted, what lived before, and what lives by then."""
+
+    def __init__(self, system: System, before: Live) -> None:
+        self._system = system
+        self._before = before
+        self._wanted = {component.instance: component for component in system.components}
+        self._wires = {wire.connector_id: wire for wire in before.snapshot.connectors}
+        self._wires.update((w.profile.connector_id, w.profile) for w in system.connectors)
+
+    def layers(self, name: str, moves: list[Move], model: Model, live: Live) -> Iterator[Layer]:
+        """Yield the actions of steps that may be done at once; a step may take a second one."""
+        rounds = [
+            [Step(move.text, action, is_required=True, where=move.text) for action in actions]
+            for move in moves
+            if (actions := list(self._actions(move, model, live)))
+        ]
+        for steps in zip_longest(*rounds):
+            chosen: list[Step] = []
+            for step in steps:
+                # Several parameters of one set need it to be taken over once.
+                if step is not None and all(step.action != each.action for each in chosen):
+                    chosen.append(step)
+            yield Layer(name, tuple(chosen))
+
+    def _actions(self, move: Move, model: Model, live: Live) -> Iterator[Action]:
+        match move.kind:
+            case "load":
+                yield act.Load(*split_module(move.subject.partition("/")[2]))
+            case "unload":
+                yield act.Unload(split_module(move.subject.partition("/")[2])[0])
+            case "create" | "create_slave":
+                yield self._create(move.subject, move.value)
+            case "delete":
+                yield act.Delete(move.subject)
+            case "connect" | "disconnect":
+                yield self._wire(move)
+            case "configure":
+                yield from self._configure(move, live)
+            case "start_manager":
+                raise Refused(f"manager {move.subject} does not run; start it with: rtmgr start")
+            case _:
+                yield from self._transitions(move, live)
+
+    def _create(self, name: str, place: str) -> Action:
+        wanted = self._wanted.get(name)
+        was = self._before.namesake(name)
+        if wanted is not None and create_text(wanted, self._before):
+            text, pattern = create_text(wanted, self._before), wanted.pattern
+            names: tuple[str, ...] = (wanted.name,)
+        else:
+            assert was is not None
+            text, names = was.create, was.names
+            pattern = _pattern(was) if was.is_stand_in else None
+        slave = place.partition("/")[2]
+        create = parse_create(text)
+        if slave and create.place != slave:
+            create = create.with_options(manager_name=slave)
+        elif is_inproc(place):
+            create = create.with_options(manager_name="")
+        return act.Create(str(create), names, pattern)
+
+    def _wire(self, move: Move) -> Action:
+        parts = move.subject.split("\n")
+        if len(parts) == 3:
+            return act.Attach(*parts) if move.kind == "connect" else act.Detach(*parts)
+        if move.kind == "disconnect":
+            return act.Disconnect(move.subject)
+        wire: ConnectorProfile = self._wires[move.subject]
+        return act.Connect(wire)
+
+    def _configure(self, move: Move, live: Live) -> Iterator[Action]:
+        name = owner_of(move.subject)
+        key = move.subject.partition(".")[2]
+        if key == ACTIVE_SET:
+            yield act.ActivateSet(name, move.value)
+            return
+        set_id, _, parameter = key.partition(".")
+        yield act.SetParameters(name, set_id, {parameter: move.value})
+        facts = live.namesake(name)
+        if facts is not None and facts.active_set == set_id:
+            # A component sees what is written only when the set is taken over again.
+            yield act.ActivateSet(name, set_id)
+
+    def _transitions(self, move: Move, live: Live) -> Iterator[Action]:
+        transition, state = _TRANSITIONS[move.kind]
+        facts, wanted = live.namesake(move.subject), self._wanted.get(move.subject)
+        if facts is None:
+            return
+        contexts = [c for c in facts.contexts if c.owner == facts.instance]
+        if wanted is not None:
+            meant = (context_of(facts, wanted, n) for n in range(len(wanted.contexts)))
+            contexts = [context for context in meant if context is not None]
+        if move.kind != "activate":
+            contexts = list(facts.contexts)
+        for context in contexts:
+            if context.state is state:
+                yield act.ChangeState(move.subject, context.id, transition)
+
+
+def _pattern(facts: ComponentFacts) -> ComponentPattern:
+    contexts = tuple(
+        ContextPattern(c.id, c.kind, c.rate) for c in facts.contexts if c.owner == facts.instance
+    )
+    return ComponentPattern(facts.type, facts.ports, facts.sets, facts.active_set, contexts)

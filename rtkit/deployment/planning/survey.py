@@ -1,0 +1,383 @@
+"""From a wanted system and what lives to a model: what is, what may be, what is wished."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from rtkit.component.check import refusal
+from rtkit.deployment.creation import absence, is_loaded, split_module
+from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.live import Live, context_of, mismatch
+from rtkit.deployment.planning.model import (
+    ACTIVE,
+    ANY,
+    DEFAULT_COSTS,
+    DOWN,
+    ERROR,
+    INACTIVE,
+    LOADED,
+    NO,
+    OTHER,
+    UNKNOWN,
+    UP,
+    YES,
+    Key,
+    Model,
+    Unit,
+    Wire,
+    Wish,
+    is_granted,
+    key_of,
+)
+from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector
+from rtkit.deployment.wiring import address, is_same_wire, missing_end
+from rtkit.errors import Impossible
+from rtkit.rtc.create import FRESH_SLAVE, parse_create
+from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+
+DEFAULT = "default"
+"""The set that is the active one in a component just made."""
+ACTIVE_SET = "@"
+"""Stands for the active configuration set where a parameter is named."""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """A model of what lives and what is wanted.
+
+    Attributes:
+        notes: What of the wanted system is left out, because it cannot be and need not be.
+    """
+
+    model: Model
+    notes: tuple[str, ...]
+
+
+def survey(
+    system: System,
+    live: Live,
+    state: LifeCycleState | None = LifeCycleState.ACTIVE,
+    costs: Mapping[str, float] = DEFAULT_COSTS,
+    began: Snapshot | None = None,
+) -> Survey:
+    """Return a wanted system over what lives as a model.
+
+    Args:
+        system: What is wanted.
+        live: What lives.
+        state: Active or Inactive, in which every component is to be; None for as it is.
+        costs: Of commands.
+        began: What lived when it began; who moves keeps connections and values of then.
+
+    Raises:
+        Impossible: Something else lives where a required component belongs.
+    """
+    return _Surveying(system, live, state, costs, began or live.snapshot).run()
+
+
+def place_name(manager: str, process: str) -> str:
+    """Return a place as the model calls it; empty and the manager's own name are the manager."""
+    if process in ("", manager):
+        return f"{manager}:inproc"
+    return f"{manager}:slave" if process == FRESH_SLAVE else f"{manager}:slave/{process}"
+
+
+def create_text(component: WantedComponent, live: Live) -> str:
+    """Return the create string of a component: what is wanted, else what made what lives."""
+    entry = live.entry(component.instance)
+    if component.create or entry is None or entry.is_stand_in:
+        return component.create
+    return entry.create
+
+
+class _Surveying:
+    def __init__(
+        self,
+        system: System,
+        live: Live,
+        state: LifeCycleState | None,
+        costs: Mapping[str, float],
+        began: Snapshot,
+    ) -> None:
+        self._began = began
+        self._before = {facts.instance: facts for facts in began.components}
+        self._system = system
+        self._live_facts = live
+        self._snapshot = live.snapshot
+        self._manager = live.snapshot.manager
+        self._state = state
+        self._costs = costs
+        self._units: dict[str, Unit] = {}
+        self._wires: dict[str, Wire] = {}
+        self._keys: dict[str, Key] = {}
+        self._live: dict[str, str] = {}
+        self._desired: dict[str, Wish] = {}
+        self._notes: list[str] = []
+        self._problems: list[str] = []
+
+    def run(self) -> Survey:
+        self._live[f"mgr:{self._manager}"] = UP if self._snapshot.pid else DOWN
+        for component in self._system.components:
+            self._component(component)
+        for wire in self._system.connectors:
+            self._connector(wire)
+        self._surplus([*self._snapshot.connectors, *self._began.connectors])
+        for component in self._system.components:
+            self._attachments(component)
+        if self._problems:
+            raise Impossible("; ".join(self._problems))
+        managers = {self._manager: None}
+        model = Model(
+            managers,
+            self._units,
+            self._wires,
+            self._keys,
+            self._live,
+            self._desired,
+            self._costs,
+            slaves_need_modules=True,
+        )
+        return Survey(model, tuple(self._notes))
+
+    # components
+
+    def _component(self, component: WantedComponent) -> None:
+        entry = self._live_facts.entry(component.instance)
+        facts = self._live_facts.at(component.instance)
+        wrong = mismatch(component, facts) if facts is not None else ""
+        why_not = "" if facts is not None else self._why_not(component)
+        if wrong or (why_not and not component.is_required):
+            if wrong and component.is_required:
+                self._problems.append(wrong)
+            else:
+                self._notes.append(wrong or why_not)
+            return
+        name = component.instance
+        create = create_text(component, self._live_facts)
+        options = parse_create(create).options if create else {}
+        members = tuple(m.strip() for m in options.get("members", "").split(",") if m.strip())
+        place = place_name(self._manager, options.get("manager_name", ""))
+        places = () if why_not or not create else (place,)
+        why = why_not or ("" if create else f"nothing tells how to make {component.path}")
+        module = component.module if component.pattern is None else ""
+        self._units[name] = Unit(name, module, places, why, members)
+        if module:
+            self._module(module)
+        is_stated = bool(component.create) or entry is None
+        self._desired[f"cmp:{name}"] = self._place_wish(component, facts, place, is_stated)
+        if facts is not None:
+            self._live[f"cmp:{name}"] = place_name(self._manager, facts.process)
+        self._parameters(component, facts)
+        self._activity(component, facts)
+
+    def _why_not(self, component: WantedComponent) -> str:
+        """Return why a component that is not there cannot be made; empty when it can."""
+        live = self._live_facts
+        other = live.namesake(component.instance)
+        if other is not None and not other.zombie:
+            return absence(component, live)
+        if not create_text(component, live):
+            hint = "nothing tells how to make it; --stand-in generates it"
+            return f"{absence(component, live)} ({hint})"
+        if component.unknown_host:
+            host = component.unknown_host
+            hint = f"--map {host}=localhost makes it here"
+            return f"no such host: {host} (component {component.instance}); {hint}"
+        return ""
+
+    def _place_wish(
+        self, component: WantedComponent, facts: ComponentFacts | None, place: str, is_stated: bool
+    ) -> Wish:
+        if facts is None:
+            return place if self._units[component.instance].places else ANY
+        now = place_name(self._manager, facts.process)
+        if not is_stated:
+            return ANY
+        is_any_slave = place == f"{self._manager}:slave" and now != f"{self._manager}:inproc"
+        return (now, place) if is_any_slave else place
+
+    def _module(self, module: str) -> None:
+        path, init = split_module(module)
+        if any(is_loaded(known, path, init) for known in self._snapshot.modules):
+            self._live[f"mod:{self._manager}/{module}"] = LOADED
+
+    def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
+        name = component.instance
+        now_active = facts.active_set if facts is not None else ""
+        used = component.active_set or now_active
+        for set_id, values in component.sets.items():
+            for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
+                key = key_of(name, f"{set_id}.{parameter}")
+                present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
+                if facts is not None and present is None:
+                    is_set = set_id in facts.sets
+                    what = f"parameter: {parameter}" if is_set else f"set: {set_id}"
+                    self._notes.append(f"No such configuration {what} (on {component.path})")
+                    continue
+                is_seen = set_id in (used, now_active)
+                is_hot = not is_seen or self._is_hot(component, parameter)
+                default = value if component.pattern is not None else UNKNOWN
+                shown = f"set {name}.{parameter if set_id == used else f'{set_id}.{parameter}'}="
+                self._keys[key] = Key(default, is_hot, shown)
+                self._desired[f"cfg:{key}"] = value
+                if present is not None:
+                    self._live[f"cfg:{key}"] = present
+        self._other_parameters(component, facts, used)
+        was = self._before.get(name)
+        wanted = component.active_set or (was.active_set if was is not None else "")
+        if wanted:
+            self._chosen_set(component, facts, wanted)
+
+    def _other_parameters(
+        self, component: WantedComponent, facts: ComponentFacts | None, used: str
+    ) -> None:
+        """Have what the profile does not name keep its value, also when the component moves."""
+        was = self._before.get(component.instance)
+        if was is None or was.zombie:
+            return
+        has_stayed = facts is not None and facts.process == was.process
+        for set_id, values in was.sets.items():
+            for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
+                key = key_of(component.instance, f"{set_id}.{parameter}")
+                present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
+                if key in self._keys or (facts is not None and present is None):
+                    continue
+                name = parameter if set_id == used else f"{set_id}.{parameter}"
+                self._keys[key] = Key(text=f"set {component.instance}.{name}=")
+                self._desired[f"cfg:{key}"] = value
+                if present is not None:
+                    self._live[f"cfg:{key}"] = present
+                    if has_stayed:
+                        self._desired[f"cfg:{key}"] = present
+
+    def _chosen_set(
+        self, component: WantedComponent, facts: ComponentFacts | None, wanted: str
+    ) -> None:
+        key = key_of(component.instance, ACTIVE_SET)
+        before = facts.sets.get(facts.active_set, {}) if facts is not None else {}
+        after = facts.sets.get(wanted, {}) if facts is not None else {}
+        if facts is not None and wanted not in facts.sets:
+            self._notes.append(f"No such configuration set: {wanted} (on {component.path})")
+            return
+        changed = [p for p in after if after[p] != before.get(p)]
+        default = wanted if component.pattern is not None else DEFAULT
+        is_hot = all(self._is_hot(component, parameter) for parameter in changed)
+        self._keys[key] = Key(default, is_hot, f"use set of {component.instance}: ")
+        self._desired[f"cfg:{key}"] = wanted
+        if facts is not None:
+            self._live[f"cfg:{key}"] = facts.active_set
+
+    @staticmethod
+    def _is_hot(component: WantedComponent, parameter: str) -> bool:
+        return "*" in component.hot or parameter in component.hot
+
+    def _activity(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
+        variable = f"act:{component.instance}"
+        states = set(_states(component, facts)) if facts is not None else set()
+        is_wished = self._state is not None and bool(component.contexts)
+        if facts is not None and is_wished and len(list(_states(component, facts))) == 0:
+            self._notes.append(f"Component {component.path} has no execution context")
+            is_wished = False
+        if is_wished:
+            is_up = self._state is LifeCycleState.ACTIVE
+            self._desired[variable] = ACTIVE if is_up else INACTIVE
+        if LifeCycleState.ERROR in states:
+            self._live[variable] = ERROR
+        elif LifeCycleState.ACTIVE in states:
+            # In some contexts only: it counts as what has to be done with it.
+            is_partly = len(states) > 1 and self._desired.get(variable) == ACTIVE
+            self._live[variable] = INACTIVE if is_partly and self._is_settled(component) else ACTIVE
+
+    def _is_settled(self, component: WantedComponent) -> bool:
+        keys = (v for v in self._desired if v.startswith(f"cfg:{key_of(component.instance, '')}"))
+        return all(is_granted(self._desired[v], self._live.get(v, UNKNOWN)) for v in keys)
+
+    # connections
+
+    def _connector(self, wanted: WantedConnector) -> None:
+        wire, live = wanted.profile, self._live_facts
+        id = wire.connector_id
+        if any(end.instance not in self._units for end in wire.ports):
+            return  # that an end is left out is told already
+        known = live.wire(id)
+        pending = [end.instance for end in wire.ports if live.at(end.instance) is None]
+        why = missing_end(self._system, live, wire, pending) or self._refused(wanted, pending)
+        if why and not wanted.is_required and known is None:
+            self._notes.append(why)
+            return
+        ends = tuple(end.instance for end in wire.ports)
+        self._wires[id] = Wire(ends, why, self._wire_text(id, wire.ports))
+        self._desired[f"con:{id}"] = YES
+        if known is not None:
+            self._live[f"con:{id}"] = YES if is_same_wire(known, wire) else OTHER
+
+    def _wire_text(self, id: str, ports: tuple[PortRef, ...]) -> str:
+        return f"{' to '.join(map(str, ports))} ({id})"
+
+    def _refused(self, wanted: WantedConnector, pending: list[str]) -> str:
+        """Return why two ports that live cannot be connected; empty when they can."""
+        if pending:
+            return ""
+        found = []
+        for end in wanted.profile.ports:
+            facts = self._live_facts.at(end.instance)
+            port = facts.port(end.port) if facts is not None else None
+            if port is None:
+                return ""
+            found.append(port)
+        why = refusal(found, wanted.profile.properties)
+        told = " to ".join(address(self._system, end) for end in wanted.profile.ports)
+        return f"{told}: {why}" if why else ""
+
+    def _surplus(self, wires: Iterable[ConnectorProfile]) -> None:
+        """Take in connections of wanted components that nobody names: who moves keeps them."""
+        for wire in wires:
+            id = wire.connector_id
+            names = [end.instance for end in wire.ports]
+            if id in self._wires or not any(name in self._units for name in names):
+                continue
+            if any(name not in self._units and self._is_gone(name) for name in names):
+                continue
+            for name in names:
+                if name not in self._units:
+                    self._bystander(name)
+            self._wires[id] = Wire(tuple(names), "", self._wire_text(id, wire.ports))
+            self._desired[f"con:{id}"] = YES
+            self._live[f"con:{id}"] = NO if self._live_facts.wire(id) is None else YES
+
+    def _is_gone(self, name: str) -> bool:
+        facts = self._live_facts.namesake(name)
+        return facts is None or bool(facts.zombie)
+
+    def _bystander(self, name: str) -> None:
+        facts = self._live_facts.namesake(name)
+        process = facts.process if facts is not None else ""
+        self._units[name] = Unit(name, why_not=f"{name} is not in the profile")
+        self._live[f"cmp:{name}"] = place_name(self._manager, process)
+        self._desired[f"cmp:{name}"] = ANY
+
+    def _attachments(self, component: WantedComponent) -> None:
+        facts = self._live_facts.at(component.instance)
+        driven = {c.id: c.participants for c in facts.contexts} if facts is not None else {}
+        for context, guest in component.guests:
+            if guest not in self._units or component.instance not in self._units:
+                continue
+            id = attachment(component.instance, context, guest)
+            text = f"{guest} to execution context {context} of {component.instance}"
+            self._wires[id] = Wire((component.instance, guest), "", text)
+            self._desired[f"con:{id}"] = YES
+            self._live[f"con:{id}"] = YES if guest in driven.get(context, ()) else NO
+
+
+def attachment(owner: str, context: str, guest: str) -> str:
+    """Return how it is called here that a context of one component drives another."""
+    return f"{owner}\n{context}\n{guest}"
+
+
+def _states(component: WantedComponent, facts: ComponentFacts) -> Iterator[LifeCycleState]:
+    for number in range(len(component.contexts)):
+        context = context_of(facts, component, number)
+        if context is not None:
+            yield context.state

@@ -1,0 +1,185 @@
+"""Carries a deployment plan out, layer by layer, and looks before each layer.
+
+What holds already is not done again; what turns out otherwise is planned anew from there. When a
+step fails nothing more is begun: what is left, or the way back, is planned from what lives then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.live import Live
+from rtkit.deployment.plan import Layer, Plan
+from rtkit.deployment.planning.back import way_back
+from rtkit.deployment.planning.doing import Doing
+from rtkit.deployment.planning.model import DEFAULT_COSTS, Model
+from rtkit.deployment.planning.moves import Move
+from rtkit.deployment.planning.plan import NO_RANKS, DeploymentPlan, make_plan
+from rtkit.deployment.planning.survey import Survey, survey
+from rtkit.deployment.planning.telling import lines
+from rtkit.deployment.system import System
+from rtkit.errors import Refused, RtkitError
+from rtkit.rtc.enums import LifeCycleState
+from rtkit.tree.apply import Runner, Talk, uninterrupted
+from rtkit.tree.client import Tree
+
+_MOST_PLANS = 10
+"""How often it is planned anew before a world that never behaves is given up."""
+
+See = Callable[[Snapshot], Model]
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is wanted, and how it is to be reached.
+
+    Attributes:
+        state: In which every component is to be; None for as it is.
+        ranks: Components of lower numbers are activated before those of higher ones.
+        parallel: Most actions that are under way at once; 0 for no bound.
+    """
+
+    system: System
+    state: LifeCycleState | None = LifeCycleState.ACTIVE
+    ranks: Mapping[str, int] = field(default_factory=lambda: NO_RANKS)
+    costs: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
+    parallel: int = 0
+
+    def survey(self, snapshot: Snapshot, began: Snapshot | None = None) -> Survey:
+        """Return what is wanted over what lives, with what lived when it `began`.
+
+        Raises:
+            Impossible: Something else lives where a required component belongs.
+        """
+        live = Live(snapshot, self.system)
+        return survey(self.system, live, self.state, self.costs, began)
+
+    def plan(self, snapshot: Snapshot, began: Snapshot | None = None) -> DeploymentPlan:
+        """Return the cheapest plan from what lives.
+
+        Raises:
+            Impossible: There is none.
+        """
+        return make_plan(self.survey(snapshot, began).model, self.ranks)
+
+
+class Applier:
+    """Reaches a goal on one tree."""
+
+    def __init__(self, tree: Tree, goal: Goal, report: Talk, progress: Talk) -> None:
+        """Prepare to reach `goal`.
+
+        Args:
+            tree: Where.
+            goal: What.
+            report: Is told what went otherwise than planned.
+            progress: Is told each step when it is done.
+        """
+        self._tree = tree
+        self._goal = goal
+        self._report = report
+        self._progress = progress
+        self._runner = Runner(tree, report)
+
+    def run(self, plan: DeploymentPlan, before: Snapshot, *, rolls_back: bool = False) -> None:
+        """Carry a plan out that was made from what lived `before`; go back if that fails.
+
+        Raises:
+            Refused: A step failed; the message tells what is left, or that it went back.
+            Unreachable: The manager does not answer.
+            KeyboardInterrupt: Interrupted; its text tells what is left.
+        """
+        system = self._goal.system
+        doing = Doing(system, Live(before, system))
+        try:
+            self._reach(plan, doing, lambda now: self._goal.survey(now, before).model, system)
+        except RtkitError as error:
+            raise type(error)(f"{error}; {self._after(before, rolls_back)}") from error
+        except KeyboardInterrupt as error:
+            told = self._after(before, rolls_back=rolls_back)
+            raise KeyboardInterrupt("; ".join(filter(None, (str(error), told)))) from error
+
+    def _reach(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> None:
+        for _ in range(_MOST_PLANS):
+            if not plan.moves:
+                return
+            why = self._carry_out(plan, doing, see, system)
+            if why:
+                self._report(f"not as planned: {why}; planning anew from what is")
+            plan = make_plan(see(self._look()), self._goal.ranks)
+        raise Refused(f"what lives differed from {_MOST_PLANS} plans")
+
+    def _carry_out(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> str:
+        """Carry a plan out; return what made it worthless, if anything did."""
+        count = len(plan.layers)
+        for number, layer in enumerate(plan.layers, 1):
+            snapshot = self._look()
+            model = see(snapshot)
+            todo = [plan.moves[n] for n in layer if not _is_done(plan.moves[n], model)]
+            why = next(filter(None, (_obstacle(move, model) for move in todo)), "")
+            if why:
+                return why
+            live = Live(snapshot, system)
+            for each in doing.layers(f"{number} of {count}", todo, model, live):
+                for part in self._parts(each):
+                    self._runner.run(Plan(layers=(part,)))
+            for move in todo:
+                self._progress(f"[{number}/{count}] {move.text}")
+        return ""
+
+    def _parts(self, layer: Layer) -> Iterator[Layer]:
+        most = self._goal.parallel or len(layer.steps)
+        for first in range(0, len(layer.steps), most):
+            yield Layer(layer.name, layer.steps[first : first + most])
+
+    def _look(self) -> Snapshot:
+        return uninterrupted(self._tree.snapshot)
+
+    def _after(self, before: Snapshot, rolls_back: bool) -> str:
+        """Tell what is left after a failure, or go back; never fails itself."""
+        try:
+            if rolls_back:
+                return self._go_back(before)
+            rest = self._goal.plan(self._look(), before)
+            for line in lines(rest) if rest.moves else ():
+                self._report(line.replace("plan:", "left:", 1))
+            steps = len(rest.moves)
+            return f"{steps} step{'s' * (steps != 1)} left; run it again to go on"
+        except (RtkitError, KeyboardInterrupt) as trouble:
+            return f"what is left is not known ({str(trouble) or 'interrupted again'})"
+
+    def _go_back(self, before: Snapshot) -> str:
+        was = self._goal.survey(before).model
+
+        def see(now: Snapshot) -> Model:
+            return way_back(self._goal.survey(now, before).model, was)
+
+        plan = make_plan(see(self._look()), self._goal.ranks)
+        for line in lines(plan) if plan.moves else ():
+            self._report(line.replace("plan:", "way back:", 1))
+        nothing = System()
+        self._reach(plan, Doing(nothing, Live(before, nothing)), see, nothing)
+        return "everything is as it was before"
+
+
+def _is_done(move: Move, model: Model) -> bool:
+    """Whether what a step leads to holds already, or cannot hold as there is no such thing."""
+    variable, value = move.changes[0]
+    if variable.startswith("cfg:") and variable[4:] not in model.keys:
+        return True
+    now = model.now(variable)
+    return now == value or (value.endswith(":slave") and now.startswith(f"{value}/"))
+
+
+def _obstacle(move: Move, model: Model) -> str:
+    """Return why a step cannot be done as things are; nothing is activated before its time."""
+    for need in move.needs:
+        if not need.holds(model.now(need.variable)):
+            return f"{move.text} needs that {need}"
+    for variable in move.heeds if move.kind == "activate" else ():
+        is_known = not variable.startswith("cfg:") or variable[4:] in model.keys
+        if is_known and not model.allows(variable, model.now(variable)):
+            return f"{move.text} comes after {variable}"
+    return ""

@@ -1,0 +1,81 @@
+"""rtplan and rtapply on real processes: up, changed, moved, killed, back."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+from pathlib import Path
+from typing import Any
+
+from rtkit.resources import resource
+
+FILE = resource("profiles", "systems", "sensor-controller-motor.xml")
+
+
+def steps(shell: Any, file: str) -> list[str]:
+    return [step["text"] for step in json.loads(shell.ok(f"rtplan --json {file}"))["steps"]]
+
+
+def pid(shell: Any, slave: str) -> int:
+    return int(json.loads(shell.ok(f"rtcat --json /localhost/manager.mgr/{slave}.mgr"))["pid"])
+
+
+def test_a_robot_is_brought_up_changed_moved_repaired_and_left_alone(manager: Any) -> None:
+    shell = manager
+    assert shell.run(f"rtplan --detailed-exitcode {FILE}").status == 2
+    done = shell.run(f"rtapply {FILE}")
+    assert (done.status, done.out) == (0, "")
+    assert "activate Motor0" in done.err
+    assert shell.run(f"rtcheck {FILE}") == (0, "", "")
+    assert shell.ok(f"rtplan --detailed-exitcode {FILE}").startswith("nothing to do")
+    assert shell.run(f"rtapply {FILE}") == (0, "", "")
+
+    # A parameter that differs stops its component, and no other.
+    shell.ok("rtconf /localhost/Controller0.rtc set gain 7")
+    pids = {name: pid(shell, name) for name in ("sensor", "controller", "motor")}
+    changed = ["deactivate Controller0", "set Controller0.gain=1.0", "activate Controller0"]
+    assert steps(shell, FILE) == changed
+    assert shell.run(f"rtapply {FILE}").status == 0
+    assert "gain           1.0" in shell.ok("rtconf /localhost/Controller0.rtc list -l")
+
+    # What is killed is made again, with its connections; the others run on.
+    os.kill(pids["motor"], signal.SIGKILL)
+    while not any(step.startswith("create Motor0") for step in steps(shell, FILE)):
+        pass
+    assert shell.run(f"rtapply {FILE}").status == 0
+    assert shell.run(f"rtcheck {FILE}") == (0, "", "")
+    assert pid(shell, "sensor") == pids["sensor"]
+    assert pid(shell, "controller") == pids["controller"]
+
+    # One that is to be elsewhere is made anew there.
+    moved = shell.folder / "moved.xml"
+    text = Path(FILE).read_text()
+    moved.write_text(re.sub(r"manager_name=motor\b", "manager_name=wheels", text))
+    assert "create Motor0 on manager in slave wheels" in steps(shell, str(moved))
+    assert shell.run(f"rtapply {moved}").status == 0
+    assert steps(shell, str(moved)) == []
+    assert pid(shell, "sensor") == pids["sensor"]
+    assert pid(shell, "wheels") != pids["motor"]
+
+
+def test_a_killed_apply_is_run_again_and_finishes(manager: Any) -> None:
+    shell = manager
+    running = shell.open(f"rtapply --parallel 1 {FILE}")
+    assert "[1/" in running.stderr.readline()
+    running.send_signal(signal.SIGKILL)
+    running.communicate(timeout=30)
+    assert shell.run(f"rtapply {FILE}").status == 0
+    assert shell.run(f"rtcheck {FILE}") == (0, "", "")
+
+
+def test_what_fails_is_taken_back(manager: Any) -> None:
+    shell = manager
+    bad = shell.folder / "bad.xml"
+    bad.write_text(re.sub(r"Motor\?", "Nothing?", Path(FILE).read_text()))
+    failed = shell.run(f"rtapply --rollback {bad}")
+    assert failed.status == 1
+    assert "Nothing" in failed.err
+    assert failed.err.endswith("; everything is as it was before\n")
+    assert shell.ok("rtls -1 /localhost").split() == ["manager.mgr/"]

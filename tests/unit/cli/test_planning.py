@@ -1,0 +1,359 @@
+"""rtplan and rtapply as users type them, on the fake world."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+
+from rtkit.cli import rtapply, rtplan
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.world import World
+from rtkit.errors import Unreachable
+from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.tree.fake import fake_tree
+
+PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
+<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"
+  xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"
+  rts:id="RTSystem:Me:Pair:1.0" rts:version="0.2"
+  rts:creationDate="2025-01-01T00:00:00" rts:updateDate="2025-01-01T00:00:00">
+{components}
+<rts:DataPortConnectors rts:connectorId="wire" rts:name="wire" rts:interfaceType="corba_cdr"
+  rts:dataType="IDL:RTC/TimedLong:1.0" rts:dataflowType="push" rts:subscriptionType="new">
+ <rts:sourceDataPort rts:portName="Source0.out" rts:instanceName="Source0"
+  rts:componentId="RTC:Me:test:Source:1.0"/>
+ <rts:targetDataPort rts:portName="Sink0.in" rts:instanceName="Sink0"
+  rts:componentId="RTC:Me:test:Sink:1.0"/>
+</rts:DataPortConnectors>
+</rts:RtsProfile>
+"""
+COMPONENT = """
+<rts:Components rts:id="RTC:Me:test:{kind}:1.0" rts:pathUri="localhost/{kind}0.rtc"
+  rts:instanceName="{kind}0" rts:isRequired="true" rts:activeConfigurationSet="default">
+ <rts:DataPorts rts:name="{kind}0.{port}"/>
+ <rts:ConfigurationSets rts:id="default">
+  <rts:ConfigurationData rts:name="gain" rts:data="{gain}"/>
+ </rts:ConfigurationSets>
+ <rts:ExecutionContexts rts:id="0" rts:kind="PERIODIC" rts:rate="1000.0"/>
+ {properties}
+</rts:Components>
+"""
+PROPERTY = '<rtsExt:Properties rtsExt:name="{}" rtsExt:value="{}"/>'
+LONG = "IDL:RTC/TimedLong:1.0"
+
+
+def make_world(*, sink_type: str = LONG) -> World:
+    sets = {"default": {"gain": "1", "mode": "a"}}
+    return World(
+        [
+            ComponentPattern(
+                TypeProfile(kind, "Me", "test", "1.0"),
+                (PortProfile(port, way, {"dataport.data_type": data_type}),),
+                sets,
+            )
+            for kind, port, way, data_type in (
+                ("Source", "out", PortType.OUT, LONG),
+                ("Sink", "in", PortType.IN, sink_type),
+            )
+        ]
+    )
+
+
+class Console:
+    """Types commands at a world, with a profile in a file."""
+
+    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        self.world = make_world()
+        self._file = folder / "pair.xml"
+        self._capsys = capsys
+        self.write()
+
+    def write(self, *, slave: str = "s", gain: str = "2", hot: str = "", create: bool = True):
+        told = PROPERTY.format("rtkit.hot", hot) if hot else ""
+        parts = []
+        for kind, port in (("Source", "out"), ("Sink", "in")):
+            how = f"{kind}?manager_name={slave}" if kind == "Source" else kind
+            made = PROPERTY.format("rtkit.create", how) if create else ""
+            parts.append(
+                COMPONENT.format(
+                    kind=kind,
+                    port=port,
+                    gain=gain if kind == "Source" else "1",
+                    properties=made + told,
+                )
+            )
+        self._file.write_text(PROFILE.format(components="".join(parts)))
+
+    def run(self, line: str) -> tuple[int, str, str]:
+        name, *options = shlex.split(line)
+        main = {"rtplan": rtplan.main, "rtapply": rtapply.main}[name]
+        status = main([*options, str(self._file)], tree=fake_tree(self.world))
+        told = self._capsys.readouterr()
+        return status, told.out, told.err
+
+    def up(self) -> None:
+        status, out, _ = self.run("rtapply")
+        assert (status, out) == (0, "")
+        self.world.performed.clear()
+
+    def steps(self) -> list[str]:
+        status, out, _ = self.run("rtplan --json")
+        assert status == 0
+        return [step["text"] for step in json.loads(out)["steps"]]
+
+
+@pytest.fixture
+def console(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Console:
+    return Console(tmp_path, capsys)
+
+
+def test_a_plan_is_shown_with_costs_changes_and_what_is_done_at_once(console):
+    assert console.run("rtplan") == (
+        0,
+        "plan: 7 steps, cost 14 (optimal)\n"
+        "  1  create Source0 on manager in slave s    6  absent -> manager:slave/s\n"
+        "  2  create Sink0 on manager                 3  absent -> manager:inproc\n"
+        "  3  set Source0.gain=2                      1  ? -> 2\n"
+        "  4  set Sink0.gain=1                        1  ? -> 1\n"
+        "  5  connect Source0.out to Sink0.in (wire)  1\n"
+        "  6  activate Source0                        1  Source0 inactive -> active\n"
+        "  7  activate Sink0                          1  Sink0 inactive -> active\n"
+        "at once: 1-2; 3-5; 6-7\n"
+        "kept: 1 manager\n",
+        "",
+    )
+    assert console.world.performed == []
+
+
+def test_apply_does_it_and_then_there_is_nothing_to_do(console):
+    status, out, err = console.run("rtapply")
+    assert (status, out) == (0, "")
+    # What a component has by itself is not set again.
+    assert err.splitlines() == [
+        "[1/3] create Source0 on manager in slave s",
+        "[1/3] create Sink0 on manager",
+        "[2/3] set Source0.gain=2",
+        "[2/3] connect Source0.out to Sink0.in (wire)",
+        "[3/3] activate Source0",
+        "[3/3] activate Sink0",
+    ]
+    nothing = (
+        "nothing to do: everything is as wanted\nkept: 1 manager, 2 components, 1 connection\n"
+    )
+    console.world.performed.clear()
+    assert console.run("rtplan --detailed-exitcode") == (0, nothing, "")
+    assert console.run("rtapply --dry-run") == (0, nothing, "")
+    assert console.run("rtapply") == (0, "", "")
+    assert console.world.performed == []
+
+
+def test_status_2_says_that_something_is_to_be_changed(console):
+    assert console.run("rtplan --detailed-exitcode")[0] == 2
+    assert console.run("rtplan")[0] == 0
+
+
+def test_a_changed_parameter_stops_that_component_and_no_other(console):
+    console.up()
+    console.write(gain="5")
+    assert console.steps() == ["deactivate Source0", "set Source0.gain=5", "activate Source0"]
+    assert console.run("rtapply")[0] == 0
+    done = [type(action).__name__ for action in console.world.performed]
+    assert done == ["ChangeState", "SetParameters", "ActivateSet", "ChangeState"]
+    assert all(action.instance == "Source0" for action in console.world.performed)
+
+
+def test_a_hot_parameter_is_set_without_a_stop(console):
+    console.up()
+    console.write(gain="5", hot="mode, gain")
+    assert console.steps() == ["set Source0.gain=5"]
+    assert console.run("rtapply") == (0, "", "[1/1] set Source0.gain=5\n")
+    assert console.world.components["Source0"].sets["default"]["gain"] == "5"
+
+
+def test_one_that_moves_is_made_anew_with_its_connections_and_values(console):
+    console.up()
+    console.world.perform(act.SetParameters("Source0", "default", {"mode": "z"}))
+    console.world.performed.clear()
+    console.write(slave="other")
+    assert console.steps() == [
+        "deactivate Source0",
+        "disconnect Source0.out to Sink0.in (wire)",
+        "delete Source0",
+        "create Source0 on manager in slave other",
+        "set Source0.gain=2",
+        "set Source0.mode=z",
+        "connect Source0.out to Sink0.in (wire)",
+        "activate Source0",
+    ]
+    assert console.run("rtapply")[0] == 0
+    assert console.world.components["Source0"].process == "other"
+    assert console.world.components["Source0"].sets["default"] == {"gain": "2", "mode": "z"}
+    touched = [a for a in console.world.performed if getattr(a, "instance", "") == "Sink0"]
+    assert touched == []
+
+
+def test_a_component_in_error_is_reset(console):
+    console.up()
+    console.world.set_state("Sink0", LifeCycleState.ERROR)
+    assert console.steps() == ["reset Sink0", "activate Sink0"]
+    assert console.run("rtapply")[0] == 0
+
+
+def test_state_says_how_far_it_goes(console):
+    assert not any("activate" in step for step in json_steps(console, "-s inactive"))
+    console.up()
+    assert json_steps(console, "-s inactive") == ["deactivate Sink0", "deactivate Source0"]
+    assert json_steps(console, "-s any") == []
+
+
+def json_steps(console: Console, options: str) -> list[str]:
+    return [s["text"] for s in json.loads(console.run(f"rtplan --json {options}")[1])["steps"]]
+
+
+def test_costs_may_be_set(console):
+    console.up()
+    console.write(gain="5")
+    assert "cost 1002 (optimal)" in console.run("rtplan --cost Source0=1000")[1]
+    assert "cost 12 (optimal)" in console.run("rtplan --cost configure=10")[1]
+    assert "cost 12 (optimal)" in console.run("rtplan --cost 'activate Source0=10'")[1]
+    for bad in ("Source0", "Source0=0", "Source0=x", "Nobody=1", "=1"):
+        status, out, err = console.run(f"rtplan --cost {bad}")
+        assert (status, out) == (2, "")
+        assert "--cost" in err
+
+
+def test_json_tells_what_must_be_done_before(console):
+    record = json.loads(console.run("rtplan --json")[1])
+    assert record["schema"] == "rtkit.plan/1"
+    assert (record["cost"], record["optimal"], record["gap"]) == (14, True, 0)
+    assert record["kept"] == {"managers": 1, "components": 0, "connections": 0}
+    assert [step["layer"] for step in record["steps"]] == [1, 1, 2, 2, 2, 3, 3]
+    assert record["steps"][4]["after"] == [1, 2]
+    assert record["steps"][2]["subject"] == "Source0.default.gain"
+
+
+def test_dot_is_a_graph(console):
+    status, out, _ = console.run("rtplan --dot")
+    assert status == 0
+    lines = out.splitlines()
+    assert lines[0] == "digraph plan {"
+    assert "  s1 -> s5;" in lines
+    assert lines[-1] == "}"
+    assert console.run("rtplan --dot --json")[0] == 2
+
+
+def test_what_nobody_can_make_is_told_with_its_wish(console):
+    console.write(create=False)
+    status, out, err = console.run("rtplan --exit-detail")
+    assert (status, out) == (7, "")
+    assert err.startswith("rtplan: impossible: ")
+    assert "nothing tells how to make it; --stand-in generates it" in err
+    assert console.run("rtplan")[0] == 1
+    assert console.run("rtapply")[0] == 1
+    assert console.world.performed == []
+
+
+def test_ports_of_types_that_do_not_fit_are_told(console):
+    console.world = make_world(sink_type="IDL:RTC/TimedString:1.0")
+    console.world.perform(act.Create("Source?instance_name=Source0&manager_name=s"))
+    console.world.perform(act.Create("Sink?instance_name=Sink0"))
+    status, _, err = console.run("rtplan")
+    assert status == 1
+    assert "impossible: connection Source0.out to Sink0.in (wire) cannot be" in err
+    assert "data type" in err.lower()
+
+
+def test_another_component_in_the_place_is_not_replaced(console):
+    console.world.perform(act.Create("Sink?instance_name=Source0", ("localhost/Source0.rtc",)))
+    status, _, err = console.run("rtapply")
+    assert status == 1
+    assert err == (
+        "rtapply: ID of component at /localhost/Source0.rtc is RTC:Me:test:Sink:1.0,"
+        " not RTC:Me:test:Source:1.0\n"
+    )
+
+
+def failing(kind: type, count: int = 1):
+    left = count
+
+    def fault(action: act.Action) -> Result | None:
+        nonlocal left
+        if not isinstance(action, kind) or not left:
+            return None
+        left -= 1
+        return Result(ReturnCode.ERROR, "refused", "no luck")
+
+    return fault
+
+
+def test_after_a_failure_it_stops_tells_what_is_left_and_goes_on_when_run_again(console):
+    console.world.fault = failing(act.Connect)
+    status, _, err = console.run("rtapply")
+    assert status == 1
+    assert "left: 3 steps, cost 3 (optimal)" in err
+    assert "no luck" in err.splitlines()[-1]
+    assert err.endswith("; 3 steps left; run it again to go on\n")
+    assert console.world.state_of("Source0") == "Inactive"
+    console.up()
+    assert console.world.state_of("Source0") == "Active"
+
+
+def test_rollback_leads_back_and_shows_the_way(console):
+    console.up()
+    before = console.world.snapshot()
+    console.write(slave="other", gain="7")
+    console.world.fault = failing(act.Connect)
+    status, _, err = console.run("rtapply --rollback")
+    assert status == 1
+    assert "way back: " in err
+    assert err.endswith("; everything is as it was before\n")
+    now = console.world.snapshot()
+    assert now.connectors == before.connectors
+    assert now.component("Source0").sets == before.component("Source0").sets
+    assert now.component("Source0").process == "s"
+    assert now.component("Source0").state == "Active"
+
+
+def test_what_dies_meanwhile_is_planned_anew(console):
+    connected = []
+
+    def fault(action: act.Action) -> Result | None:
+        if isinstance(action, act.Connect) and not connected:
+            connected.append(action)
+            console.world.kill("s")
+            return Result(ReturnCode.ERROR, "refused", "zombie")
+        return None
+
+    console.up()
+    console.world.perform(act.Disconnect("wire"))
+    console.world.fault = fault
+    status, _, err = console.run("rtapply")
+    assert status == 1
+    assert "create Source0 on manager in slave s" in err
+    console.up()
+
+
+def test_no_more_than_so_many_at_once(console):
+    assert console.run("rtapply --parallel 1")[0] == 0
+    assert console.run("rtapply --parallel 0")[0] == 2
+
+
+def test_without_a_manager_a_plan_begins_with_it(console, monkeypatch):
+    tree = fake_tree(console.world)
+
+    def silent() -> None:
+        raise Unreachable("nobody answers")
+
+    monkeypatch.setattr(tree, "snapshot", silent)
+    status = rtplan.main([str(console._file)], tree=tree)
+    told = console._capsys.readouterr()
+    assert status == 0
+    assert "start manager manager" in told.out
+    assert "shown as if nothing lived" in told.err
+    assert rtapply.main([str(console._file)], tree=tree) == 1
