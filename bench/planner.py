@@ -1,7 +1,7 @@
-"""The planner: successors a second on a space of a million states, beside bare calls of the model.
+"""The planner: successors a second among a million states, and plans of large deployments.
 
-The floor makes the same successors of the same states without any search: conditions, effects and
-costs are called, and nothing is remembered.
+The floor of the first makes the same successors of the same states without any search; that of
+the others carries the plans out on the model.
 """
 
 from __future__ import annotations
@@ -14,7 +14,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from bench.harness import Lines, Row, paired
+from bench.harness import Lines, Row, paired, timed
+from rtkit.deployment.planning.model import Model, Unit, Wire, Wish
+from rtkit.deployment.planning.plan import make_plan
+from rtkit.deployment.planning.whole import judge
 from rtkit.errors import LimitReached
 from rtkit.planner import Limits, Problem, State, plan
 
@@ -68,4 +71,32 @@ def _each(work: Callable[[], object], count: int) -> float:
     return (time.process_time() - begin) / count * 1e6
 
 
-PARTS = {"successors": _successors}
+def _deployments() -> Lines:
+    for components, connections, target_s in ((50, 100, 1), (200, 400, 5), (1000, 2000, 60)):
+        model = _model(components, connections)
+        moves = make_plan(model).moves
+        figures = paired(
+            lambda model=model: timed(lambda: make_plan(model)),  # type: ignore[misc]
+            lambda model=model, moves=moves: timed(lambda: judge(model, moves)),  # type: ignore[misc]
+            _ROUNDS,
+        )
+        what = f"plan of {components:,} components, {connections:,} connections, from nothing"
+        yield Row(what, "ms", *figures, target_s * 1000, False, "carrying it out on the model")
+
+
+def _model(components: int, connections: int) -> Model:
+    """Return a deployment in which each component may be in the manager or in a slave."""
+    units, desired = {}, dict[str, Wish]()
+    for number in range(components):
+        name = f"c{number}"
+        units[name] = Unit(name, f"T{number % 20}", (f"m:slave/s{number % 7}", "m:inproc"))
+        desired |= {f"cmp:{name}": "*", f"act:{name}": "active"}
+    wires = {}
+    for number in range(connections):
+        other = (number * 37 + number // components + 1) % components
+        wires[f"k{number}"] = Wire((f"c{number % components}", f"c{other}"))
+        desired[f"con:k{number}"] = "yes"
+    return Model({"m": None}, units, wires, desired=desired)
+
+
+PARTS = {"successors": _successors, "deployments": _deployments}

@@ -153,8 +153,13 @@ class Applier:
     def _go_back(self, before: Snapshot) -> str:
         was = self._goal.survey(before).model
 
+        joined = {
+            wire.connector_id: tuple(end.instance for end in wire.ports)
+            for wire in before.connectors
+        }
+
         def see(now: Snapshot) -> Model:
-            return way_back(self._goal.survey(now, before).model, was)
+            return way_back(self._goal.survey(now, before).model, was, joined)
 
         plan = make_plan(see(self._look()), self._goal.ranks)
         for line in lines(plan) if plan.moves else ():

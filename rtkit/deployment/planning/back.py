@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
-from rtkit.deployment.planning.model import ABSENT, NO, OTHER, YES, Model, Wish
+from rtkit.deployment.planning.model import ABSENT, NO, OTHER, YES, Model, Wire, Wish
 
 
-def way_back(now: Model, before: Model) -> Model:
+def way_back(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -> Model:
     """Return the model of what lives now with all that lived before as its wishes.
 
     What somebody else made meanwhile, and nobody knew of before, is left as it is.
+
+    Args:
+        now: What lives, and what was wished.
+        before: What lived before.
+        joined: The components that each connection joined before.
     """
     live, desired = dict(now.live), dict[str, Wish]()
-    units = dict(now.units)
+    units, wires = dict(now.units), dict(now.wires)
     for name, unit in now.units.items():
         if name not in before.units:
             continue
@@ -35,8 +41,11 @@ def way_back(now: Model, before: Model) -> Model:
         if was == OTHER:
             # What was there under its name is what is wished now, and what is there the other.
             live[variable] = {YES: OTHER, OTHER: YES}.get(now.now(variable), NO)
+            if not all(end in units for end in joined[name]):
+                continue
+            wires[name] = Wire(joined[name], text=now.wires[name].text)
         desired[variable] = NO if was == NO else YES
     for variable in now.live:
         if variable.startswith("mod:"):
             desired[variable] = before.now(variable)
-    return replace(now, units=units, live=live, desired=desired)
+    return replace(now, units=units, wires=wires, live=live, desired=desired)

@@ -195,7 +195,9 @@ class _Deciding:
 
     def _price(self, use: str) -> float:
         kind = "start_manager" if use.startswith("mgr:") else "load"
-        return self._model.cost(kind, use[4:])
+        is_to_go = kind == "load" and not self._model.allows(use, LOADED)
+        after = self._model.cost("unload", use[4:]) if is_to_go else 0
+        return self._model.cost(kind, use[4:]) + after
 
     # searching
 

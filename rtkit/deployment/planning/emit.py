@@ -79,13 +79,14 @@ class _Emitting:
         yield from remade
         yield from (moves.delete(name) for name in self._by_depth(self._ended, is_reversed=True))
         modules = [each[4:] for each in model.desired if each.startswith("mod:")]
-        yield from (moves.unload(m) for m in modules if self._is_left(m))
+        unwished = [m for m in modules if not model.allows(f"mod:{m}", LOADED)]
         needed = self._needed_modules(modules)
         yield from (moves.start(name) for name in self._needed_managers(needed))
         yield from (moves.load(module) for module in needed)
         yield from (
             moves.create(name, self._fates[name].place) for name in self._by_depth(self._made)
         )
+        yield from (moves.unload(m) for m in unwished if m in needed or self._is_left(m))
         yield from (move for _, move in self._configured)
         broken = {move.subject for move in remade}
         yield from (
@@ -145,8 +146,7 @@ class _Emitting:
                 yield self._moves.disconnect(name)
 
     def _is_left(self, module: str) -> bool:
-        variable = f"mod:{module}"
-        return self._model.now(variable) == LOADED and not self._model.allows(variable, LOADED)
+        return self._model.now(f"mod:{module}") == LOADED
 
     def _needed_modules(self, wished: Iterable[str]) -> list[str]:
         model = self._model

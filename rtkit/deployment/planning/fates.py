@@ -120,7 +120,7 @@ class Fates:
         is_found = not unit.module or manager is None or unit.module in manager
         if not is_found and not (needed and model.now(f"mod:{needed}") == LOADED):
             return inf
-        if needed and not model.allows(f"mod:{needed}", LOADED):
+        if needed and is_inproc(place) and not model.allows(f"mod:{needed}", LOADED):
             return inf
         if not model.allows(f"mgr:{manager_of(place)}", UP):
             return inf

@@ -102,6 +102,7 @@ class _Surveying:
         began: Snapshot,
     ) -> None:
         self._began = began
+        self._joined = {wire.connector_id: wire for wire in began.connectors}
         self._before = {facts.instance: facts for facts in began.components}
         self._system = system
         self._live_facts = live
@@ -310,6 +311,11 @@ class _Surveying:
         ends = tuple(end.instance for end in wire.ports)
         self._wires[id] = Wire(ends, why, self._wire_text(id, wire.ports))
         self._desired[f"con:{id}"] = YES
+        for other in filter(None, (known, self._joined.get(id))):
+            # Who is joined by it now, or was, has to do with it.
+            for end in other.ports:
+                if end.instance not in self._units and not self._is_gone(end.instance):
+                    self._bystander(end.instance)
         if known is not None:
             self._live[f"con:{id}"] = YES if is_same_wire(known, wire) else OTHER
 
