@@ -24,8 +24,7 @@ _STATUSES = (
 )
 _DETAILS = (
     "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart: 1 refused, 2 malformed,"
-    " 3 invalid document, 4 not found, 5 no answer, 6 only a part was done,"
-    " 7 impossible, 8 a search was given up, 70 a bug."
+    " 3 invalid document, 4 not found, 5 no answer, 6 only a part was done, 70 a bug."
 )
 _ENVIRONMENT = (
     ("RTKIT_MANAGER", "Name of the manager to ask, by default manager."),

@@ -42,7 +42,8 @@ def main(
     that may be changed while its component runs (rtkit.hot) is set without a stop, another by
     stopping that component and no other; one that moves is made anew with its connections.
 
-    When there is no plan it is told which wishes cannot hold together, and why.
+    When there is no plan it is told which wishes cannot hold together, and why; with --exit-detail
+    the status is 7 then.
     """
     from rtkit.deployment.planning import telling
 
