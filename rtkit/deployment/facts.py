@@ -81,7 +81,8 @@ class ProcessFacts:
     """The manager, a slave or a guest.
 
     Attributes:
-        state: ``starting``, ``up``, ``stopped`` or ``lost``.
+        state: ``starting``, ``up``, ``stopped``, ``silent`` (left by an earlier manager, and not
+            come back to this one) or ``lost``.
         reason: Why it is lost or stopped; of one that is up, what is stuck in it and is no
             component: one that is being made, or a module.
         is_guest: It came by itself, as a data tool does, with components of its own.

@@ -8,6 +8,7 @@ import os
 import select
 import socket
 import stat
+from collections.abc import Collection
 from contextlib import ExitStack
 
 from rtkit.errors import Refused
@@ -17,7 +18,8 @@ from rtkit.manager.processes.wire import peer_of
 _DYING_MS = 1000
 """How long a manager that was killed may still be heard after its lock is free."""
 
-_KINDS = ("data", "beats", "stack", "zygote")
+_OF_SLAVES = ("beats", "stack", "held", "held.new")
+_KINDS = (*_OF_SLAVES, "data", "zygote")
 """What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
 
 
@@ -88,8 +90,12 @@ def check_silence(name: str) -> None:
         os.close(pidfd)
 
 
-def remove_stale(name: str) -> None:
-    """Remove sockets that a killed manager of that name and its dead slaves left.
+def remove_stale(name: str, living: Collection[int]) -> None:
+    """Remove what a killed manager of that name and its dead slaves left.
+
+    Args:
+        name: Of the manager.
+        living: Its slaves that run (see `rtkit.manager.processes.absent`).
 
     Raises:
         Refused: Something else than a socket lies there, or it cannot be removed.
@@ -100,7 +106,7 @@ def remove_stale(name: str) -> None:
     for path in left:
         beside = path.removesuffix(".lock")
         is_own = beside in own
-        if not is_own and not _is_of_the_dead(os.path.basename(beside), name):
+        if not is_own and not _is_of_the_dead(os.path.basename(beside), name, living):
             continue
         try:
             if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
@@ -112,14 +118,17 @@ def remove_stale(name: str) -> None:
             raise Refused(f"cannot remove {path}: {error.strerror}") from error
 
 
-def _is_of_the_dead(entry: str, name: str) -> bool:
+def _is_of_the_dead(entry: str, name: str, living: Collection[int]) -> bool:
     """Whether a process of that manager, and of no other whose name is longer, left it behind.
 
-    Slaves outlive their manager: what belongs to one that lives is let be.
+    Slaves outlive their manager: what belongs to one that lives is let be. Guests and zygotes are
+    known by their pid alone.
     """
     pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
     is_one = entry == f"{name}.{pid}.{kind}" and pid.isdigit() and kind in _KINDS
-    return is_one and _has_ended(int(pid))
+    if not is_one or int(pid) in living:
+        return False
+    return kind in _OF_SLAVES or _has_ended(int(pid))
 
 
 def _has_ended(pid: int) -> bool:

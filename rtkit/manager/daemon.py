@@ -9,7 +9,7 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
@@ -23,7 +23,9 @@ from rtkit.manager.core.core import Core
 from rtkit.manager.core.events import OWN_PROCESS, HolderSaid, Message, OperationAsked, StopAsked
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import Process, State
+from rtkit.manager.holding.estate import Estate
 from rtkit.manager.logs.logs import open_log
+from rtkit.manager.processes.absent import estates_of_the_dead, living_slaves
 from rtkit.manager.processes.nursery import Nursery
 from rtkit.manager.processes.parents import become_subreaper
 from rtkit.manager.report import Report
@@ -68,11 +70,11 @@ def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
         configuration = read(wanted)
         fault.check(configuration.settings.flag(fault.ALLOW_KEY))
         with ExitStack() as stack:
-            _claim(name, is_shown, stack)
+            dead = _claim(name, is_shown, stack)
             for text in configuration.warnings:
                 report.warn(text)
             state = _state(name, folder, configuration.settings)
-            loop = _assemble(state, is_shown, report.warn, stack)
+            loop = _assemble(state, dead, is_shown, report.warn, stack)
             start_up = StartUp(state, loop.post, partial(_started, loop, report, state.settings))
             _register(loop, state, stack)
             loop.settle(start_up.begin)
@@ -118,8 +120,8 @@ def _raise_limits() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
-def _claim(name: str, is_shown: bool, stack: ExitStack) -> None:
-    """Become the manager of that name, with its log."""
+def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
+    """Become the manager of that name, with its log; return what the dead held, by pid."""
     with open("/proc/self/comm", "w", encoding="utf-8", errors="replace") as comm:
         comm.write(f"rtkit {name}")
     places.make_private(places.runtime_dir())
@@ -129,14 +131,24 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> None:
     take_lock(name, stack)
     fault.point("manager.locked")
     check_silence(name)
-    remove_stale(name)
-    stack.callback(remove_stale, name)  # of an earlier manager that was just dying at the start
+    living = living_slaves(name)
+    dead = estates_of_the_dead(name, living)
+    remove_stale(name, living)
+    # What an earlier manager leaves that was just dying at the start is seen at the end only.
+    stack.callback(lambda: remove_stale(name, living_slaves(name)))
     stack.callback(fault.point, "manager.unlocking")
     stack.enter_context(open_log(name, is_shown=is_shown))
     fault.point("manager.logging")
+    return dead
 
 
-def _assemble(state: State, is_shown: bool, warn: Callable[[str], None], stack: ExitStack) -> Loop:
+def _assemble(
+    state: State,
+    dead: Mapping[int, Estate],
+    is_shown: bool,
+    warn: Callable[[str], None],
+    stack: ExitStack,
+) -> Loop:
     name, host = state.name, state.host
     become_subreaper()
     _raise_limits()
@@ -150,7 +162,8 @@ def _assemble(state: State, is_shown: bool, warn: Callable[[str], None], stack: 
             "host": host,
             "load_path": configuring.load_paths(state),
             "zygote": os.path.join(places.runtime_dir(), f"{name}.%p{_ZYGOTE_SUFFIX}"),
-        }
+        },
+        dead,
     )
     stack.callback(nursery.close)
     fault.point("manager.zygote_started")

@@ -112,10 +112,10 @@ class Loop:
             for key, mask in self._selector.select(self._patience()):
                 _guarded(key.data, mask)
             self._take_inbox()
+            self._lines.check_settled()
             if self._wake_at is not None and time.monotonic() >= self._wake_at:
                 self._wake_at = None
                 self._handle(ev.Tick())
-            self._lines.check_settled()
             self._lines.check_zygote()
             self._look()
             self._tidy()
@@ -207,6 +207,8 @@ class Loop:
     def _handle(self, event: ev.Event) -> None:
         if isinstance(event, ev.SlaveEnded):
             event = self._with_last_words(event)
+        elif isinstance(event, ev.SlaveMissed):
+            _log.warning("slave %s ended while no manager ran: %s", event.name, event.reason)
         try:
             instructions = self._core.handle(event, time.monotonic())
         except RtkitError as error:

@@ -13,6 +13,7 @@ from contextlib import ExitStack, suppress
 from rtkit.errors import Refused
 from rtkit.link import places, running
 from rtkit.manager.claim import remove_stale, take_lock
+from rtkit.manager.processes.absent import is_slave, living_slaves
 from rtkit.manager.processes.leftovers import end_sessions
 from rtkit.manager.processes.wire import peer_of
 
@@ -21,7 +22,6 @@ TERM_S = 7.0
 
 _KILL_S = 5.0
 _ZYGOTE_S = 1.0
-_BEATS = ".beats"
 _ZYGOTE = ".zygote"
 
 
@@ -41,25 +41,19 @@ def end_remains(name: str, term_s: float = TERM_S) -> int:
             for pidfd in (*slaves.values(), *zygotes.values()):
                 os.close(pidfd)
         end_sessions(slaves.keys(), is_heir=False)
-        remove_stale(name)
+        remove_stale(name, ())
     return len(slaves)
 
 
 def _slaves(name: str) -> Iterator[tuple[int, int]]:
-    """Yield pid and pidfd of each slave that runs.
-
-    A slave has its own heartbeats in memory: nobody else who got its pid has.
-    """
-    for entry in running.traces(name):
-        if not entry.endswith(_BEATS):
-            continue
-        pid = entry.removeprefix(f"{name}.").removesuffix(_BEATS)
+    """Yield pid and pidfd of each slave that runs."""
+    for pid in living_slaves(name):
         try:
-            pidfd = os.pidfd_open(int(pid))
+            pidfd = os.pidfd_open(pid)
         except OSError:
             continue
-        if _has_mapped(pid, os.path.join(places.runtime_dir(), entry)):
-            yield int(pid), pidfd
+        if is_slave(name, pid):  # still, and so it is the one that the descriptor stands for
+            yield pid, pidfd
         else:
             os.close(pidfd)
 
@@ -73,14 +67,6 @@ def _zygotes(name: str) -> Iterator[tuple[int, int]]:
             connection.connect(os.path.join(places.runtime_dir(), entry))
             pid = peer_of(connection)
             yield pid, os.pidfd_open(pid)
-
-
-def _has_mapped(pid: str, path: str) -> bool:
-    try:
-        with open(f"/proc/{pid}/maps", encoding="utf-8", errors="replace") as file:
-            return any(line.rstrip("\n").endswith(f" {path}") for line in file)
-    except OSError:
-        return False
 
 
 def _end(slaves: dict[int, int], term_s: float) -> None:

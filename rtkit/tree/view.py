@@ -153,7 +153,7 @@ def _fill(manager: Node, listing: Listing) -> None:
 
 
 def _trouble(state: str, reason: str) -> str:
-    if state == "up":
+    if state in ("up", "silent"):
         return reason
     return f"{state}: {reason}" if reason and reason != state else state
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import time
 from collections.abc import Callable
@@ -73,6 +74,20 @@ def DaemonInit(manager):
     manager.register_factory(Daemon)
 """
 
+HANG = """
+import time
+from rtkit.component import Component
+
+
+class Hang(Component):
+    def on_initialize(self):
+        time.sleep(1000)
+
+
+def HangInit(manager):
+    manager.register_factory(Hang)
+"""
+
 
 def until(is_so: Callable[[], bool], what: str, bound_s: float = 10.0) -> None:
     deadline = time.monotonic() + bound_s
@@ -85,6 +100,11 @@ def pid_of(shell: Any, path: str) -> int:
     pid = json.loads(shell.ok(f"rtcat --json {path}"))["pid"]
     assert isinstance(pid, int)
     return pid
+
+
+def parent_of(pid: int) -> int:
+    with open(f"/proc/{pid}/stat", encoding="ascii") as file:
+        return int(file.read().rpartition(")")[2].split()[1])
 
 
 def kill_manager(shell: Any) -> None:
@@ -121,7 +141,9 @@ def pair(manager: Any) -> Any:
         f"rtmgr {MANAGER} -c 'Counter?instance_name=A&manager_name=a'"
         " -c 'Checker?instance_name=B&manager_name=b'"
     )
-    manager.ok("rtcon /localhost/A.rtc:out /localhost/B.rtc:into -i wire")
+    manager.ok(
+        "rtcon /localhost/A.rtc:out /localhost/B.rtc:into -i wire -p dataport.buffer.length=100000"
+    )
     manager.ok("rtact /localhost/B.rtc /localhost/A.rtc")
     until(lambda: count(manager)[0] > 10, "the first numbers")
     return manager
@@ -162,18 +184,78 @@ def test_the_end_of_a_found_slave_is_told_with_its_reason(pair: Any) -> None:
     until(lambda: "*A.rtc  (signal 9)" in pair.ok("rtls -l /localhost"), "the zombie")
 
 
-def test_a_slave_that_ended_while_there_was_no_manager_is_gone(pair: Any) -> None:
+def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
+    """With how it ended where its zygote knows that; and without, if that died too."""
     slave = pid_of(pair, f"{MANAGER}/a.mgr")
     kill_manager(pair)
-    os.kill(slave, signal.SIGKILL)
+    os.kill(slave, signal.SIGSEGV)
     pair.ok("rtmgr start")
-    assert pair.ok("rtls /localhost").split() == ["B.rtc", "manager.mgr/"]
+    shown = pair.ok("rtls -l /localhost")
+    assert "*A.rtc  (signal 11)" in shown
+    assert "slave a ended while no manager ran: signal 11" in pair.log()
+    slave = pid_of(pair, f"{MANAGER}/b.mgr")
+    zygote = parent_of(slave)
+    kill_manager(pair)
+    for pid in (zygote, slave):
+        os.kill(pid, signal.SIGKILL)
+    until(lambda: not os.path.exists(f"/proc/{slave}"), "its end")
+    pair.ok("rtmgr start")
+    shown = pair.ok("rtls -l /localhost")
+    assert "*B.rtc  (exit status unknown)" in shown
+    assert "A.rtc" not in shown
+    pair.ok("rtdel -z")
+    assert pair.ok("rtls /localhost").split() == ["manager.mgr/"]
+
+
+@pytest.mark.parametrize("is_zygote_killed", [False, True])
+def test_a_stopped_slave_is_shown_and_comes_back(pair: Any, is_zygote_killed: bool) -> None:
+    before = pair.ok("rtls -lR /localhost")
+    slave = pid_of(pair, f"{MANAGER}/a.mgr")
+    zygote = parent_of(slave)
+    kill_manager(pair)
+    os.kill(slave, signal.SIGSTOP)
+    if is_zygote_killed:
+        os.kill(zygote, signal.SIGKILL)
+    pair.ok("rtmgr start")
+    shown = pair.ok("rtls -lR /localhost")
+    assert "A.rtc  (stopped)" in shown
+    assert "a.mgr  (stopped)" in shown
+    assert "1/1" in next(line for line in shown.splitlines() if "B.rtc" in line)
+    assert "it is stopped" in pair.run("rtdeact /localhost/A.rtc").err
+    os.kill(slave, signal.SIGCONT)
+    until(lambda: pair.ok("rtls -lR /localhost") == before, "its return")
+    last, _ = count(pair)
+    until(lambda: count(pair)[0] > last + 20, "numbers")
+    assert count(pair)[1] == 0
+    pair.ok("rtdeact /localhost/A.rtc")
+    os.kill(slave, signal.SIGKILL)
+    why = "exit status unknown" if is_zygote_killed else "signal 9"
+    until(lambda: f"*A.rtc  ({why})" in pair.ok("rtls -l /localhost"), "the zombie")
+
+
+@pytest.mark.parametrize("end", ["rtexit --force /localhost/manager.mgr/b.mgr", "rtmgr stop"])
+def test_a_slave_that_hangs_over_a_restart_can_be_ended(pair: Any, end: str) -> None:
+    """One that hangs while it makes another component, and one that is stopped."""
+    (pair.modules / "Hang.py").write_text(HANG)
+    pair.run(f"rtmgr {MANAGER} --timeout 0.3 -c 'Hang?instance_name=H&manager_name=b'")
+    slaves = [pid_of(pair, f"{MANAGER}/{name}.mgr") for name in "ab"]
+    kill_manager(pair)
+    os.kill(slaves[0], signal.SIGSTOP)
+    pair.ok("rtmgr start")
+    shown = pair.ok("rtls -lR /localhost")
+    assert re.search(r"B\.rtc +\(does not answer\)", shown), shown
+    assert re.search(r"b\.mgr +\(does not answer", shown), shown
+    pair.run(end)
+    until(lambda: not os.path.exists(f"/proc/{slaves[1]}"), "its end")
+    if "rtexit" in end:
+        assert "B.rtc" not in pair.ok("rtls /localhost")
+        pair.ok("rtexit --force /localhost/manager.mgr/a.mgr")
+    assert not os.path.exists(f"/proc/{slaves[0]}")
 
 
 def test_manager_and_zygote_killed(pair: Any) -> None:
     slave = pid_of(pair, f"{MANAGER}/a.mgr")
-    with open(f"/proc/{slave}/stat", encoding="ascii") as file:
-        zygote = int(file.read().rpartition(")")[2].split()[1])
+    zygote = parent_of(slave)
     kill_manager(pair)
     os.kill(zygote, signal.SIGKILL)
     pair.ok("rtmgr start")

@@ -73,6 +73,39 @@ def take(state: State, process: Process, holding: Holding) -> list[Message]:
     return undo
 
 
+def take_unsaid(state: State, process: Process, holding: Holding) -> None:
+    """Fold what a slave holds that does not answer into the state, as its will says."""
+    take(state, process, holding)
+    for instance in state.held_by(process.key):
+        state.update(instance, trouble=state.trouble_of(instance, process))
+    for (_, key), wire in list(state.loose.items()):
+        _take_end(state, state.processes[key], wire)
+
+
+def take_missed(state: State, process: Process, holding: Holding) -> None:
+    """Show what a slave held that ended while no manager ran, if nobody else has it now."""
+    for facts in holding.components:
+        if facts.instance in state.components or facts.instance in state.claims:
+            continue
+        names = tuple(dict.fromkeys(n for n in facts.names if not state.name_owner(n)))
+        state.components[facts.instance] = replace(
+            facts, names=names, process=process.name, trouble="", zombie=process.reason
+        )
+        state.holders[facts.instance] = process.key
+    state.drop_if_empty(process.key)
+
+
+def unsaid_wires(state: State, process: Process, holding: Holding) -> list[ConnectorProfile]:
+    """Return the connectors that a slave was taken to hold ends of, and does not."""
+    said = {wire.connector_id for wire in holding.wires}
+    return [
+        wire
+        for instance in state.held_by(process.key)
+        for wire in state.connectors_of(instance)
+        if wire.connector_id not in said
+    ]
+
+
 def _take_component(state: State, process: Process, facts: ComponentFacts) -> bool:
     known = state.components.get(facts.instance)
     holder = state.process_of(facts.instance)
@@ -104,7 +137,8 @@ def _take_end(state: State, process: Process, wire: ConnectorProfile) -> None:
     )
     holders = {state.holders.get(end.instance) for end in wire.ports}
     said = {key for (id, key), other in state.loose.items() if (id, other) == (connector_id, wire)}
-    if known is None and is_alive and holders <= said:
+    silent = {process.key for process in state.processes.values() if process.silence}
+    if known is None and is_alive and holders <= said | silent:
         state.connectors[connector_id] = wire
         for key in said & holders:
             del state.loose[connector_id, key]

@@ -39,6 +39,7 @@ from rtkit.manager.core.events import (
     SlaveForked,
     SlaveFound,
     SlaveHalted,
+    SlaveMissed,
     SlaveReady,
     StopAsked,
     Tick,
@@ -111,6 +112,8 @@ class Core:
                 self._ready(key)
             case SlaveFound():
                 self._found(event)
+            case SlaveMissed():
+                self._missed(event)
             case SlaveEnded(key, reason, last):
                 self._ended(key, reason, last)
             case SlaveFailed(key, reason):
@@ -264,11 +267,17 @@ class Core:
             name = adoption.free_name(self.state, event.name, event.pid)
             process = self._tasks.new_process(name, event.pid)
             process.is_guest = event.is_guest
-        process.state = "up"
+        was_silent, process.silence = bool(process.silence), event.silence
+        process.state = "silent" if event.silence else "up"
         self._out.append(AdoptSlave(process.key, event.pid, process.is_guest))
+        if event.silence:
+            adoption.take_unsaid(self.state, process, holding)
+            return
         self._configure(process)
         for message in adoption.take(self.state, process, holding):
             self._out.append(SendToHolder(process.key, message))
+        for wire in adoption.unsaid_wires(self.state, process, holding) if was_silent else ():
+            self._cut(wire)
         if process.is_guest:
             welcome = {"welcome": self.state.held_by(process.key)}
             self._out.append(SendToHolder(process.key, welcome))
@@ -276,6 +285,13 @@ class Core:
         self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
         self._tasks.begin(retire(self.state, process), adoption.SETTLE_S)
+
+    def _missed(self, event: SlaveMissed) -> None:
+        holding = adoption.read(event.name, event.components, [])
+        name = adoption.free_name(self.state, event.name, event.pid)
+        process = self._tasks.new_process(name, event.pid)
+        process.state, process.reason = "lost", event.reason
+        adoption.take_missed(self.state, process, holding)
 
     def _end_unwanted(self, process: Process) -> bool:
         """End a slave that came when nobody waited for it any more."""
@@ -288,6 +304,7 @@ class Core:
         if process is None or not process.is_alive:
             return
         process.state, process.reason, process.last = "lost", process.verdict or reason, last
+        process.silence = ""
         self.state.drop_loose(key)
         self._bury(process)
         self.state.drop_if_empty(key)
@@ -316,9 +333,12 @@ class Core:
         process = self.state.processes.get(key)
         if process is not None and process.state == "starting" and is_halted:
             self._give_up_birth(process)
-        if process is None or not process.is_ready:
+        if process is None or not (process.is_ready or process.silence):
             return
-        process.state = "stopped" if is_halted else "up"
+        if process.silence:
+            process.silence = "stopped" if is_halted else "does not answer"
+        else:
+            process.state = "stopped" if is_halted else "up"
         if is_halted and self._is_stopping:
             self._tasks.give_up(Unreachable(process.unfit), key)
         for instance in self.state.held_by(key):

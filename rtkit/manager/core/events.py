@@ -90,13 +90,27 @@ class SlaveReady:
 
 @dataclass(frozen=True, slots=True)
 class SlaveFound:
-    """A slave that an earlier manager left, or a guest, said what it holds."""
+    """A slave that an earlier manager left, or a guest, said what it holds.
+
+    One with a `silence`, ``stopped`` or ``does not answer``, said nothing: that is from its will.
+    """
 
     pid: int
     name: str
     components: object
     wires: object
     is_guest: bool = False
+    silence: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class SlaveMissed:
+    """A slave ended while no manager ran; what it held is from its will."""
+
+    pid: int
+    name: str
+    components: object
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +173,7 @@ Event = (
     | BirthsBarred
     | SlaveReady
     | SlaveFound
+    | SlaveMissed
     | SlaveEnded
     | SlaveHalted
     | CallbackStuck

@@ -20,8 +20,10 @@ class Process:
     """The manager's own process, a slave, or a guest: one that nobody here started.
 
     Attributes:
-        state: ``starting``, ``up``, ``stopped`` or ``lost``.
+        state: ``starting``, ``up``, ``stopped``, ``silent`` or ``lost``; a silent one was left by
+            an earlier manager and has not come back to this one.
         reason: Why it is lost.
+        silence: Of a silent one: ``stopped`` or ``does not answer``.
         last: What it said before it was lost.
         verdict: Why it is ended though what it holds is wanted; that counts more than how.
         is_wanted: False once it was told to end.
@@ -37,6 +39,7 @@ class Process:
     pid: int = 0
     state: str = "starting"
     reason: str = ""
+    silence: str = ""
     last: str = ""
     verdict: str = ""
     is_wanted: bool = True
@@ -78,7 +81,14 @@ class Process:
         """Why it answers nothing at present; empty when it does."""
         if not self.is_alive:
             return self.end
-        return f"slave {self.name} does not answer: it is stopped" * (self.state == "stopped")
+        if self.is_stopped:
+            return f"slave {self.name} does not answer: it is stopped"
+        return f"slave {self.name} does not answer" * bool(self.silence)
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether it was stopped and has not gone on yet."""
+        return "stopped" in (self.state, self.silence)
 
 
 @dataclass(slots=True)
@@ -154,11 +164,14 @@ class State:
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
-        return "stopped" if process.state == "stopped" else process.stuck.get(instance, "")
+        if process.is_stopped:
+            return "stopped"
+        return process.stuck.get(instance, "") or process.silence
 
     def trouble_in(self, process: Process) -> str:
         """Return what is wrong with a process and is shown at none of its components."""
-        told = [
+        told = [process.silence] if process.silence else []
+        told += [
             f"{name} is {text}"
             for name, text in process.stuck.items()
             if self.holders.get(name) != process.key

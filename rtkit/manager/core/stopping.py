@@ -61,7 +61,7 @@ def _terminate(process: Process) -> Generator[Signal, None, None]:
         return
     process.is_wanted = False
     yield Signal(process, signal.SIGTERM)
-    if process.state == "stopped":
+    if process.is_stopped:
         yield Signal(process, signal.SIGCONT)
 
 

@@ -27,6 +27,7 @@ from rtkit.manager.holding.beats import Beats, Slot
 from rtkit.manager.holding.composites import Composites
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.contexts import Contexts, release
+from rtkit.manager.holding.estate import Will
 from rtkit.manager.holding.facts_out import facts_of
 from rtkit.manager.holding.figures_out import figures_of
 from rtkit.manager.holding.host import LATER
@@ -60,6 +61,7 @@ class Holder:
         self._send = send
         self._beats: Beats | None = None
         self._own_slot: Slot | None = None
+        self._will: Will | None = None
         self._slots: dict[tuple[str, str], Slot] = {}
         self._wires = wires
         self._loader = loader
@@ -91,6 +93,10 @@ class Holder:
     def show_beats(self, beats: Beats) -> None:
         """Show in which callback each context of this process is, before there are any."""
         self._beats, self._own_slot = beats, beats.slot()
+
+    def write_down(self, will: Will) -> None:
+        """Keep an account of what is held, for when nobody here can tell it."""
+        self._will = will
 
     def put(self, message: Message) -> None:
         """Hand a message of the core in, from any thread."""
@@ -270,9 +276,15 @@ class Holder:
         """Report the facts of a component, and answer those who waited for its settings."""
         self._stale.discard(component)
         if self._components.get(component.instance) is component:
-            self._send({"facts": encode(facts_of(component))})
+            facts = encode(facts_of(component))
+            self._keep(component.instance, facts)
+            self._send({"facts": facts})
         if not component.configuration.is_pending:
             self._taken_over(component, self._takeovers.pop(component.instance, []))
+
+    def _keep(self, instance: str, facts: Mapping[str, Any]) -> None:
+        if self._will is not None:
+            self._will.keep(instance, {**facts, **self._memory.get(instance, {})})
 
     def _taken_over(self, component: Component, messages: list[Message]) -> None:
         """Answer those who waited for settings; a composite has to become what they say."""
@@ -342,6 +354,8 @@ class Holder:
                 self._beats.release(slot)
         with self._watched(instance, "on_finalize"):
             component.finalize()
+        if self._will is not None:
+            self._will.strike(instance)
         for message in self._takeovers.pop(instance, ()):
             self.refuse(message, Refused(f"{instance} was deleted"))
 
@@ -349,6 +363,7 @@ class Holder:
         instance = message["instance"]
         if instance in self._components:
             self._memory[instance] = message["kept"]
+            self._keep(instance, encode(facts_of(self._components[instance])))
 
     def _tell_figures(self, _message: Message) -> object:
         def worked(context: ExecutionContext) -> Work:

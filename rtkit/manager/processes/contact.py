@@ -22,7 +22,7 @@ from rtkit.errors import Malformed
 from rtkit.manager.core.events import Message
 from rtkit.manager.processes.wire import Channel
 
-PROTOCOL = 2
+PROTOCOL = 3
 """Version of the messages between manager and slaves."""
 
 _SEEK_S = 0.1
@@ -67,14 +67,16 @@ class Contact:
         """Whether there is no manager at present."""
         return self._channel is None
 
-    def greet(self, key: int) -> None:
+    def greet(self, key: int, manager: str) -> None:
         """Report for the first time, to the manager that had this slave forked.
+
+        Keys of another one may be the same: `manager` tells them apart.
 
         Raises:
             OSError: It does not listen any more.
         """
         channel = _connect(self._path)
-        channel.send({"hello": key, **self._identity()})
+        channel.send({"hello": key, "of": manager, **self._identity()})
         self._channel = channel
 
     def visit(

@@ -32,11 +32,12 @@ class Fosters:
         self._children: dict[Channel, set[int]] = {}
         self._pids: dict[Channel, int] = {}
         self._missing: set[int] = set()
+        self._names: dict[int, str] = {}
 
     @property
-    def missing(self) -> frozenset[int]:
-        """Children that were named and have not yet said what they hold."""
-        return frozenset(self._missing)
+    def missing(self) -> dict[int, str]:
+        """Children that have not yet said what they hold, with their names, if those are told."""
+        return {pid: self._names.get(pid, "") for pid in self._missing}
 
     def has(self, pid: int) -> bool:
         """Whether a zygote will tell the end of this process."""
@@ -76,6 +77,7 @@ class Fosters:
                 self._children[channel].update(message["children"])
                 self._missing.update(message["children"])
                 self._pids[channel] = message["zygote"]
+                self._names |= {int(pid): name for pid, name in message.get("names", {}).items()}
         return [message for message in messages if "children" not in message]
 
     def found(self, pid: int) -> None:

@@ -80,6 +80,12 @@ def end_children() -> None:
             return
 
 
+def is_stopped(pid: int) -> bool:
+    """Whether a process was stopped and has not gone on yet."""
+    process = _process(pid)
+    return process is not None and process.state in "Tt"
+
+
 def reap_orphans(known: Container[int]) -> list[int]:
     """Reap what ended and had been left to this process; return its pids.
 

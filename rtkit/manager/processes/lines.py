@@ -119,7 +119,7 @@ class Lines:
         pid: Any = first.get("pid")
         if first.get("protocol") != PROTOCOL or not isinstance(pid, int):
             return None
-        if self._nursery.expects(key, pid) and key not in self._channels:
+        if self._nursery.expects(key, pid, first.get("of")) and key not in self._channels:
             self._take_in(key, channel)
             self._handle(ev.SlaveForked(key, pid))
             self._handle(ev.SlaveReady(key))
@@ -140,9 +140,10 @@ class Lines:
 
     def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> None:
         """Keep the line of a slave that was found, or of a guest, under its key."""
-        channel = self._found.pop(pid)
-        self.drop(key)  # the line that it had before
-        self._take_in(key, channel)
+        channel = self._found.pop(pid, None)
+        if channel is not None:
+            self.drop(key)  # the line that it had before
+            self._take_in(key, channel)
         pidfd = self._nursery.adopt(key, pid, is_guest=is_guest)
         if pidfd is not None:
             self._watch(key, pidfd)
@@ -173,6 +174,7 @@ class Lines:
         self._settled = settled
         self._settle_by = time.monotonic() + SETTLE_S
         self._find_fosters()
+        self._nursery.look_for_absent()
         self.check_settled()
 
     def _find_fosters(self) -> None:
@@ -195,10 +197,13 @@ class Lines:
 
     def check_settled(self) -> None:
         """See whether all that was left is back, or its time is up."""
-        is_time_up = time.monotonic() >= self._settle_by
         settled = self._settled
-        if settled is not None and (is_time_up or not self._nursery.fosters.missing):
+        if settled is None:
+            return
+        if time.monotonic() >= self._settle_by or self._nursery.is_complete:
             self._settled = None
+            for event in list(self._nursery.absent()):
+                self._handle(event)
             settled()
 
     def _reader(self, key: int, channel: Channel) -> Callable[[int], object]:

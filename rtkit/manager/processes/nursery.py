@@ -11,11 +11,14 @@ import os
 import signal
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from rtkit import fault
 from rtkit.link.streams import remove_socket
 from rtkit.manager.core import events as ev
+from rtkit.manager.holding.estate import Estate, estate_path
+from rtkit.manager.processes.absent import UNKNOWN, Absent
 from rtkit.manager.processes.forkserver import ForkServer
 from rtkit.manager.processes.fosters import Fosters
 from rtkit.manager.processes.leftovers import end_children, end_sessions, reap_orphans
@@ -23,7 +26,7 @@ from rtkit.manager.processes.watchman import remove_traces
 from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import ENDS, STOPS, reason
 
-_UNKNOWN = "exit status unknown"
+NOBODY: Mapping[int, Estate] = {}
 _SWEEP_S = 0.1
 """How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
 
@@ -34,12 +37,16 @@ _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 class Nursery:
     """Where slaves are born; for `selectors` it is the socket to the zygote.
 
+    Args:
+        settings: Of slaves (see `rtkit.manager.processes.slave`), and ``zygote``, a path.
+        dead: What those slaves held that ended while no manager ran, by pid.
+
     Attributes:
         sweep_at: When `sweep` is due, monotonic [s]; None while nothing is to be swept.
     """
 
-    def __init__(self, settings: Mapping[str, Any]) -> None:
-        self._settings = dict(settings)
+    def __init__(self, settings: Mapping[str, Any], dead: Mapping[int, Estate] = NOBODY) -> None:
+        self._settings = {**settings, "born_of": f"{os.getpid()}.{time.monotonic_ns()}"}
         self._pids: dict[int, int] = {}
         self._keys: dict[int, int] = {}
         self._pidfds: dict[int, int] = {}
@@ -52,6 +59,7 @@ class Nursery:
         self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
         self.fosters = Fosters(self._settings["zygote"])
+        self._absent = Absent(self._settings["manager"], dead)
         self._server = ForkServer(self._settings)
         self._zygotes.add(self._server.pid)
 
@@ -86,9 +94,10 @@ class Nursery:
             _log.warning("cannot ask for slave %s: %s", name, error)
         return None
 
-    def expects(self, key: object, pid: object) -> bool:
-        """Whether a slave that says hello with this key and pid is one that was asked for."""
-        if not isinstance(key, int) or not isinstance(pid, int):
+    def expects(self, key: object, pid: object, manager: object) -> bool:
+        """Whether a slave that says hello with this key and pid is one that was asked for here."""
+        is_ours = manager == self._settings["born_of"]
+        if not is_ours or not isinstance(key, int) or not isinstance(pid, int):
             return False
         if key in self._asked:
             self._born(key, pid)
@@ -115,7 +124,7 @@ class Nursery:
     def lost(self, key: int) -> ev.Event | None:
         """Return the end of an adopted slave of which only its pidfd told."""
         pid = self._pids.get(key)
-        return None if pid is None else self._ended(pid, _UNKNOWN)
+        return None if pid is None else self._ended(pid, UNKNOWN)
 
     def is_untold(self, key: int) -> bool:
         """Whether a slave was taken in so late that neither zygote nor pidfd tells its end."""
@@ -128,6 +137,19 @@ class Nursery:
         if messages is None:
             return None
         return [event for message in messages for event in _some(self._event(message))]
+
+    def look_for_absent(self) -> None:
+        """Find the slaves of earlier managers that no zygote told of."""
+        self._absent.look({*self._keys, *self.fosters.missing})
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether all that earlier managers left has come back, but for what is stopped."""
+        return not self._absent.is_worth_waiting(self.fosters.missing, self._keys)
+
+    def absent(self) -> Iterator[ev.Event]:
+        """Yield who did not come back, living and dead; once."""
+        return self._absent.settle(self.fosters.missing, self._keys)
 
     def orphans(self) -> list[tuple[int, int]]:
         """Return key and pidfd of the slaves whose end neither zygote nor kernel will tell us."""
@@ -142,6 +164,9 @@ class Nursery:
         pidfd = self._pidfds.get(key)
         if pidfd is None:
             return
+        if number == signal.SIGKILL:  # nobody is to miss what it holds
+            with suppress(FileNotFoundError):
+                os.unlink(estate_path(self.data_pattern, self._pids[key]))
         try:
             signal.pidfd_send_signal(pidfd, number)
         except ProcessLookupError:
@@ -179,7 +204,7 @@ class Nursery:
                 report = os.waitid(os.P_PID, pid, _OPTIONS)
             except ChildProcessError:
                 if self._is_abandoned(pid):
-                    yield from _some(self._ended(pid, _UNKNOWN))
+                    yield from _some(self._ended(pid, UNKNOWN))
                 continue
             if report is not None and pid in self._zygotes:
                 yield from self._zygote_report(report)
@@ -265,6 +290,8 @@ class Nursery:
     def _ended(self, pid: int, why: str) -> ev.Event | None:
         key = self._keys.pop(pid, None)
         self.fosters.ended(pid)
+        if key is None:
+            self._absent.ended(pid, why)
         self._remove_files(pid)
         if key is None:
             return None
@@ -291,6 +318,10 @@ class Nursery:
         pattern = self.data_pattern
         remove_socket(pattern.replace("%p", str(pid)))
         remove_traces(pattern, pid)
+        held = estate_path(pattern, pid)
+        for path in (held, f"{held}.new"):
+            with suppress(FileNotFoundError):
+                os.unlink(path)
 
 
 def _some(event: ev.Event | None) -> list[ev.Event]:

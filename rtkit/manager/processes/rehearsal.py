@@ -19,6 +19,7 @@ from rtkit.link.streams import Streams
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.beats import Beats
 from rtkit.manager.holding.connect import Wires
+from rtkit.manager.holding.estate import Will, estate_path
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.logs.logs import Log, begin
 from rtkit.manager.modules.loader import Loader
@@ -57,6 +58,7 @@ def rehearse(log: Log, settings: Any) -> None:
     pattern, pid = settings["data"], os.getpid()
     place = pattern.replace("%p", str(pid))
     paths = [place, beats_path(pattern, pid), stack_path(pattern, pid)]
+    paths.append(estate_path(pattern, pid))
     modules, search_path = set(sys.modules), list(sys.path)
     with contextlib.ExitStack() as stack, log.lent("rehearsal", paths[2]):
         stack.callback(_remove, paths)
@@ -64,7 +66,7 @@ def rehearse(log: Log, settings: Any) -> None:
         listener.bind(place)
         listener.listen(1)
         begin()
-        _Stage(place, Beats(paths[1])).play(listener)
+        _Stage(place, Beats(paths[1]), Will(paths[3], "rehearsal")).play(listener)
     sys.path[:] = search_path
     for name in set(sys.modules) - modules:
         del sys.modules[name]
@@ -79,16 +81,17 @@ def _remove(paths: list[str]) -> None:
 class _Stage:
     """A holder on this thread and its line to a manager on another one, as in a slave."""
 
-    def __init__(self, place: str, beats: Beats) -> None:
+    def __init__(self, place: str, beats: Beats, will: Will) -> None:
         self._read, self._write = os.pipe()
         self._contact = Contact(place, "rehearsal", self)
         self._replies: list[Message] = []
         wires = Wires("", Streams(place))
         self._holder = Holder(self._send, wires, Loader([_FOLDER]))
         self._holder.show_beats(beats)
+        self._holder.write_down(will)
 
     def play(self, listener: socket.socket) -> None:
-        self._contact.greet(0)
+        self._contact.greet(0, "")
         connection, _ = listener.accept()
         other = Channel(connection)
         for line in _LINES:

@@ -18,6 +18,7 @@ from rtkit.link.streams import Streams
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.beats import Beats
 from rtkit.manager.holding.connect import Wires
+from rtkit.manager.holding.estate import Will, estate_path
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.logs.logs import Log, hand_over
 from rtkit.manager.modules.loader import Loader
@@ -67,10 +68,11 @@ class Slave:
         _name_process(f"rtkit {name}")
         self._contact = contact = Contact(self._settings["control"], name, Term())
         self._holder.show_beats(Beats(beats_path(data, pid)))
+        self._holder.write_down(Will(estate_path(data, pid), name))
         self._stacks = open_stacks(data, pid)
         faulthandler.register(STACK_SIGNAL, self._stacks, all_threads=True)
         fault.point("slave.greeting")
-        contact.greet(key)
+        contact.greet(key, self._settings["born_of"])
         outlive_parent()
         fault.point("slave.greeted")
         threading.Thread(target=self._listen, name="control", daemon=True).start()

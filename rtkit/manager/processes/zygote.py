@@ -59,7 +59,7 @@ class Zygote:
         self._slave = Slave(settings, log)
         self._path = settings["zygote"].replace("%p", str(os.getpid()))
         self._listener: socket.socket | None = None
-        self._children: set[int] = set()
+        self._children: dict[int, str] = {}
         self._reports: list[Message] = []
         self._selector = selectors.DefaultSelector()
         self._wake, self._wake_write = os.pipe()
@@ -121,7 +121,8 @@ class Zygote:
         self._unlisten()
         self._channel = Channel(connection)
         self._selector.register(self._channel, selectors.EVENT_READ, self._hear)
-        self._tell({"children": sorted(self._children), "zygote": os.getpid()})
+        children = sorted(self._children)
+        self._tell({"children": children, "names": self._children, "zygote": os.getpid()})
         fault.point("zygote.accepted")
         kept, self._reports = self._reports, []
         for report in kept:
@@ -152,7 +153,7 @@ class Zygote:
             self._tell({"failed": key, "reason": f"cannot fork: {error.strerror}"})
             return
         if pid:
-            self._children.add(pid)
+            self._children[pid] = message["name"].replace("%p", str(pid))
             fault.point("zygote.forked")
             self._tell({"forked": key, "pid": pid})
             fault.point("zygote.told")
@@ -186,7 +187,7 @@ class Zygote:
                 return
             fault.point("zygote.reaped")
             if report.si_code in ENDS:
-                self._children.discard(report.si_pid)
+                self._children.pop(report.si_pid, None)
                 self._tell({"ended": report.si_pid, "reason": reason(report)})
             else:
                 self._tell({"halted": report.si_pid, "is_halted": report.si_code in STOPS})

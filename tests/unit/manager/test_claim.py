@@ -14,6 +14,8 @@ import pytest
 from rtkit.errors import Refused
 from rtkit.link import places, running
 from rtkit.manager import claim
+from rtkit.manager.holding.beats import Beats
+from rtkit.manager.processes.absent import living_slaves
 from rtkit.manager.processes.leftovers import end_sessions
 from rtkit.manager.remains import end_remains
 
@@ -92,18 +94,26 @@ def test_what_is_stale_is_removed_and_what_is_not_ours_is_named(folder: Path) ->
     if not child:
         os._exit(0)
     os.waitpid(child, 0)
-    for name in (f"m.{child}.beats", f"m.{os.getpid()}.beats", f"m.{child}.x", "other.1.data"):
+    own = os.getpid()
+    for name in (f"m.{child}.data", f"m.{own}.data", f"m.{child}.x", "other.1.data"):
         (folder / name).touch()
-    claim.remove_stale("m")
+    slave = Beats(str(folder / f"m.{own}.beats"))
+    for pid in (own, os.getppid()):
+        (folder / f"m.{pid}.held").touch()
+    assert living_slaves("m") == {own}
+    claim.remove_stale("m", living_slaves("m"))
     left = sorted(each.name for each in folder.iterdir())
-    assert left == sorted([f"m.{os.getpid()}.beats", f"m.{child}.x", "other.1.data"])
+    kept = [f"m.{own}.{kind}" for kind in ("beats", "data", "held")]
+    assert left == sorted([*kept, f"m.{child}.x", "other.1.data"])
+    del slave
+    assert living_slaves("m") == set()
     (folder / "m.sock").mkdir()
     with pytest.raises(Refused, match=r"not a socket, remove it yourself: .*m\.sock"):
-        claim.remove_stale("m")
+        claim.remove_stale("m", ())
     (folder / "m.sock").rmdir()
     (folder / "m.sock.lock").mkdir()
     with pytest.raises(Refused, match=r"cannot remove .*m\.sock\.lock: Is a directory"):
-        claim.remove_stale("m")
+        claim.remove_stale("m", ())
 
 
 @pytest.fixture

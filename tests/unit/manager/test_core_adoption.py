@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from rtkit.deployment.actions import Connect, Create, Delete, Disconnect
+from rtkit.deployment.actions import Connect, Create, Delete, Disconnect, EndSlave
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
@@ -178,3 +178,95 @@ def test_a_found_slave_that_holds_nothing_is_ended() -> None:
     assert shell.signals == [(key, signal.SIGTERM)]
     shell.end(key, "exit status 0")
     assert list(shell.state.processes) == [ev.OWN_PROCESS]
+
+
+def unsaid(shell: FakeShell, pid: int, name: str, instances: list[str], silence: str) -> int:
+    held = [{**facts(each), "names": [f"localhost/{each}.rtc"]} for each in instances]
+    shell.feed(ev.SlaveFound(pid, name, held, [], silence=silence))
+    return shell.adopted[pid]
+
+
+@pytest.mark.parametrize(
+    ("silence", "why"),
+    [
+        ("stopped", "slave s does not answer: it is stopped"),
+        ("does not answer", "slave s does not answer"),
+    ],
+)
+def test_a_slave_that_says_nothing_is_shown_with_what_it_holds(silence: str, why: str) -> None:
+    shell = FakeShell()
+    key = unsaid(shell, 300, "s", ["A"], silence)
+    assert shell.state.components["A"].trouble == silence
+    assert shell.state.processes[key].state == "silent"
+    assert shell.state.snapshot().processes[-1].reason == silence
+    for action in (Create("Thing?manager_name=s"), Delete("A")):
+        result = shell.ask(action).result
+        assert result.why.startswith(why), result
+    assert shell.calls == []
+    assert shell.find(300, "s", ["A"]) == key
+    assert shell.state.components["A"].trouble == ""
+    asked = shell.ask(Delete("A"))
+    shell.serve()
+    shell.end(key)
+    assert asked.result.ok
+
+
+def test_one_that_says_nothing_is_ended_by_force_and_with_the_manager() -> None:
+    for end in (EndSlave("s", is_forced=True), None):
+        shell = FakeShell()
+        key = unsaid(shell, 300, "s", ["A"], "stopped")
+        if end is not None:
+            shell.ask(end)
+        else:
+            shell.stop()
+        assert shell.signals == [(key, signal.SIGTERM), (key, signal.SIGCONT)]
+        shell.wait(60.0)
+        assert shell.signals[2:] == [(key, signal.SIGKILL)]
+
+
+def test_whether_a_silent_one_is_stopped_may_change() -> None:
+    shell = FakeShell()
+    key = unsaid(shell, 300, "s", ["A"], "stopped")
+    shell.feed(ev.SlaveHalted(key, False))
+    assert shell.state.components["A"].trouble == "does not answer"
+    shell.feed(ev.SlaveHalted(key, True))
+    assert shell.state.components["A"].trouble == "stopped"
+    shell.end(key)
+    assert shell.state.components["A"].zombie == "signal 9"
+
+
+def test_a_connector_to_one_that_says_nothing_is_kept() -> None:
+    shell = FakeShell()
+    other = shell.find(301, "b", ["B"], [wire("w")])
+    key = unsaid(shell, 300, "a", ["A"], "stopped")
+    assert set(shell.state.connectors) == {"w"}
+    shell.wait(3 * SETTLE_S)
+    assert (other, {"op": "unlink", "connector_id": "w"}) not in shell.told
+    assert shell.find(300, "a", ["A"], [wire("w")]) == key
+    shell.wait(3 * SETTLE_S)
+    assert set(shell.state.connectors) == {"w"}
+    assert shell.told == []
+
+
+def test_a_connector_of_which_it_knows_nothing_when_it_answers_is_cut() -> None:
+    shell = FakeShell()
+    other = shell.find(301, "b", ["B"], [wire("w")])
+    unsaid(shell, 300, "a", ["A"], "does not answer")
+    shell.find(300, "a", ["A"], [])
+    assert shell.state.connectors == {}
+    assert (other, {"op": "unlink", "connector_id": "w"}) in shell.told
+
+
+def test_what_ended_while_no_manager_ran_is_shown_unless_it_lives_again() -> None:
+    shell = FakeShell()
+    shell.make("B", "s")
+    held = [{**facts(each), "names": [f"localhost/{each}.rtc"]} for each in "AB"]
+    shell.feed(ev.SlaveMissed(300, "s", held, "signal 11"))
+    assert shell.state.components["A"].zombie == "signal 11"
+    assert shell.state.components["A"].names == ("localhost/A.rtc",)
+    assert not shell.state.components["B"].zombie
+    count = len(shell.state.processes)
+    shell.feed(ev.SlaveMissed(301, "t", held[1:], "signal 11"))
+    assert len(shell.state.processes) == count
+    assert shell.ask(Delete("A")).result.ok
+    assert len(shell.state.processes) == count - 1

@@ -1,0 +1,104 @@
+"""Slaves that an earlier manager left and that do not say what they hold: they hang, or are dead.
+
+What they held is in their wills (see `rtkit.manager.holding.estate`).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator, Mapping
+
+from rtkit.link import places, running
+from rtkit.manager.core.events import SlaveFound, SlaveMissed
+from rtkit.manager.holding.estate import SUFFIX, Estate, read_estate
+from rtkit.manager.processes.leftovers import is_stopped
+
+_BEATS = ".beats"
+UNKNOWN = "exit status unknown"
+
+
+def is_slave(manager: str, pid: int) -> bool:
+    """Whether a process is a slave of a manager of that name, and no stranger who got its pid.
+
+    A slave has its own heartbeats in memory, whatever it is called.
+    """
+    path = os.path.join(places.runtime_dir(), f"{manager}.{pid}{_BEATS}")
+    try:
+        with open(f"/proc/{pid}/maps", encoding="utf-8", errors="replace") as file:
+            return any(line.rstrip("\n").endswith(f" {path}") for line in file)
+    except OSError:
+        return False
+
+
+def living_slaves(manager: str) -> set[int]:
+    """Return the pid of each slave that runs."""
+    return {pid for pid in _pids(manager, _BEATS) if is_slave(manager, pid)}
+
+
+def estates_of_the_dead(manager: str, living: Collection[int]) -> dict[int, Estate]:
+    """Return what the other slaves held, by pid; before anybody clears it away."""
+    dead = (pid for pid in _pids(manager, SUFFIX) if pid not in living)
+    return {pid: held for pid in dead if (held := _estate(manager, pid)) is not None}
+
+
+def _pids(manager: str, suffix: str) -> Iterator[int]:
+    for entry in running.traces(manager):
+        if entry.endswith(suffix):
+            yield int(entry.removeprefix(f"{manager}.").removesuffix(suffix))
+
+
+def _estate(manager: str, pid: int) -> Estate | None:
+    return read_estate(os.path.join(places.runtime_dir(), f"{manager}.{pid}{SUFFIX}"))
+
+
+class Absent:
+    """Who has not come back to the manager of that name yet.
+
+    Args:
+        dead: What those held who ended before it began, by pid.
+    """
+
+    def __init__(self, manager: str, dead: Mapping[int, Estate]) -> None:
+        self._manager = manager
+        self._dead = dict(dead)
+        self._ends: dict[int, str] = {}
+        self._left: set[int] = set()
+
+    def look(self, known: Collection[int]) -> None:
+        """Find those that run; those that are known already need not be looked at."""
+        found = (pid for pid in _pids(self._manager, _BEATS) if pid not in known)
+        self._left = {pid for pid in found if is_slave(self._manager, pid)}
+
+    def ended(self, pid: int, why: str) -> None:
+        """Note the end of a process that had not come back."""
+        if pid not in self._dead:
+            estate = _estate(self._manager, pid)
+            if estate is None:
+                return
+            self._dead[pid] = estate
+        self._ends[pid] = why
+        self._left.discard(pid)
+
+    def is_worth_waiting(self, children: Collection[int], known: Collection[int]) -> bool:
+        """Whether somebody may still come: a child of an earlier zygote, or who was found."""
+        return any(not is_stopped(pid) for pid in (self._left | set(children)) - set(known))
+
+    def settle(
+        self, children: Mapping[int, str], known: Collection[int]
+    ) -> Iterator[SlaveFound | SlaveMissed]:
+        """Yield who did not come back, living and dead, once; `children` have names, or "" ."""
+        for pid in sorted((self._left | set(children)) - set(known)):
+            estate = _estate(self._manager, pid)
+            if pid not in children and not is_slave(self._manager, pid):
+                self.ended(pid, UNKNOWN)
+                continue
+            name = estate.name if estate is not None else children.get(pid) or f"slave_{pid}"
+            held = estate.components if estate is not None else []
+            silence = "stopped" if is_stopped(pid) else "does not answer"
+            yield SlaveFound(pid, name, held, [], silence=silence)
+        for pid, estate in self._dead.items():
+            if estate.components:
+                yield SlaveMissed(pid, estate.name, estate.components, self._ends.get(pid, UNKNOWN))
+        self._dead.clear()
+        self._ends.clear()
+        self._left.clear()
