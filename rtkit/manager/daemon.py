@@ -26,8 +26,7 @@ from rtkit.manager.core.state import Process, State
 from rtkit.manager.holding.estate import Estate
 from rtkit.manager.logs.logs import open_log
 from rtkit.manager.processes.absent import estates_of_the_dead, living_slaves
-from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.parents import become_subreaper
+from rtkit.manager.processes.nursery import Nursery, become_subreaper
 from rtkit.manager.report import Report
 from rtkit.manager.restarting import execute_again
 from rtkit.manager.settings import formats

@@ -50,6 +50,7 @@ from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.surveying import Survey
 from rtkit.manager.core.tasks import Tasks
+from rtkit.manager.core.trial import TRIAL
 from rtkit.manager.core.wishes import Need, Procedure
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
@@ -267,11 +268,14 @@ class Core:
             name = adoption.free_name(self.state, event.name, event.pid)
             process = self._tasks.new_process(name, event.pid)
             process.is_guest = event.is_guest
+        if event.name == TRIAL:  # nobody waits for what it tries any more
+            process.trial_of, process.is_wanted = TRIAL, False
         was_silent, process.silence = bool(process.silence), event.silence
         process.state = "silent" if event.silence else "up"
         self._out.append(AdoptSlave(process.key, event.pid, process.is_guest))
         if event.silence:
             adoption.take_unsaid(self.state, process, holding)
+            self._end_unwanted(process)
             return
         self._configure(process)
         for message in adoption.take(self.state, process, holding):

@@ -18,6 +18,7 @@ _MOST = 4
 """How many times as long as what it tells the file may get, beside some slack."""
 
 _log = logging.getLogger(__name__)
+_to_json = json.JSONEncoder(separators=(",", ":")).encode
 
 
 class Estate(NamedTuple):
@@ -112,4 +113,4 @@ def read_estate(path: str) -> Estate | None:
 
 
 def _line(record: Mapping[str, Any]) -> bytes:
-    return json.dumps(record, separators=(",", ":")).encode() + b"\n"
+    return _to_json(record).encode() + b"\n"

@@ -66,8 +66,8 @@ class Absent:
 
     def look(self, known: Collection[int]) -> None:
         """Find those that run; those that are known already need not be looked at."""
-        found = (pid for pid in _pids(self._manager, _BEATS) if pid not in known)
-        self._left = {pid for pid in found if is_slave(self._manager, pid)}
+        others = {*_pids(self._manager, _BEATS)} - {*known, os.getpid()}
+        self._left = {pid for pid in others if is_slave(self._manager, pid)}
 
     def ended(self, pid: int, why: str) -> None:
         """Note the end of a process that had not come back."""

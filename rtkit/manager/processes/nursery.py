@@ -6,6 +6,7 @@ that their end is still told with its reason. A zygote that died is started agai
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import os
 import signal
@@ -31,7 +32,15 @@ _SWEEP_S = 0.1
 """How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
 
 _log = logging.getLogger(__name__)
+_PR_SET_CHILD_SUBREAPER = 36
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
+
+
+def become_subreaper() -> None:
+    """Have orphans of this process's descendants become its children."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0):
+        raise OSError(ctypes.get_errno(), "cannot become subreaper")
 
 
 class Nursery:
@@ -232,7 +241,7 @@ class Nursery:
         self._buried(report.si_pid)
 
     def _buried(self, zygote: int) -> None:
-        """Have those ended that it forked last of all, who may still be in its session."""
+        """Have those ended that it forked and who said no hello: they are still in its session."""
         self._zygotes.discard(zygote)
         self._over.add(zygote)
         self._sweep_soon()

@@ -24,7 +24,6 @@ from rtkit.manager.logs.logs import Log, hand_over
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact, Term
 from rtkit.manager.processes.leftovers import MARK, end_sessions
-from rtkit.manager.processes.parents import outlive_parent
 from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
 from rtkit.manager.processes.watchman import beats_path
 
@@ -73,7 +72,7 @@ class Slave:
         faulthandler.register(STACK_SIGNAL, self._stacks, all_threads=True)
         fault.point("slave.greeting")
         contact.greet(key, self._settings["born_of"])
-        outlive_parent()
+        os.setsid()  # until now it was to end with its zygote
         fault.point("slave.greeted")
         threading.Thread(target=self._listen, name="control", daemon=True).start()
         self._holder.run()

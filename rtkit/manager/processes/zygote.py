@@ -24,7 +24,6 @@ from typing import Any, NoReturn
 from rtkit import fault
 from rtkit.manager.core.events import Message
 from rtkit.manager.logs.logs import Log, share_log
-from rtkit.manager.processes.parents import die_with
 from rtkit.manager.processes.rehearsal import rehearse
 from rtkit.manager.processes.slave import Slave
 from rtkit.manager.processes.wire import Channel
@@ -146,7 +145,6 @@ class Zygote:
     def _fork(self, message: Message) -> None:
         key = message["key"]
         fault.point("zygote.asked")
-        own = os.getpid()
         try:
             pid = os.fork()
         except OSError as error:
@@ -158,14 +156,12 @@ class Zygote:
             self._tell({"forked": key, "pid": pid})
             fault.point("zygote.told")
         else:
-            self._become_slave(key, message, own)
+            self._become_slave(key, message)
 
-    def _become_slave(self, key: int, message: Message, parent: int) -> NoReturn:
+    def _become_slave(self, key: int, message: Message) -> NoReturn:
         try:
-            die_with(parent)  # until it says hello nobody but the zygote may know of it
             signal.set_wakeup_fd(-1)
             signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-            os.setsid()
             if self._channel is not None:
                 self._channel.close()
             for descriptor in (self._selector.fileno(), self._wake, self._wake_write):

@@ -10,6 +10,7 @@ from rtkit.deployment.actions import Connect, Create, Delete, Disconnect, EndSla
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
+from rtkit.manager.core.trial import TRIAL
 from rtkit.manager.fake import FakeShell, facts, wire
 
 
@@ -222,6 +223,14 @@ def test_one_that_says_nothing_is_ended_by_force_and_with_the_manager() -> None:
         assert shell.signals == [(key, signal.SIGTERM), (key, signal.SIGCONT)]
         shell.wait(60.0)
         assert shell.signals[2:] == [(key, signal.SIGKILL)]
+
+
+@pytest.mark.parametrize("silence", ["", "does not answer"])
+def test_one_that_was_there_to_try_a_module_is_ended(silence: str) -> None:
+    shell = FakeShell()
+    shell.feed(ev.SlaveFound(300, TRIAL, [], [], silence=silence))
+    assert shell.signals == [(shell.adopted[300], signal.SIGKILL)]
+    assert len(shell.state.snapshot().processes) == 1
 
 
 def test_whether_a_silent_one_is_stopped_may_change() -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from rtkit.manager.processes import leftovers
 from rtkit.manager.processes.leftovers import MARK, end_sessions, reap_orphans
-from rtkit.manager.processes.parents import become_subreaper
+from rtkit.manager.processes.nursery import become_subreaper
 
 SLAVE = """
 import os, subprocess, sys
