@@ -1,0 +1,89 @@
+"""The manager's side of a real zygote: whom it takes for its own, and what it clears away."""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import socket
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rtkit.manager.core.events import SlaveEnded, SlaveForked
+from rtkit.manager.holding.estate import estate_path
+from rtkit.manager.processes.nursery import Nursery
+from rtkit.manager.processes.wire import Channel
+
+KEY = 1
+
+
+class Side:
+    """A nursery with a zygote, and the socket at which slaves greet."""
+
+    def __init__(self, folder: Path) -> None:
+        self.data = str(folder / "m.%p.data")
+        self._listener = socket.socket(socket.AF_UNIX)
+        self._listener.bind(str(folder / "m.ctl"))
+        self._listener.listen()
+        self.nursery = Nursery(
+            {
+                "manager": "m",
+                "is_shown": False,
+                "control": str(folder / "m.ctl"),
+                "data": self.data,
+                "host": "h",
+                "load_path": [],
+                "zygote": str(folder / "m.%p.zygote"),
+            }
+        )
+
+    def told(self, kind: type) -> object:
+        """Return the next event of that kind."""
+        while True:
+            assert select.select([self.nursery], [], [], 30.0)[0], kind
+            for event in self.nursery.receive() or ():
+                if isinstance(event, kind):
+                    return event
+
+    def greeting(self) -> dict[str, object]:
+        """Return what the next slave says first."""
+        self._listener.settimeout(30.0)
+        connection, _ = self._listener.accept()
+        (message,) = Channel(connection).receive() or [{}]
+        connection.close()
+        return dict(message)
+
+    def close(self) -> None:
+        self.nursery.close()
+        self._listener.close()
+
+
+@pytest.fixture
+def side(monkeypatch: pytest.MonkeyPatch) -> Iterator[Side]:
+    with tempfile.TemporaryDirectory(prefix="rt") as folder:
+        monkeypatch.setenv("RTKIT_RUNTIME_DIR", folder)
+        monkeypatch.setenv("RTKIT_STATE_DIR", folder)
+        side = Side(Path(folder))
+        yield side
+        side.close()
+
+
+def test_who_is_taken_for_its_own_and_what_is_left_of_who_is_killed(side: Side) -> None:
+    """A slave of an earlier manager may have the key of one of ours: it waited long to greet."""
+    nursery = side.nursery
+    nursery.fork(KEY, "s")
+    first = side.greeting()
+    pid, of = first["pid"], first["of"]
+    assert not nursery.expects(KEY, pid, "1.1")
+    assert not nursery.expects(KEY, os.getpid(), None)
+    assert side.told(SlaveForked) == SlaveForked(KEY, int(str(pid)))
+    assert nursery.expects(KEY, pid, of)
+    assert not nursery.expects(KEY, os.getpid(), of)
+    will = estate_path(side.data, int(str(pid)))
+    assert os.path.exists(will)
+    nursery.signal(KEY, signal.SIGKILL)
+    assert not os.path.exists(will)
+    assert side.told(SlaveEnded) == SlaveEnded(KEY, "signal 9")
