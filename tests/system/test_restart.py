@@ -264,6 +264,7 @@ def test_manager_and_zygote_killed(pair: Any) -> None:
     until(lambda: "*A.rtc  (exit status unknown)" in pair.ok("rtls -l /localhost"), "the zombie")
 
 
+@pytest.mark.timeout(300)
 def test_five_managers_one_after_the_other(pair: Any) -> None:
     for _ in range(5):
         kill_manager(pair)
