@@ -165,6 +165,11 @@ class Service:
             return None
         return text.encode("utf-8", "surrogateescape")
 
+    def is_plain(self, name: str) -> bool:
+        """Whether a property is kept here and nothing is called when it is got or set."""
+        node = self._nodes.get(name)
+        return node is not None and not (node.reader or node.writer or node.function)
+
     def handle(self, ask: Ask) -> None:
         """Answer a request, now or later; never raises for what is asked."""
         if ask.payload is None:

@@ -18,6 +18,7 @@ from rtkit.property.messages import Answer, Ask, Caller
 from rtkit.property.order import InOrder
 
 if TYPE_CHECKING:
+    from rtkit.property.service import Service
     from rtkit.serving.host import Host
     from rtkit.serving.login import Login
 
@@ -53,6 +54,7 @@ class Connection(Caller):
         self._out = bytearray()
         self._order = InOrder(self._put)
         self._is_working = False
+        self._is_half = False
         self._listeners: list[Listener] = []
         self._is_read = True
         self._is_stuck = False
@@ -95,27 +97,44 @@ class Connection(Caller):
                 self.close()
                 return
             self._moved_at = monotonic()
-            if data[:4] == b"GET " and self._is_answered(data):
+            if self._is_answered(data):
                 return
             self._requests.feed(data)
         if self.is_open:
             self._work()
 
     def _is_answered(self, data: bytes) -> bool:
-        """Answer what nearly all requests are: one line, for a value that is kept as it is sent."""
-        if data.find(b"\n") != len(data) - 1 or not self._is_idle():
+        """Answer what nearly all requests are: one line, about a property that is kept here."""
+        is_busy = self._out or self._is_half or self._order.waiting or self._is_closing
+        if is_busy or not self.identity or data.find(b"\n") != len(data) - 1:
             return False
-        name = data[4:-1].decode("latin-1")
         service = self._host.services.get(self._service)
-        text = None if service is None else service.kept(name)
-        if text is None or not self.identity or not self.may("GET", name):
+        reply = None if service is None else self._plain_reply(service, data)
+        if reply is None:
             return False
-        self._out += b"= %b\n" % text
-        self._send()
+        try:
+            sent = self._end.send(reply)
+        except OSError:
+            sent = 0
+        if sent < len(reply) or self._listeners:
+            self._out += reply[sent:]
+            self._send()
         return True
 
-    def _is_idle(self) -> bool:
-        return not (self._out or self._order.waiting or self._is_closing or self._requests.waits)
+    def _plain_reply(self, service: Service, data: bytes) -> bytes | None:
+        """Return the reply to such a line, None if it is none."""
+        if data[:4] == b"GET ":
+            name = data[4:-1].decode("latin-1")
+            text = service.kept(name)
+            return b"= %b\n" % text if text is not None and self.may("GET", name) else None
+        head, _, raw = data[4:-1].partition(b" ")
+        name = head.decode("latin-1")
+        is_odd = raw[:1] == b"{" or raw[-1:] == b"\r" or not raw.isascii()
+        if data[:4] != b"SET " or is_odd or not service.is_plain(name):
+            return None
+        answers: list[Answer] = []
+        service.handle(Ask(name, raw.decode("ascii"), answers.append, self))
+        return write_answer(answers[0])
 
     def _work(self) -> None:
         """Take the requests that are there, as long as replies are read."""
@@ -126,6 +145,7 @@ class Connection(Caller):
                 break
             self._take(asked)
         self._is_working = False
+        self._is_half = self._requests.waits
         self._send()
 
     def _is_full(self) -> bool:

@@ -92,6 +92,11 @@ class Host:
         self._posted.append(work)
         self.wake()
 
+    @property
+    def has_posted(self) -> bool:
+        """Whether something waits for the loop that was posted earlier."""
+        return bool(self._posted)
+
     def wake(self) -> None:
         """Have the loop look what there is to do; from any thread."""
         if not self._is_woken:

@@ -54,26 +54,21 @@ class Desk:
         self.send: Callable[[str, Event], None] = lambda ear, event: None
         self._host = host
         self._service = service
-        self._nodes = service.registry.nodes
         self._asker = Caller("user")
         self._ears: dict[str, Ear] = {}
-        self._pending = 0
 
     def take(self, query: Queried) -> None:
         """Take a query, on a thread of the transport: nothing of the user's is called here."""
-        node = self._nodes.get(query.target)
-        is_kept = node is not None and not (node.reader or node.writer or node.function)
-        if is_kept and not self._pending and self._host.lock.acquire(blocking=False):
+        is_kept = self._service.is_plain(query.target)
+        if is_kept and not self._host.has_posted and self._host.lock.acquire(blocking=False):
             try:
                 self._service.handle(Ask(query.target, query.payload, query.answer, self._asker))
             finally:
                 self._host.lock.release()
             return
-        self._pending += 1
         self._host.post(lambda: self._work(query))
 
     def _work(self, query: Queried) -> None:
-        self._pending -= 1
         ask = Ask(query.target, query.payload, query.answer, self._asker)
         if not query.ear:
             self._service.handle(ask)

@@ -119,6 +119,17 @@ def test_events(door: Door, served: Served, service: Service) -> None:
     check_events(door, service, served.owned)
 
 
+def test_ends_of_lines_are_as_they_like(served: Served) -> None:
+    with socket.socket(socket.AF_UNIX) as end:
+        end.settimeout(BOUND_S)
+        end.connect(served.socket)
+        replies = end.makefile()
+        for line in (b"SET notes x\r\n", b"GET notes\r\n", b"SET notes y\n", b"GET notes\n"):
+            end.sendall(line)
+        assert [replies.readline() for _ in range(4)] == ["=\n", "= x\n", "=\n", "= y\n"]
+        replies.close()
+
+
 def test_changes_through_one_door_are_heard_at_the_others(served: Served) -> None:
     doors = {name: make(served) for name, make in DOORS.items()}
     try:
