@@ -8,8 +8,10 @@ from rtkit.link import keys, places
 from rtkit.tree.client import Tree
 
 FLOOR_IS = "python -c: import click and zenoh, open a client session, one query, close"
+PROFILE_IS = f"{FLOOR_IS}; import lxml and parse the same profile"
 _SCRIPT = """
 import click, zenoh
+{more}
 c = zenoh.Config()
 for k, v in (
     ("mode", '"client"'),
@@ -31,8 +33,12 @@ s.close()
 """
 
 
-def floor(tree: Tree) -> list[str]:
-    """Return the command line that asks for the listing and prints its size."""
+def floor(tree: Tree, profile: str = "") -> list[str]:
+    """Return the command line that asks for the listing and prints its size.
+
+    With a profile it parses that first, as commands must that read one.
+    """
     key = keys.extension_key(keys.service(tree.host, tree.manager), "listing")
-    script = _SCRIPT.format(socket=places.manager_socket(tree.manager), key=key)
+    more = f"import lxml.etree; lxml.etree.parse({profile!r})" if profile else ""
+    script = _SCRIPT.format(socket=places.manager_socket(tree.manager), key=key, more=more)
     return [sys.executable, "-c", script]

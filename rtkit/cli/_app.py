@@ -46,6 +46,7 @@ class App:
         is_verbose: Tell progress on stderr, and tracebacks.
         form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
         command: The word of a command that is run, once that is known.
+        write_error: Writes one line on stderr.
     """
 
     def __init__(self, name: str, tree: Tree | None = None) -> None:
@@ -55,6 +56,7 @@ class App:
         self.form: str | None = None
         self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
         self.command: click.Command | None = None
+        self.write_error: Callable[[str], object] = _to_stderr
         self._tree = tree
         self._is_own_tree = tree is None
         self._place: str | None = None
@@ -151,11 +153,11 @@ class App:
     def say(self, text: str) -> None:
         """Write a line, or several, on stderr."""
         for line in text.split("\n"):
-            click.echo(printable(line), err=True)
+            self.write_error(printable(line))
 
     def fail(self, text: str) -> None:
         """Write one line on stderr behind the command's name."""
-        click.echo(printable(f"{self.name}: {text}"), err=True)
+        self.write_error(printable(f"{self.name}: {text}"))
 
     def tell(self, text: str) -> None:
         """Write progress on stderr when asked to be verbose."""
@@ -176,6 +178,10 @@ class App:
         if self._is_own_tree and self._tree is not None:
             self._tree.close()
             self._tree = None
+
+
+def _to_stderr(line: str) -> None:
+    click.echo(line, err=True)
 
 
 def working_directory() -> str:

@@ -124,7 +124,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "rtinject": (
         ("rtinject -c 42 Robot0.rtc:speed", "One value, and wait until it has arrived."),
-        ("rtinject -c '{vx: 0.5}' -r 10 -t 3 Robot0.rtc:velocity", "Ten a second for 3 s."),
+        ("rtinject -c '{vx: 0.5}' -r 10 -t 1 Robot0.rtc:velocity", "Ten a second for 1 s."),
         ("rtinject --lossless Robot0.rtc:way < points.jsonl", "Each line of a file."),
     ),
     "rtlisten": (
@@ -172,7 +172,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprint Robot0.rtc:pose", "Every value, until Ctrl-C."),
         ("rtprint -n 1 -f data.position.x Robot0.rtc:pose", "One field of the next value."),
         ("rtprint --plot Robot0.rtc:pose", "The numbers of its pose as curves."),
-        ("rtprint -t 5 --json A0.rtc:out B0.rtc:out", "All values of 5 s as JSON lines."),
+        ("rtprint -t 2 --json A0.rtc:out B0.rtc:out", "All values of 2 s as JSON lines."),
     ),
     "rtprofile": (
         ("rtprofile from Robot.py -o RTC.xml", "The profile of a component, from its code."),

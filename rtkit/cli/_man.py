@@ -14,18 +14,10 @@ from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
 from rtkit.cli._group import Group
+from rtkit.cli._help import TOPICS
 from rtkit.cli._rtkit import SUMMARIES, WORDS
+from rtkit.cli._statuses import DETAILS, STATUSES, TOLD_APART
 
-_STATUSES = (
-    ("0", "Success."),
-    ("1", "It could not be done, or something else was found than was to be."),
-    ("2", "The command line cannot be read."),
-    ("130", "Interrupted, as a shell shows it: the command ends by the signal."),
-)
-_DETAILS = (
-    "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart: 1 refused, 2 malformed,"
-    " 3 invalid document, 4 not found, 5 no answer, 6 only a part was done, 70 a bug."
-)
 _ENVIRONMENT = (
     ("RTKIT_MANAGER", "Name of the manager to ask, by default manager."),
     ("RTKIT_CWD", "Working directory in the tree, from which relative paths are meant."),
@@ -89,6 +81,9 @@ def _unified() -> str:
         lines += _item(verb, f"{SUMMARIES[verb]} See {module}(1).")
     for word, summary in WORDS.items():
         lines += _item(word, f"{summary} Tells more with -h.")
+    lines += [".SH TOPICS", "What rtkit help tells about:"]
+    for topic, about in TOPICS.items():
+        lines += _item(topic, about)
     lines += [".SH OPTIONS"]
     lines += _item("--version", "Show the version and exit.")
     lines += _item("-h, --help", "List the verbs.")
@@ -106,10 +101,11 @@ def _head(name: str, summary: str, usage: str) -> Iterator[str]:
 
 def _tail(name: str) -> Iterator[str]:
     yield ".SH EXIT STATUS"
-    for status, meaning in _STATUSES:
+    for status, meaning in STATUSES.items():
         yield from _item(status, meaning)
     yield ".PP"
-    yield _escape(_DETAILS)
+    told = ", ".join(f"{status} {meaning}" for status, meaning in DETAILS.items())
+    yield _escape(f"{TOLD_APART}: {told}.")
     yield ".SH ENVIRONMENT"
     for variable, meaning in _ENVIRONMENT:
         yield from _item(variable, meaning)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.cli._data import named_streams
+from rtkit.cli._meter import metered
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
@@ -154,7 +156,12 @@ def play(
         probe.connect(LOSSLESS if is_lossless else SURE)
         app.tell(f"{probe.component.instance} is connected")
         app.say(_announcement(part, pace))
-        is_over = _write(probe, part.of(entries), outs, pace, part)
+        with metered(app, "play") as show:
+            is_whole = part.start is None and part.end is None
+            total = sum(source.counts[name] for name in outs) if is_whole else None
+            is_over = _write(
+                probe, part.of(entries), outs, pace, part, lambda n: show(n, total, f"{n} values")
+            )
         if not probe.flush():
             raise Refused("cannot say whether all values have arrived: the other end is silent")
     if is_over:
@@ -228,6 +235,7 @@ def _write(
     outs: Mapping[str, Sequence[str]],
     pace: Pace,
     part: Part,
+    count: Callable[[int], None],
 ) -> bool:
     """Write entries when they are due; return whether it came to the end of the recording.
 
@@ -250,6 +258,7 @@ def _write(
         payload = entry.payload if pace.is_absolute else shifted(entry.payload, entry.time_ns)
         for port in outs[entry.channel]:
             probe.write(port, payload)
+        count(index + 1)
     if first is None:
         raise Refused("nothing was recorded in that part" if part.start else "nothing to play")
     return part.end is None
@@ -262,7 +271,9 @@ class _McapSource:
         from rtkit.recording.mcap_file import Reader
 
         self._reader = Reader(name)
-        self.channels = self._reader.info().channels
+        info = self._reader.info()
+        self.channels = info.channels
+        self.counts: Mapping[str, int] = info.counts
 
     def entries(
         self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]
@@ -282,6 +293,7 @@ class _TextSource:
             self._lines = list(read_lines(file, name))
         streams = dict.fromkeys(line.stream for line in self._lines)
         self.channels = tuple(Channel(stream, "") for stream in streams)
+        self.counts: Mapping[str, int] = Counter(line.stream for line in self._lines)
 
     def entries(
         self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]

@@ -14,6 +14,7 @@ from rtkit.cli import _reader
 from rtkit.cli._app import App
 from rtkit.cli._atomic import STDOUT
 from rtkit.cli._data import named_streams
+from rtkit.cli._meter import Show, metered
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
@@ -61,7 +62,8 @@ def record(
         app.tell(f"{probe.component.instance} is connected")
         limit = _Limit(part, duration_s)
         app.say(limit.announcement)
-        _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()})
+        with metered(app, "record") as show:
+            _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()}, show)
         reader.check()
         lost, is_cut = probe.lost, not probe.is_connected
     if lost:
@@ -211,6 +213,7 @@ class _Limit:
     def __init__(self, part: Part, duration_s: float | None) -> None:
         self.count = part.end if part.is_by_index and duration_s is None else None
         self.until: float | None = None
+        self._begin = time.monotonic()
         if duration_s is not None:
             self.until = time.monotonic() + duration_s
             self.announcement = f"Recording for {duration_s}s."
@@ -223,8 +226,17 @@ class _Limit:
         else:
             self.announcement = "Recording until interrupted."
 
+    def progress(self, count: int, now: float) -> tuple[float, float | None, str]:
+        """Return how much of how much is recorded, entries or [s], and the number of entries."""
+        told = f"{count} entries"
+        if self.until is None:
+            return count, self.count, told
+        return now - self._begin, self.until - self._begin, told
 
-def _take(probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp]) -> None:
+
+def _take(
+    probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp], show: Show
+) -> None:
     """Write what arrives until the limit; what waits in the file's buffer is written in time."""
     from rtkit.recording.entries import Entry
 
@@ -238,6 +250,7 @@ def _take(probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp])
             stamp = stamps[arrival.stream](arrival.payload) or arrival.time_ns
             sink.write(Entry(arrival.stream, stamp, arrival.time_ns, arrival.payload))
         now = time.monotonic()
+        show(*limit.progress(sink.count, now))
         if sink.flush_at is not None and now >= sink.flush_at:
             sink.flush()
         if limit.until is not None and now >= limit.until:

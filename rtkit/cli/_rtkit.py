@@ -59,8 +59,10 @@ SUMMARIES: dict[str, str] = {
 }
 SHELL_INIT = "shell-init"
 COMPLETE = "complete"
+HELP = "help"
 WORDS: dict[str, str] = {
     COMPLETE: "Tell a shell how a line may go on.",
+    HELP: "Tell about a topic, or a verb.",
     SHELL_INIT: "Print the functions that a shell needs.",
 }
 """Verbs that are no commands of their own."""
@@ -83,15 +85,50 @@ def run(argv: Sequence[str] | None = None, tree: Tree | None = None) -> int:
         return write(name, f"rtkit {__version__}")
     if verb == SHELL_INIT:
         return _shell_init(name, arguments[1:])
+    if verb == HELP:
+        if arguments[1:2] and arguments[1] in (*COMMANDS, *COMMANDS.values()):
+            return _run(name, arguments[1], ["-h"], is_script=argv is None, tree=tree)
+        return _tell(name, arguments[1:])
     if verb == COMPLETE:
         return _complete(name, arguments[1:], tree)
-    module = COMMANDS.get(verb) or (verb if verb in COMMANDS.values() else None)
-    if module is None:
+    if verb not in COMMANDS and verb not in COMMANDS.values():
         return _unknown(name, verb)
-    main: Main = importlib.import_module(f"rtkit.cli.{module}").main
-    if argv is None:
-        return main.as_script(arguments[1:], f"{name} {verb}")
-    return main(arguments[1:], tree=tree, name=f"{name} {verb}")
+    return _run(name, verb, arguments[1:], is_script=argv is None, tree=tree)
+
+
+def _run(
+    name: str, verb: str, arguments: Sequence[str], *, is_script: bool, tree: Tree | None
+) -> int:
+    module = importlib.import_module(f"rtkit.cli.{COMMANDS.get(verb, verb)}")
+    main: Main = module.main
+    if is_script:
+        return main.as_script(arguments, f"{name} {verb}")
+    return main(arguments, tree=tree, name=f"{name} {verb}")
+
+
+def _tell(name: str, arguments: Sequence[str]) -> int:
+    from rtkit.cli._help import TOPICS, overview, text
+
+    told = f"{name} {HELP}"
+    if not arguments or arguments[0] in ("-h", "--help"):
+        return write(told, overview(name))
+    if len(arguments) > 1:
+        return _refuse(name, told, f"takes one topic, not also: {' '.join(arguments[1:])}", 1)
+    if arguments[0] in TOPICS:
+        return write(told, text(arguments[0]))
+    from rtkit.rtc.nearest import did_you_mean
+
+    known = [*TOPICS, *COMMANDS, *COMMANDS.values()]
+    hint = did_you_mean(arguments[0], known) or f" (one of {', '.join(TOPICS)})"
+    return _refuse(name, told, f"no such topic: {arguments[0]}{hint}", _BAD_LINE)
+
+
+def _refuse(name: str, told: str, why: str, status: int) -> int:
+    from rtkit.cli._out import printable
+
+    print(f"Usage: {name} help [TOPIC|VERB]", file=sys.stderr)
+    print(printable(f"{told}: {why}"), file=sys.stderr)
+    return status
 
 
 def _shell_init(name: str, arguments: Sequence[str]) -> int:

@@ -56,12 +56,13 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
 
 
 def _node(listing: Listing, path: Path) -> Node:
-    from rtkit.tree.resolve import find
+    from rtkit.tree.resolve import absent, find
     from rtkit.tree.view import Kind, build
 
-    node = find(build(listing), path, listing.host)
+    root = build(listing)
+    node = find(root, path, listing.host)
     if node is None:
-        raise NotFound(f"No such object: {path.typed}")
+        raise absent(root, path, listing.host)
     if node.is_directory:
         if path.port is not None:
             raise Refused(f"Not a component: {path.typed}")
@@ -93,7 +94,9 @@ def _slave(snapshot: Snapshot, node: Node) -> ProcessFacts | None:
 def _port(facts: ComponentFacts, path: Path) -> PortProfile:
     port = facts.port(path.port or "")
     if port is None:
-        raise NotFound(f"Port not found: {path.typed}")
+        from rtkit.tree.resolve import no_port
+
+        raise no_port(path, (each.name for each in facts.ports))
     return port
 
 

@@ -68,14 +68,14 @@ def main(
 def _change(
     app: App, path: Path, added: Sequence[str], removed: Sequence[str], create: str
 ) -> None:
-    from rtkit.tree.resolve import find
+    from rtkit.tree.resolve import absent, find
     from rtkit.tree.view import build
 
     listing = app.tree.listing()
     root = build(listing)
     node = find(root, path, listing.host)
     if node is None:
-        raise NotFound(f"No such object: {path.typed}")
+        raise absent(root, path, listing.host)
     name = _name(node, path)
     adding = [_added(root, listing, app.path(each)) for each in added]
     removing = [_removed(root, listing, app.path(each)) for each in removed]

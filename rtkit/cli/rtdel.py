@@ -82,12 +82,13 @@ def _below(app: App, path: Path, zombies: bool) -> list[Action]:
 
 
 def _node(listing: Listing, path: Path) -> Node:
-    from rtkit.tree.resolve import find
+    from rtkit.tree.resolve import absent, find
     from rtkit.tree.view import build
 
-    node = find(build(listing), path, listing.host)
+    root = build(listing)
+    node = find(root, path, listing.host)
     if node is None:
-        raise NotFound(f"No such object: {path.typed}")
+        raise absent(root, path, listing.host)
     return node
 
 

@@ -9,8 +9,8 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, check_at_most_one, command
-from rtkit.errors import Malformed, NotFound, Unreachable, UsageProblem
-from rtkit.tree.resolve import find
+from rtkit.errors import Malformed, Unreachable, UsageProblem
+from rtkit.tree.resolve import absent, find
 from rtkit.tree.view import Kind, Node
 
 _LETTERS: dict[str, tuple[Kind, ...]] = {
@@ -105,7 +105,7 @@ def _start(app: App, typed: str) -> Node:
     root, hostname = app.root(path, is_deep=True)
     node = find(root, path, hostname)
     if node is None:
-        raise NotFound(f"No such object: {path.typed}")
+        raise absent(root, path, hostname)
     if path.is_directory and not node.is_directory:
         raise Malformed(f"Not a directory: {path.typed}")
     return node

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from rtkit.cli._app import App, command
+from rtkit.cli._meter import counted, metered
 from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 from rtkit.errors import UsageProblem
@@ -69,7 +70,9 @@ def main(
     )
     with document.naming():
         if not dry_run:
-            resurrect(app.tree, system, before, shared.runner(app), may_create=not no_create)
+            with metered(app, "resurrect") as show:
+                runner = shared.runner(app, counted(show))
+                resurrect(app.tree, system, before, runner, may_create=not no_create)
             return
         live = Live(before, system)
         creation = creation_plan(system, live, may_create=not no_create)

@@ -6,11 +6,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from rtkit.component.options import differing
-from rtkit.deployment.creation import absence
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import Live, context_of
-from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector
-from rtkit.deployment.wiring import address
+from rtkit.deployment.live import Live, absence, context_of
+from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector, address
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 from rtkit.rtc.profiles import PortRef
 

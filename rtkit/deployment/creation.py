@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 
 from rtkit.deployment.actions import Attach, Create, Load
-from rtkit.deployment.live import Live, mismatch
+from rtkit.deployment.live import Live, absence
 from rtkit.deployment.plan import Check, Layer, Plan, Step, layer
 from rtkit.deployment.system import BadComponent, System, WantedComponent
 from rtkit.errors import Malformed, NotFound
@@ -108,21 +108,6 @@ def component_checks(
             f" at path {component.path}",
             failure,
         )
-
-
-def absence(component: WantedComponent, live: Live) -> str:
-    """Return why a component is not there as wanted; empty when it is."""
-    entry = live.entry(component.instance)
-    word = "Required component missing" if component.is_required else "Component missing"
-    if entry is not None and not entry.zombie:
-        return mismatch(component, entry)
-    if entry is not None:
-        return f"{word}: {component.path} (zombie: {entry.zombie})"
-    other = live.namesake(component.instance)
-    if other is not None and not other.zombie:
-        where = f"/{other.names[0]}" if other.names else f"no name, in {other.process}"
-        return f"{word}: {component.path} ({component.instance} is at {where})"
-    return f"{word}: {component.path}"
 
 
 def _is_to_be_made(component: WantedComponent, live: Live) -> bool:

@@ -96,3 +96,18 @@ def _meant(
     left = [context for context in own if context.id not in ids]
     place = sum(id not in live for id in ids[:number])
     return left[place] if place < len(left) else None
+
+
+def absence(component: WantedComponent, live: Live) -> str:
+    """Return why a component is not there as wanted; empty when it is."""
+    entry = live.entry(component.instance)
+    word = "Required component missing" if component.is_required else "Component missing"
+    if entry is not None and not entry.zombie:
+        return mismatch(component, entry)
+    if entry is not None:
+        return f"{word}: {component.path} (zombie: {entry.zombie})"
+    other = live.namesake(component.instance)
+    if other is not None and not other.zombie:
+        where = f"/{other.names[0]}" if other.names else f"no name, in {other.process}"
+        return f"{word}: {component.path} ({component.instance} is at {where})"
+    return f"{word}: {component.path}"

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 from rtkit.deployment.actions import ChangeState, Delete, Disconnect
 from rtkit.deployment.conditions import NO_ORDERS, Orders, Target
-from rtkit.deployment.creation import absence, component_checks
-from rtkit.deployment.live import Live, context_of, mismatch
+from rtkit.deployment.creation import component_checks
+from rtkit.deployment.live import Live, absence, context_of, mismatch
 from rtkit.deployment.plan import Plan, Step, layer
-from rtkit.deployment.system import System, WantedComponent, WantedConnector
+from rtkit.deployment.system import System, WantedComponent, WantedConnector, address
 from rtkit.deployment.turns import StartPlan, Turn, arrange, expected_order
 from rtkit.deployment.watch import Watched
-from rtkit.deployment.wiring import address, missing_end
+from rtkit.deployment.wiring import missing_end
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 

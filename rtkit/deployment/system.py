@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from rtkit.errors import Malformed
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
 HIDDEN = "__"
 """Configuration sets whose names begin so hold hints about parameters, not their values."""
@@ -106,3 +106,8 @@ class System:
     def component(self, instance: str) -> WantedComponent:
         """Return the component of that instance name."""
         return next(c for c in self.components if c.instance == instance)
+
+
+def address(system: System, end: PortRef) -> str:
+    """Return a port as users know it."""
+    return f"{system.component(end.instance).path}:{end.port}"

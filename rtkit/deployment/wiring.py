@@ -6,12 +6,11 @@ from collections.abc import Collection, Iterator
 
 from rtkit.component.options import differing
 from rtkit.deployment.actions import ActivateSet, Connect, SetParameters
-from rtkit.deployment.creation import absence
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import Live
+from rtkit.deployment.live import Live, absence
 from rtkit.deployment.plan import Plan, Step, layer
-from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector
-from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector, address
+from rtkit.rtc.profiles import ConnectorProfile
 
 
 def wiring_plan(system: System, live: Live, pending: Collection[str] = ()) -> Plan:
@@ -28,11 +27,6 @@ def wiring_plan(system: System, live: Live, pending: Collection[str] = ()) -> Pl
             *layer("activate sets", active),
         )
     )
-
-
-def address(system: System, end: PortRef) -> str:
-    """Return a port as users know it."""
-    return f"{system.component(end.instance).path}:{end.port}"
 
 
 def missing_end(

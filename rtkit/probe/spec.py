@@ -13,7 +13,7 @@ from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import Path, parse_path
 from rtkit.rtc.profiles import PortProfile, PortRef
-from rtkit.tree.resolve import component_of_port
+from rtkit.tree.resolve import component_of_port, no_port
 from rtkit.tree.view import build
 from rtkit.tree.wiring import End, Facts
 
@@ -113,7 +113,7 @@ def _port_and_stream(spec: PortSpec, ports: dict[str, PortProfile]) -> tuple[Por
         if not _STREAM.fullmatch(stream):
             raise Malformed(f"Bad port specification: {spec.typed}")
         return ports[name], stream
-    raise NotFound(f"Port not found: {spec.path.typed}")
+    raise no_port(spec.path, ports)
 
 
 def _stream(name: str, group: Sequence[tuple[End, PortSpec]]) -> Stream:

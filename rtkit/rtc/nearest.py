@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 CLOSE_ENOUGH = 0.6
 _NO_WORSE = 0.15
@@ -23,7 +23,9 @@ def nearest(word: str, known: Iterable[str], most: int = 3) -> list[str]:
     return sorted(near, key=lambda each: -likeness[each])[:most]
 
 
-def did_you_mean(word: str, known: Iterable[str], most: int = 3) -> str:
+def did_you_mean(
+    word: str, known: Iterable[str], most: int = 3, shown: Callable[[str], str] = str
+) -> str:
     """Return ``" (did you mean A or B?)"``, empty where nothing looks like the word."""
-    near = nearest(word, known, most)
+    near = [shown(each) for each in nearest(word, known, most)]
     return f" (did you mean {' or '.join(near)}?)" if near else ""

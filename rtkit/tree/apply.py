@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from threading import Event, Thread
-from typing import TypeVar
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
@@ -12,15 +10,10 @@ from rtkit.deployment.plan import Check, Layer, Plan, Step, merged
 from rtkit.deployment.undo import traces
 from rtkit.errors import Refused, RtkitError
 from rtkit.tree.client import Tree
-
-GRACE_S = 5.0
-"""How long a batch under way may still run after an interruption [s]."""
-
-UNFINISHED = "the manager has not answered yet"
-"""Text of the interruption of a call that had not ended after its grace."""
+from rtkit.tree.grace import UNFINISHED, uninterrupted
 
 Talk = Callable[[str], None]
-T = TypeVar("T")
+Count = Callable[[int, int], None]
 
 
 class Runner:
@@ -31,17 +24,26 @@ class Runner:
         done: The steps that were carried out.
     """
 
-    def __init__(self, tree: Tree, report: Talk, progress: Talk = lambda _: None) -> None:
+    def __init__(
+        self,
+        tree: Tree,
+        report: Talk,
+        progress: Talk = lambda _: None,
+        count: Count = lambda _done, _known: None,
+    ) -> None:
         """Carry out plans on `tree`.
 
         Args:
             tree: Where.
             report: Is told failures that do not end the run.
             progress: Is told each layer before it is done.
+            count: Is told how many steps are done, of how many that are known of.
         """
         self._tree = tree
         self._report = report
         self._progress = progress
+        self._count = count
+        self._passed = self._known = 0
         self._told: set[str] = set()
         self.attempted: list[Action] = []
         self.done: list[Step] = []
@@ -73,13 +75,17 @@ class Runner:
             Refused: A required action failed; what follows it was not begun.
             Unreachable: The manager does not answer.
         """
+        self._known += sum(len(layer.steps) for layer in plan.layers)
         for layer in plan.layers:
+            self._count(self._passed, self._known)
             todo = sum(step.action is not None for step in layer.steps)
             self._progress(f"{layer.name}: {todo} of {len(layer.steps)} to be done")
             if layer.is_ordered:
                 self._run_in_order(layer)
             else:
                 self._run_at_once(layer.steps)
+            self._passed += len(layer.steps)
+        self._count(self._passed, self._known)
 
     def _run_at_once(self, steps: Sequence[Step]) -> None:
         for step in steps:
@@ -144,39 +150,6 @@ class Runner:
             gone = result.ok or result.kind == "not-found"
             (removed if gone else remaining).append(trace.what)
         return removed, remaining
-
-
-def uninterrupted(call: Callable[[], T]) -> T:
-    """Return the result of `call`; an interruption waits for it first, up to `GRACE_S`.
-
-    A manager goes on with a batch whose client went away. Only when it has answered is it known
-    what there is to be taken back.
-
-    Raises:
-        KeyboardInterrupt: There was an interruption; the call has ended or had its grace.
-    """
-    ended = Event()
-    outcome: list[T] = []
-    failure: list[BaseException] = []
-
-    def work() -> None:
-        try:
-            outcome.append(call())
-        except BaseException as error:
-            failure.append(error)
-        finally:
-            ended.set()
-
-    try:
-        Thread(target=work, daemon=True).start()
-        ended.wait()
-    except KeyboardInterrupt:
-        if not ended.wait(GRACE_S):
-            raise KeyboardInterrupt(UNFINISHED) from None
-        raise
-    if failure:
-        raise failure[0]
-    return outcome[0]
 
 
 def regret(runner: Runner, before: Snapshot, error: BaseException) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.rtc.names import LOCAL, Path, is_local_host
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, Path, is_local_host
 from rtkit.tree.view import Kind, Node
 
 
@@ -16,6 +18,46 @@ def find(root: Node, path: Path, hostname: str) -> Node | None:
     return node
 
 
+def absent(root: Node, path: Path, hostname: str) -> NotFound:
+    """Return the error that nothing is at `path`, with what may have been meant by it."""
+    node = root
+    for depth, element in enumerate(path.elements):
+        name = LOCAL if depth == 0 and is_local_host(element, hostname) else element
+        below = node.children.get(name)
+        if below is None:
+            return NotFound(f"No such object: {path.typed}{_meant(path, element, node)}")
+        node = below
+    return NotFound(f"No such object: {path.typed}")
+
+
+def _meant(path: Path, element: str, node: Node) -> str:
+    from rtkit.rtc.nearest import did_you_mean
+
+    head, found, tail = path.typed.rpartition(element)
+    if not found or ":" in element:
+        return ""
+    word = _stem(element)
+    known = {_stem(child.name): child.name for child in node.entries()}
+    # Who asks for Motor1 where there is Motor0 did not mistype it.
+    apart = [each for each in known if each == word or _letters(each) != _letters(word)]
+    return did_you_mean(word, apart, 1, lambda stem: f"{head}{known[stem]}{tail}")
+
+
+def _stem(name: str) -> str:
+    return name.removesuffix(COMPONENT_SUFFIX).removesuffix(MANAGER_SUFFIX)
+
+
+def _letters(stem: str) -> str:
+    return "".join(c for c in stem if not c.isdigit())
+
+
+def no_port(path: Path, ports: Iterable[str]) -> NotFound:
+    """Return the error that a component has no such port, with what may have been meant by it."""
+    from rtkit.rtc.nearest import did_you_mean
+
+    return NotFound(f"Port not found: {path.typed}{did_you_mean(path.port or '', ports)}")
+
+
 def entry(root: Node, path: Path, hostname: str) -> Node:
     """Return the node at `path`, which a trailing slash makes a directory.
 
@@ -24,7 +66,7 @@ def entry(root: Node, path: Path, hostname: str) -> Node:
     """
     node = find(root, path, hostname)
     if node is None or (path.is_directory and not node.is_directory):
-        raise NotFound(f"No such object: {path.typed}")
+        raise absent(root, path, hostname)
     return node
 
 
@@ -37,7 +79,7 @@ def component(root: Node, path: Path, hostname: str) -> Node:
         Refused: A directory, a manager or a zombie.
     """
     check_component_syntax(path)
-    return _living(find(root, path, hostname), path)
+    return _living(root, path, hostname)
 
 
 def component_of_port(root: Node, path: Path, hostname: str) -> Node:
@@ -48,8 +90,8 @@ def component_of_port(root: Node, path: Path, hostname: str) -> Node:
         Refused: A directory, a manager or a zombie.
     """
     if path.is_directory:
-        raise NotFound(f"No such object: {path.typed}")
-    return _living(find(root, path, hostname), path)
+        raise absent(root, path, hostname)
+    return _living(root, path, hostname)
 
 
 def check_component_syntax(path: Path) -> None:
@@ -71,7 +113,7 @@ def manager(root: Node, path: Path, hostname: str) -> Node:
     """
     node = find(root, path, hostname)
     if node is None:
-        raise NotFound(f"No such object: {path.typed}")
+        raise absent(root, path, hostname)
     if node.kind is Kind.ZOMBIE:
         raise Refused(f"Zombie object: {path.typed}")
     if node.kind is not Kind.MANAGER or path.port is not None:
@@ -79,9 +121,10 @@ def manager(root: Node, path: Path, hostname: str) -> Node:
     return node
 
 
-def _living(node: Node | None, path: Path) -> Node:
+def _living(root: Node, path: Path, hostname: str) -> Node:
+    node = find(root, path, hostname)
     if node is None:
-        raise NotFound(f"No such object: {path.typed}")
+        raise absent(root, path, hostname)
     if node.kind is Kind.ZOMBIE:
         raise Refused(f"Zombie object: {path.typed}")
     if node.kind is not Kind.COMPONENT:

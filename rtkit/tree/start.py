@@ -19,9 +19,10 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.turns import StartPlan, Turn
 from rtkit.deployment.watch import look
 from rtkit.errors import Refused, RtkitError, Unreachable
-from rtkit.tree import apply
-from rtkit.tree.apply import Talk, uninterrupted
+from rtkit.tree import grace
+from rtkit.tree.apply import Count, Talk
 from rtkit.tree.client import Tree, bounded
+from rtkit.tree.grace import uninterrupted
 from rtkit.tree.listening import Ear, Ended
 
 
@@ -60,6 +61,7 @@ class Starter:
         announce: Talk,
         report: Talk,
         timeout_s: float | None = None,
+        count: Count = lambda _done, _known: None,
     ) -> None:
         """Prepare to carry out `plan`.
 
@@ -69,10 +71,12 @@ class Starter:
             announce: Is told each action before it is sent.
             report: Is told failures that do not end the plan.
             timeout_s: Bound on the whole [s]; None for none.
+            count: Is told how many actions are done, and how many there are.
         """
         self._tree = tree
         self._announce = announce
         self._report = report
+        self._count = count
         self._told: set[str] = set()
         self._execution = Execution(plan, monotonic(), timeout_s, tree.timeout_s)
         self._bell: _Bell
@@ -119,6 +123,8 @@ class Starter:
         self._look(watched)
         begun = execution.ready(monotonic())
         self._tell(execution.reports())
+        all_turns = len(execution.plan.turns)
+        self._count(all_turns - len(execution.waiting) - len(execution.running), all_turns)
         for turn in begun:
             self._send(turn)
         if not execution.failure and not execution.is_over:
@@ -193,7 +199,7 @@ class Starter:
         """Wait a little for what is under way; tell what was not done."""
         with self._lock:
             self._is_broken_off = True
-        end = monotonic() + apply.GRACE_S
+        end = monotonic() + grace.GRACE_S
         while self._sent - self._outcomes.keys():
             if not self._bell.wait((), max(0.0, end - monotonic())):
                 break

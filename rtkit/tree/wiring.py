@@ -9,7 +9,7 @@ from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import Path
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
-from rtkit.tree.resolve import component_of_port
+from rtkit.tree.resolve import component_of_port, no_port
 from rtkit.tree.view import build
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def _end(snapshot: Snapshot, instance: str, path: Path) -> End:
         raise NotFound(f"No such object: {path.typed}")
     port = facts.port(path.port or "")
     if port is None:
-        raise NotFound(f"Port not found: {path.typed}")
+        raise no_port(path, (each.name for each in facts.ports))
     return End(path, PortRef(instance, port.name), port)
 
 

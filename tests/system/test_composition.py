@@ -57,7 +57,7 @@ def test_members_and_ports_come_and_go(robot: Any) -> None:
     ]
     robot.ok(f"rtcomp -r /localhost/SeqOut0.rtc:Long {WHOLE}")
     assert robot.ok(f"rtcat {WHOLE}:SeqOut0.Short") == "+DataOutPort: SeqOut0.Short\n"
-    missing = f"rtcat: Port not found: {WHOLE}:SeqOut0.Long\n"
+    missing = f"rtcat: Port not found: {WHOLE}:SeqOut0.Long (did you mean SeqOut0.Short?)\n"
     assert robot.run(f"rtcat {WHOLE}:SeqOut0.Long") == (1, "", missing)
     robot.ok("rtexit /localhost/SeqOut0.rtc")
     robot.ok(f"rtcomp -r /localhost/SeqOut0.rtc -r /localhost/SeqIn0.rtc {WHOLE}")

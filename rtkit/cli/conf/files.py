@@ -11,7 +11,7 @@ from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.cli.conf.asked import Asked, Sets
 from rtkit.cli.conf.sets import change, seen, visible
-from rtkit.cli.conf.shown import record_of
+from rtkit.cli.conf.shown import no_set, record_of
 from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def _differences(
         yield from _compare(set_id, facts.sets[set_id], other, sets[other])
         return
     if other != STDIN and "/" not in other and not _is_file(other):
-        raise NotFound(f"No such configuration set: {other}")
+        raise no_set(other, sets)
     saved = _read(other)
     if saved.active not in ("", facts.active_set) and not asked.set_id:
         yield Difference("", "", facts.active_set, saved.active)
@@ -117,7 +117,7 @@ def _import(app: App, facts: ComponentFacts, sets: Sets, asked: Asked, source: s
     active = "" if asked.set_id else saved.active
     for name in (*wanted, *([active] if active else [])):
         if name not in sets:
-            raise NotFound(f"No such configuration set: {name}")
+            raise no_set(name, sets)
     changed = {
         name: {key: text for key, text in values.items() if facts.sets[name].get(key) != text}
         for name, values in wanted.items()

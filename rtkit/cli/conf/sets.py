@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
 from rtkit.cli.conf.asked import Asked, Sets, values_of
-from rtkit.cli.conf.shown import show_sets, show_value
-from rtkit.errors import Malformed, NotFound, Partial, RtkitError
+from rtkit.cli.conf.shown import no_parameter, no_set, show_sets, show_value
+from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
@@ -44,7 +44,7 @@ def seen(facts: ComponentFacts, asked: Asked) -> tuple[Sets, Sets]:
     sets = visible(facts.sets, asked)
     set_id = asked.set_id or facts.active_set
     if (asked.verb in ("get", "set", "act") or asked.set_id) and set_id not in sets:
-        raise NotFound(f"No such configuration set: {set_id}")
+        raise no_set(set_id, sets)
     return sets, {asked.set_id: sets[asked.set_id]} if asked.set_id else sets
 
 
@@ -95,7 +95,7 @@ def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) ->
     for set_id, values in wanted.items():
         for name, text in values.items():
             if name not in facts.sets[set_id]:
-                raise NotFound(f"No such configuration parameter: {name}")
+                raise no_parameter(name, facts.sets[set_id])
             # What a hidden set holds are hints, not values of the parameters.
             if _hidden(set_id):
                 continue

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.cli import _out, _records
@@ -34,6 +34,20 @@ def show_sets(facts: ComponentFacts, sets: Sets, asked: Asked) -> None:
     _out.write(lines)
 
 
+def no_parameter(name: str, known: Iterable[str]) -> NotFound:
+    """Return the error that there is no such parameter, with what may have been meant."""
+    from rtkit.rtc.nearest import did_you_mean
+
+    return NotFound(f"No such configuration parameter: {name}{did_you_mean(name, known)}")
+
+
+def no_set(set_id: str, known: Iterable[str]) -> NotFound:
+    """Return the error that there is no such set, with what may have been meant."""
+    from rtkit.rtc.nearest import did_you_mean
+
+    return NotFound(f"No such configuration set: {set_id}{did_you_mean(set_id, known)}")
+
+
 def show_value(name: str, values: Mapping[str, str], asked: Asked) -> None:
     """Print one value.
 
@@ -41,7 +55,7 @@ def show_value(name: str, values: Mapping[str, str], asked: Asked) -> None:
         NotFound: There is none of that name.
     """
     if name not in values:
-        raise NotFound(f"No such configuration parameter: {name}")
+        raise no_parameter(name, values)
     if asked.is_json:
         _out.write([_records.line("parameter", {"name": name, "value": values[name]})])
         return

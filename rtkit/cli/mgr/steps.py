@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out, _records
 from rtkit.cli.conf.properties import tell_vain
-from rtkit.deployment.actions import Action, Create, Delete, Load, Unload
 from rtkit.errors import RtkitError, UsageProblem, from_kind
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
 
 if TYPE_CHECKING:
     from rtkit.cli._app import App
+    from rtkit.deployment.actions import Action, Create
     from rtkit.deployment.facts import Snapshot
     from rtkit.tree.view import Node
 
@@ -27,6 +27,8 @@ _FAILED = {
     "configure": "Failed to set configuration",
     "fork": "Failed to fork",
 }
+_ACTIONS = ("load", "unload", "create", "delete")
+"""Kinds whose module is only imported when one is asked for: it is not needed for looking."""
 
 
 class Step(NamedTuple):
@@ -53,6 +55,12 @@ def read_step(kind: str, typed: str) -> Step:
         UsageProblem: A part of it is missing.
         Malformed: It cannot be read.
     """
+    if kind not in _ACTIONS:
+        if kind == "configure" and not typed.partition("=")[1]:
+            raise UsageProblem(f"Bad property format: {typed} (it is KEY=VALUE)")
+        return Step(kind, typed)
+    from rtkit.deployment.actions import Delete, Load, Unload
+
     if kind == "load":
         path, init = _split_init(typed)
         return Step(kind, typed, Load(_module_path(path), init))
@@ -60,11 +68,7 @@ def read_step(kind: str, typed: str) -> Step:
         return Step(kind, typed, Unload(_module_path(typed)))
     if kind == "create":
         return Step(kind, typed, _create(typed))
-    if kind == "delete":
-        return Step(kind, typed, Delete(typed))
-    if kind == "configure" and not typed.partition("=")[1]:
-        raise UsageProblem(f"Bad property format: {typed} (it is KEY=VALUE)")
-    return Step(kind, typed)
+    return Step(kind, typed, Delete(typed))
 
 
 def _split_init(typed: str) -> tuple[str, str]:
@@ -79,6 +83,8 @@ def _module_path(typed: str) -> str:
 
 
 def _create(typed: str) -> Create:
+    from rtkit.deployment.actions import Create
+
     try:
         identity, question, options = typed.partition("?")
         if not _is_profile(identity):
@@ -137,6 +143,8 @@ class Runner:
             raise steps[len(results) - 1].failure(last.kind, last.why)
 
     def _placed(self, action: Action) -> Action:
+        from rtkit.deployment.actions import Create
+
         if not isinstance(action, Create) or not self._node.is_slave:
             return action
         create = parse_create(action.create)

@@ -106,6 +106,11 @@ def candidates(
         name, *before = [COMMANDS.get(before[0], before[0]), *before[1:]]
         if name in _WORDS_OF and not before:
             return those(_WORDS_OF[name], typed)
+        if name == "help" and not before:
+            from rtkit.cli._help import TOPICS
+
+            told = [Candidate(topic, about) for topic, about in TOPICS.items()]
+            return [*(each for each in told if each.text.startswith(typed)), *_verbs(typed)]
     from rtkit.cli.prompt.grammar import ask
 
     asked = ask(name, before, typed)

@@ -60,7 +60,7 @@ def _record(each: Deviation) -> dict[str, object]:
 
 
 def _checked(source: str, system: System, found: Sequence[Deviation]) -> Iterator[Checked]:
-    from rtkit.deployment.wiring import address
+    from rtkit.deployment.system import address
 
     things = {component.path: "component" for component in system.components}
     for wire in system.connectors:

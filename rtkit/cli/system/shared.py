@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.plan import Plan
     from rtkit.deployment.system import KnownType, System
     from rtkit.deployment.turns import StartPlan
-    from rtkit.tree.apply import Runner
+    from rtkit.tree.apply import Count, Runner
 
 
 def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -123,7 +123,7 @@ def snapshot(app: App) -> Snapshot:
     Raises:
         Unreachable: No manager answers.
     """
-    from rtkit.tree.apply import uninterrupted
+    from rtkit.tree.grace import uninterrupted
 
     return uninterrupted(lambda: app.tree.snapshot())
 
@@ -158,11 +158,11 @@ def show(plan: Plan | StartPlan) -> None:
         click.echo(line)
 
 
-def runner(app: App) -> Runner:
+def runner(app: App, count: Count = lambda _done, _known: None) -> Runner:
     """Return what carries plans out and talks on stderr."""
     from rtkit.tree.apply import Runner
 
-    return Runner(app.tree, app.fail, app.tell)
+    return Runner(app.tree, app.fail, app.tell, count)
 
 
 def check_text(text: str) -> str:

@@ -9,6 +9,7 @@ import click
 from click.core import ParameterSource
 
 from rtkit.cli._app import App
+from rtkit.cli._meter import counted, metered
 from rtkit.cli.system import progress, shared
 
 if TYPE_CHECKING:
@@ -72,4 +73,5 @@ def _carry_out(app: App, plan: StartPlan) -> None:
     source = click.get_current_context().get_parameter_source("timeout")
     is_bounded = plan.has_conditions and source is ParameterSource.COMMANDLINE
     timeout_s = app.timeout_s if is_bounded else None
-    Starter(app.tree, plan, app.say, app.fail, timeout_s).run()
+    with metered(app, app.name.split()[-1]) as show:
+        Starter(app.tree, plan, app.say, app.fail, timeout_s, counted(show)).run()

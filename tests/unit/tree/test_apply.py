@@ -12,9 +12,10 @@ from rtkit.errors import Refused, Unreachable
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
-from rtkit.tree import apply
-from rtkit.tree.apply import UNFINISHED, Runner, regret, uninterrupted
+from rtkit.tree import grace
+from rtkit.tree.apply import Runner, regret
 from rtkit.tree.fake import fake_tree
+from rtkit.tree.grace import UNFINISHED, uninterrupted
 
 SETS = {"default": {"a": "1", "b": "1"}}
 NO = Result(ReturnCode.ERROR, "refused", "no")
@@ -162,7 +163,7 @@ class _Interrupted(threading.Event):
 
 
 def test_an_interruption_waits_for_the_call_under_way(monkeypatch):
-    monkeypatch.setattr(apply, "Event", _Interrupted)
+    monkeypatch.setattr(grace, "Event", _Interrupted)
     finished = []
     with pytest.raises(KeyboardInterrupt) as caught:
         uninterrupted(lambda: finished.append(1))
@@ -171,8 +172,8 @@ def test_an_interruption_waits_for_the_call_under_way(monkeypatch):
 
 
 def test_an_interruption_does_not_wait_for_ever(monkeypatch, runner, world):
-    monkeypatch.setattr(apply, "Event", _Interrupted)
-    monkeypatch.setattr(apply, "GRACE_S", 0.01)
+    monkeypatch.setattr(grace, "Event", _Interrupted)
+    monkeypatch.setattr(grace, "GRACE_S", 0.01)
     release = threading.Lock()
     release.acquire()
     with pytest.raises(KeyboardInterrupt) as caught:

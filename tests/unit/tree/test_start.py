@@ -19,7 +19,7 @@ from rtkit.errors import Refused, Unreachable
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import TypeProfile
-from rtkit.tree import apply
+from rtkit.tree import grace
 from rtkit.tree.client import Tree
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.start import Starter, _Bell
@@ -225,7 +225,7 @@ def test_an_interruption_waits_for_what_is_under_way(
 def test_an_interruption_does_not_wait_for_ever(
     world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(apply, "GRACE_S", 0.01)
+    monkeypatch.setattr(grace, "GRACE_S", 0.01)
     start = Start(world, tree)
     release = Event()
 

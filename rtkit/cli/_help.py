@@ -1,0 +1,47 @@
+"""``rtkit help TOPIC``: what concerns more than one command."""
+
+from __future__ import annotations
+
+import os
+
+from rtkit.cli._statuses import DETAILS, READER_GONE, SEARCHES, STATUSES, TOLD_APART
+
+_FOLDER = os.path.join(os.path.dirname(__file__), "topics")
+TOPICS: dict[str, str] = {
+    "connectors": "How values travel between two ports.",
+    "paths": "How components, managers, directories and ports are named.",
+    "plans": "In which order rtstart and rtstop tell components.",
+    "profiles": "Documents that describe components and systems.",
+    "security": "Who can reach a manager, and what it runs.",
+    "statuses": "What the exit status of a command says.",
+}
+
+
+def overview(name: str) -> str:
+    """Return what there is help about."""
+    width = max(map(len, TOPICS)) + 2
+    topics = "\n".join(f"  {topic:<{width}}{about}" for topic, about in TOPICS.items())
+    return f"""Usage: {name} help [TOPIC|VERB]
+
+Topics:
+{topics}
+
+{name} help VERB tells about a command, as {name} VERB -h does; {name} -h lists them."""
+
+
+def text(topic: str) -> str:
+    """Return what a topic tells."""
+    if topic == "statuses":
+        return _statuses()
+    with open(os.path.join(_FOLDER, f"{topic}.txt"), encoding="utf-8") as file:
+        return file.read().rstrip()
+
+
+def _statuses() -> str:
+    lines = ["Statuses: what the exit status of a command says.", ""]
+    rows = [*STATUSES.items(), READER_GONE]
+    lines += [f"  {status:<5}{meaning}" for status, meaning in rows]
+    lines += ["", f"{TOLD_APART}:", ""]
+    told = sorted({**DETAILS, **SEARCHES}.items(), key=lambda each: int(each[0]))
+    lines += [f"  {status:<5}{meaning}" for status, meaning in told]
+    return "\n".join(lines)

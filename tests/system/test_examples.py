@@ -1,0 +1,320 @@
+"""Every example of the manual pages is run, on a robot made of what the examples speak of.
+
+A new command's examples are run without being told here: they succeed, or have a row below that
+says what must be there first (`BEFORE`), that they go on until Ctrl-C (`ENDLESS`), or what else
+than 0 they end with (`STATUS`).
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from forked import Commands
+
+from rtkit.cli import COMMANDS
+from rtkit.cli._examples import EXAMPLES
+from rtkit.cli._rtkit import WORDS
+from rtkit.link.door import free_port
+
+ROOT = Path(__file__).parents[2]
+MODULE = '''
+from rtkit.component import (
+    Component, InPort, OutPort, Parameter, TimedDouble, TimedLong, TimedPoint2D, TimedPose2D,
+    TimedVelocity2D,
+)
+
+
+class Robot(Component):
+    """Says where it is, and fails when it turns too fast."""
+
+    vendor, category, version, rate = "me", "example", "1.0", 50.0
+    velocity = InPort(TimedVelocity2D)
+    speed_ = InPort(TimedLong)
+    way = InPort(TimedPoint2D)
+    pose = OutPort(TimedPose2D)
+    speed = Parameter(1.0)
+    turn = Parameter(0.0)
+
+    def on_execute(self, context):
+        if self.turn > 90:
+            raise ValueError("too fast")
+        self.pose.write(TimedPose2D())
+
+
+class Sensor(Component):
+    """Measures."""
+
+    vendor, category, version, rate = "me", "example", "1.0", 50.0
+    range = OutPort(TimedDouble)
+    scan = OutPort(TimedDouble)
+
+    def on_execute(self, context):
+        self.scan.write(TimedDouble())
+
+
+class Control(Component):
+    """Turns a range into a speed, and listens to the pose."""
+
+    vendor, category, version = "me", "example", "1.0"
+    range = InPort(TimedDouble)
+    pose = InPort(TimedPose2D)
+    speed = OutPort(TimedDouble)
+
+
+def RobotInit(manager):
+    for each in (Robot, Sensor, Control):
+        manager.register_factory(each)
+'''
+INIT = "def RobotInit(manager):\n    manager.register_factory(Robot)\n"
+MADE = (
+    "Robot?instance_name=Robot0&conf.careful.speed=0.1&conf.careful.turn=0",
+    "Robot?instance_name=Robot1&conf.careful.speed=0.1&conf.careful.turn=0",
+    *(f"Sensor?instance_name={name}" for name in ("Sensor0", "Laser0", "A", "B", "C")),
+    *(f"Control?instance_name={name}" for name in ("Control0", "Map0", "Left", "Right")),
+    "ConsoleIn?instance_name=A0",
+    "ConsoleIn?instance_name=B0",
+    "ConsoleIn?instance_name=Arm0&manager_name=arm",
+    "Microwave?instance_name=Microwave0",
+    "Sensor?instance_name=Old0&naming.formats=old.host_cxt/%n.rtc",
+    "Sensor?instance_name=Eye0&naming.formats=robot.host_cxt/%n.rtc",
+)
+"""What is there when the examples begin."""
+
+LAST = ("rtcomp", "rtexit", "rtdel")
+"""Commands whose examples leave others without what they need, in this order."""
+
+WIRE = "rtcon -i range Sensor0.rtc:range Control0.rtc:range"
+SAVED = ("rtdis Sensor0.rtc", WIRE, "rtcryo -n Robot -o robot.xml")
+RECORDED = ("rm run.mcap", "rtact -e all Robot0.rtc", "rtlog -f run.mcap -i -e 2 Robot0.rtc:pose")
+BEFORE: dict[str, tuple[str, ...]] = {
+    "rtlog --export csv -f run.mcap": RECORDED,
+    "rtcheck robot.xml": (*SAVED, "rtstart robot.xml"),
+    "rtcheck -s inactive --json robot.xml": ("rtstop robot.xml",),
+    "rtcon -d -i range Sensor0.rtc:range Control0.rtc:range": ("rtdis Sensor0.rtc",),
+    "rtconf /localhost/Robot1.rtc import robot.json": ("rtconf Robot0.rtc export robot.json",),
+    "rtcwd ..": ("rtpwd",),
+    "rtdis -i range /localhost/Sensor0.rtc:range": (WIRE,),
+    "rtdis Sensor0.rtc:range Control0.rtc:range": (WIRE,),
+    "rtfsm Microwave0.rtc setstructure microwave.scxml": (
+        "rtfsm Microwave0.rtc getstructure > microwave.scxml",
+    ),
+    "rtlog -d -f run.mcap": RECORDED,
+    "rtlog -f run.mcap Robot0.rtc:pose": ("rm run.mcap", "rtact Robot0.rtc"),
+    "rtprint Robot0.rtc:pose": ("rtact Robot0.rtc",),
+    "rtprint -n 1 -f data.position.x Robot0.rtc:pose": ("rtact Robot0.rtc",),
+    "rtprint -t 2 --json A0.rtc:out B0.rtc:out": ("rtact A0.rtc B0.rtc",),
+    "rtreset /localhost/Robot0.rtc": (
+        "rtact Robot0.rtc",
+        "rtconf Robot0.rtc set turn 99",
+        "rtwait Robot0.rtc error",
+        "rtconf Robot0.rtc set turn 0",
+    ),
+    "rtresurrect robot.xml": SAVED,
+    "rtstart robot.xml": SAVED,
+    "rtstodot robot.xml > robot.dot": SAVED,
+    "rtteardown robot.xml": SAVED,
+    "rtvlog -f stdout /localhost/manager.mgr/drives.mgr": (
+        "rtmgr -c ConsoleIn?manager_name=drives /localhost/manager.mgr",
+    ),
+    "rtwait -t 10 Robot0.rtc active": ("rtact Robot0.rtc",),
+    "rtwait A.rtc B.rtc active Laser0.rtc:scan data": ("rtact A.rtc B.rtc Laser0.rtc",),
+    "rtcomp -a Sensor0.rtc:range -a Control0.rtc /localhost/manager.mgr:Robot0": (
+        "rtexit Robot0.rtc",
+        # Those of before went with the system that was taken down.
+        "rtmgr -c Sensor?instance_name=Sensor0 /localhost/manager.mgr",
+        "rtmgr -c Control?instance_name=Control0 /localhost/manager.mgr",
+    ),
+    "rtexit --force /localhost/Robot0.rtc": (
+        "rtmgr -c 'Robot?instance_name=Robot0&manager_name=robot' /localhost/manager.mgr",
+    ),
+    "rtdel -z /localhost/Robot0.rtc": (
+        "rtmgr -c 'Robot?instance_name=Robot0&manager_name=robot' /localhost/manager.mgr",
+        "kill robot",
+    ),
+    "rtmgr -m corbaloc::localhost:2811": (),
+    "rtbuild robot.yaml -o robot -I idl": ("rtprofile convert Robot.xml robot.yaml",),
+    "rtprofile diff robot.xml robot.new.xml": ("cp robot.xml robot.new.xml",),
+    "rtprofile new system Robot --component Motor.xml:Left --component Eye.xml "
+    "--connect Eye0.speed=Left.speed": (
+        "rm Robot.xml",
+        "rtprofile new component Eye --out speed:TimedDouble",
+    ),
+    "rtprofile convert robot.xml robot.yaml": ("rm robot.yaml",),
+    "rtprofile normalise -i *.xml": ("rm RTC.xml",),
+}
+"""What is typed before an example, so that it can do what it says."""
+
+ENDLESS = {
+    "rtls -l --watch=0.5 /localhost",
+    "rtlog -f run.mcap Robot0.rtc:pose",
+    "rtprint Robot0.rtc:pose",
+    "rtprint --plot Robot0.rtc:pose",
+    "rttop",
+    "rttop -s CPU% /localhost/manager.mgr",
+    "rtvlog /localhost/Robot0.rtc",
+    "rtvlog -l warn /",
+    "rtvlog -f stdout /localhost/manager.mgr/drives.mgr",
+    "rtwatch /",
+    "rtwatch -f rtc_status Robot0.rtc Arm0.rtc",
+    "rtwatch -n 1 -t 60 -f tree_event Robot0.rtc",
+    "rtwatch --json / > events.jsonl",
+}
+STATUS = {
+    "rtcheck --diff robot.xml": (0, 1),
+    "rtconf /localhost/Robot0.rtc diff careful": (1,),
+    "rtdoctor": (0, 1),
+    "rtdoctor --strict --json": (0, 1),
+}
+"""Examples that may end otherwise: what they look at is this machine, or was changed before."""
+
+OTHERS = {"rtls -l robot"}
+"""Examples of other commands that speak of one too."""
+
+ELSEWHERE = ("rtmgr",)
+"""Commands whose examples start managers: they have a place of their own."""
+
+OF_SERVICES = ("rtget", "rtlisten", "rtserve", "rtset")
+"""Commands whose examples speak of a Property Service that is not served here."""
+
+
+class World:
+    """A folder with files, and a manager with components, that examples are typed at."""
+
+    def __init__(self, shell: Any, environment: dict[str, str]) -> None:
+        self.shell = shell
+        self.folder = shell.folder
+        self.commands = Commands(environment, shell.folder)
+
+    def type(self, line: str, *, is_endless: bool = False) -> tuple[int, str]:
+        """Type a line as a shell takes it and return its status and what it says."""
+        status, text = 0, ""
+        for part in line.split(" | "):
+            words = shlex.split(part)
+            if words[0] in ("rm", "cp", "kill"):
+                self._do(*words)
+                continue
+            into = words[words.index(">") + 1] if ">" in words else ""
+            if "<" in words:
+                text = (self.folder / words[words.index("<") + 1]).read_text()
+            argv = [each for word in _plain(words) for each in self._globbed(word)]
+            told = self.commands.run(argv, text, is_endless=is_endless)
+            status, text = told["status"], told["out"]
+            if into:
+                (self.folder / into).write_text(text)
+            if status:
+                return status, told["out"][-300:] + told["err"]
+        return status, text[-300:]
+
+    def _globbed(self, word: str) -> list[str]:
+        if "*" not in word or " " in word or "'" in word or "/" in word or word == "Motor*.rtc":
+            return [word]
+        return sorted(path.name for path in self.folder.glob(word))
+
+    def _do(self, what: str, *names: str) -> None:
+        if what == "kill":
+            out = self.commands.run(["rtcat", "--json", f"/localhost/manager.mgr/{names[0]}.mgr"])
+            pid = int(out["out"].split('"pid": ')[1].split(",")[0].rstrip("}\n"))
+            pidfd = os.pidfd_open(pid)
+            signal.pidfd_send_signal(pidfd, signal.SIGKILL)
+            os.close(pidfd)
+            waited = self.commands.run(["rtwait", "Robot0.rtc", "exists", "-t", "0.01"])
+            while "zombie" not in waited["err"]:
+                waited = self.commands.run(["rtwait", "Robot0.rtc", "exists", "-t", "0.01"])
+        elif what == "rm":
+            (self.folder / names[0]).unlink(missing_ok=True)
+        else:
+            shutil.copy(self.folder / names[0], self.folder / names[1])
+
+
+def _plain(words: list[str]) -> Iterator[str]:
+    skip = False
+    for word in words:
+        if not skip and word not in ("<", ">"):
+            yield word
+        skip = word in ("<", ">")
+
+
+def wrong_of(world: World, names: list[str]) -> dict[str, tuple[int, str]]:
+    """Run the examples of commands and return those that did not do what they should."""
+    wrong = {}
+    for name in names:
+        for line, _ in EXAMPLES[name]:
+            for each in BEFORE.get(line, ()):
+                status, told = world.type(each)
+                if status:
+                    wrong[f"{line}: before it: {each}"] = (status, told)
+            if line in OTHERS:
+                continue
+            status, told = world.type(line.replace("2811", PORT), is_endless=line in ENDLESS)
+            expected = (-signal.SIGINT, 0) if line in ENDLESS else STATUS.get(line, (0,))
+            if status not in expected or "Traceback" in told:
+                wrong[line] = (status, told)
+    return wrong
+
+
+PORT = str(free_port())
+
+
+def prepare(shell: Any) -> dict[str, str]:
+    """Put the files there of which examples speak; return the environment of commands."""
+    folder = shell.folder
+    (folder / "Things.py").write_text(MODULE)
+    alone = f"{MODULE.partition('class Sensor')[0]}\n{INIT}"
+    (folder / "Robot.py").write_text(alone)
+    (folder / "Arm.py").write_text(alone.replace("Robot", "Arm"))
+    shutil.copy(ROOT / "profiles" / "Motor.xml", folder / "RTC.xml")
+    shutil.copy(ROOT / "profiles" / "Motor.xml", folder / "Robot.xml")
+    shutil.copy(ROOT / "tests" / "idl" / "MyService.idl", folder)
+    (folder / "robot.conf").write_text("logger.log_level: DEBUG\n")
+    (folder / "points.jsonl").write_text('{"data": {"x": 1, "y": 2}}\n')
+    for name in ("idl", "profiles", "systems"):
+        (folder / name).mkdir()
+    for name in ("profiles", "systems"):
+        shutil.copy(ROOT / "profiles" / "Motor.xml", folder / name / "Motor.xml")
+    paths = (str(ROOT / "tests/support"), shell.environment["PYTHONPATH"])
+    return {
+        **shell.environment,
+        "RTCSH_CWD": "/localhost",
+        "PYTHONPATH": os.pathsep.join(paths),
+    }
+
+
+@pytest.mark.timeout(300)
+def test_every_example_runs(shell: Any) -> None:
+    world = World(shell, prepare(shell))
+    try:
+        assert world.type("rtmgr start") == (0, "")
+        made = " ".join(f"-c {shlex.quote(each)}" for each in MADE)
+        line = f"rtmgr /localhost/manager.mgr -l ./Things.py:RobotInit {made}"
+        assert world.type(line) == (0, "")
+        for line in SAVED:
+            assert world.type(line) == (0, ""), line
+        usual = [name for name in EXAMPLES if name not in (*LAST, *ELSEWHERE, *OF_SERVICES)]
+        wrong = wrong_of(world, [*usual, *LAST])
+        assert wrong == {}, "\n".join(f"{line}: {told}" for line, told in wrong.items())
+    finally:
+        world.commands.close()
+
+
+@pytest.mark.timeout(300)
+def test_every_example_that_starts_managers_runs(shell: Any) -> None:
+    world = World(shell, prepare(shell))
+    try:
+        assert wrong_of(world, list(ELSEWHERE)) == {}
+    finally:
+        world.type("rtmgr stop other")
+        world.commands.close()
+
+
+def test_rows_name_examples_that_there_are() -> None:
+    lines = {line for each in EXAMPLES.values() for line, _ in each}
+    assert {*BEFORE, *ENDLESS, *STATUS, *OTHERS} <= lines
+    assert EXAMPLES.keys() == {*COMMANDS.values(), "rtkit"}
+    assert WORDS
