@@ -1,4 +1,4 @@
-"""Every example of the manual pages is run, on a robot made of what the examples speak of.
+"""The examples of the manual pages are run, on a robot made of what they speak of.
 
 A new command's examples are run without being told here: they succeed, or have a row below that
 says what must be there first (`BEFORE`), that they go on until Ctrl-C (`ENDLESS`), or what else
