@@ -22,8 +22,9 @@ from rtkit.deployment.planning.telling import lines
 from rtkit.deployment.system import System
 from rtkit.errors import Refused, RtkitError
 from rtkit.rtc.enums import LifeCycleState
-from rtkit.tree.apply import Runner, Talk, uninterrupted
+from rtkit.tree.apply import Runner, Talk
 from rtkit.tree.client import Tree
+from rtkit.tree.grace import uninterrupted
 
 _MOST_PLANS = 10
 """How often it is planned anew before a world that never behaves is given up."""

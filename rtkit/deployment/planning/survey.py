@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from rtkit.component.check import refusal
-from rtkit.deployment.creation import absence, is_loaded, split_module
+from rtkit.deployment.creation import is_loaded, split_module
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.live import Live, context_of, mismatch
+from rtkit.deployment.live import Live, absence, context_of, mismatch
 from rtkit.deployment.planning.model import (
     ACTIVE,
     ANY,
@@ -30,8 +30,15 @@ from rtkit.deployment.planning.model import (
     is_granted,
     key_of,
 )
-from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector
-from rtkit.deployment.wiring import address, is_same_wire, missing_end
+from rtkit.deployment.system import (
+    HIDDEN,
+    System,
+    WantedComponent,
+    WantedConnector,
+    address,
+    is_same_wire,
+    missing_end,
+)
 from rtkit.errors import Impossible
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.enums import LifeCycleState
