@@ -36,9 +36,8 @@ from rtkit.deployment.system import (
     WantedComponent,
     WantedConnector,
     address,
-    is_same_wire,
-    missing_end,
 )
+from rtkit.deployment.wiring import is_same_wire, missing_end
 from rtkit.errors import Impossible
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.enums import LifeCycleState
