@@ -64,7 +64,7 @@ ELSEWHERE = {
 """Kinds that other tests hold against their schemas."""
 
 WITHOUT = {
-    "rtact", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit", "rtinject", "rtreset",
+    "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit", "rtinject", "rtreset",
     "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
