@@ -205,7 +205,7 @@ HOST = "/localhost/"
         ("/somewhere/bin/rtls lo", ["localhost/"]),
         ("rtkit shell-init z", ["zsh"]),
         ("rtkit resur", ["resurrect"]),
-        ("rtkit help pl", ["plans"]),
+        ("rtkit help pat", ["paths"]),
         ("rtkit help resu", ["resurrect"]),
         ("ls lo", []),
     ],
