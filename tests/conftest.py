@@ -6,6 +6,7 @@ import os
 import select
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -40,6 +41,11 @@ _SETTINGS = (
     "RTCTREE_NAMESERVERS",
     "RTC_MANAGER_CONFIG",
 )
+
+
+def pytest_configure() -> None:
+    """Heed Ctrl-C, and have commands heed it: a shell in the background starts them deaf."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class Outcome(NamedTuple):
