@@ -44,8 +44,9 @@ _SETTINGS = (
 
 
 def pytest_configure() -> None:
-    """Heed Ctrl-C, and have commands heed it: a shell in the background starts them deaf."""
+    """Heed the keys of a terminal, commands too: a shell in the background starts them deaf."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
 
 class Outcome(NamedTuple):
