@@ -33,13 +33,15 @@ demo: $(READY)
 
 test: test-pure test-real
 
-# What starts no process shares the processors; what measures live processes has them for itself.
+# Files of live tests run side by side, too: half of their time they wait. What needs a machine of
+# its own is a test of the campaign.
 test-pure: lint
 	$(BIN)/python -m pytest -n $(WORKERS) --doctest-modules rtkit tests/unit tests/laws tests/house \
 		$(call report,pure) $(PYTEST_ARGS)
 
 test-real: lint
-	$(BIN)/python -m pytest tests/integration tests/system $(call report,real) $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile tests/integration tests/system \
+		$(call report,real) $(PYTEST_ARGS)
 
 campaign: $(READY)
 	$(BIN)/python -m pytest -m campaign tests $(PYTEST_ARGS)

@@ -101,18 +101,21 @@ def _watch(
     from time import monotonic
 
     from rtkit.cli._ears import Ears, manager_names
+    from rtkit.cli._resizing import resizing
     from rtkit.deployment.news import TREE
     from rtkit.tree.listening import Ended
 
     others = manager_names(app) if len(path.elements) < 2 else []
     before: list[str] | None = None
     is_stale, shown_at = True, -period_s
-    with Ears(app, (TREE,), others) as ears:
+    with Ears(app, (TREE,), others) as ears, resizing(_out.is_terminal()) as bell:
 
         def wake_at() -> float | None:
             return shown_at + period_s if is_stale else None
 
-        for told in ears.listen(None, wake_at=wake_at):
+        for told in ears.listen(None, (bell.fileno(),), wake_at):
+            if bell.heard():
+                before, is_stale = None, True
             for each in told:
                 if isinstance(each.heard, Ended):
                     app.fail(f"{each.heard.why}; waiting for it to come back")

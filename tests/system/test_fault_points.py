@@ -57,7 +57,17 @@ def is_usual(name: str, point: str) -> bool:
     return is_single if is_daemon else not (is_single and point.startswith("command."))
 
 
-@pytest.mark.parametrize("name", OPERATIONS)
+AT_EACH_COMMIT = ("create", "connect", "resurrect", "find again")
+"""One operation of each kind: on a slave, on two components, of many steps, of a new manager."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in AT_EACH_COMMIT else pytest.param(name, marks=pytest.mark.campaign)
+        for name in OPERATIONS
+    ],
+)
 @pytest.mark.timeout(600)
 def test_killed_at_points(shells: Shells, name: str) -> None:
     operation = OPERATIONS[name]

@@ -42,7 +42,10 @@ def test_components_are_got_and_set(manager: Any) -> None:
         (f"rtset {IN0}.contexts.0.rate -1", "bad-value: -1 is below 0.0"),
         (f"rtset {IN0}.type x", "read-only: cannot be set: type"),
         (f"rtget {IN0}.nope", "unknown: no such property: nope"),
-        ("rtget /localhost/No0.rtc.state", "unknown: No such object: /localhost/No0.rtc"),
+        (
+            "rtget /localhost/No0.rtc.state",
+            "unknown: No such object: /localhost/No0.rtc (did you mean /localhost/In0.rtc?)",
+        ),
         (f"rtset {MANAGER}.delete_component No0", "unknown: no component named No0"),
         (f"rtset {MANAGER}.pid 3", "read-only: cannot be set: pid"),
     ):
