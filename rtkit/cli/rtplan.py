@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rtkit.cli import _out
+from rtkit.cli import _out, _records
 from rtkit.cli._app import App, command
 from rtkit.cli.system import planning, shared
 from rtkit.errors import UsageProblem
@@ -61,9 +61,7 @@ def main(
         transmit=transmit,
     ).plan
     if is_json:
-        from json import dumps
-
-        click.echo(dumps(telling.as_plain(plan)))
+        _out.write([_records.line("plan", telling.as_plain(plan))])
     else:
         _out.write(map(_out.printable, telling.to_dot(plan) if is_dot else telling.lines(plan)))
     return CHANGE_NEEDED if detailed_exitcode and plan.moves else 0

@@ -55,7 +55,6 @@ def as_plain(plan: DeploymentPlan) -> dict[str, Any]:
     layer_of = {n: number for number, layer in enumerate(plan.layers, 1) for n in layer}
     managers, units, wires = plan.kept
     return {
-        "schema": "rtkit.plan/1",
         "cost": plan.cost,
         "optimal": plan.gap == 0,
         "gap": plan.gap,

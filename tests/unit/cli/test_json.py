@@ -58,6 +58,7 @@ ELSEWHERE = {
     "deviation": "unit/cli/test_system.py",
     "event": "system/test_observers.py",
     "log-record": "system/test_observers.py",
+    "plan": "unit/cli/test_planning.py",
     "property": "system/test_live_properties.py",
     "property-event": "system/test_live_properties.py",
 }

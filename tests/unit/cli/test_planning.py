@@ -6,6 +6,7 @@ import json
 import shlex
 from pathlib import Path
 
+import jsonrecords
 import pytest
 
 from rtkit.cli import rtapply, rtplan
@@ -229,7 +230,7 @@ def test_costs_may_be_set(console):
 
 
 def test_json_tells_what_must_be_done_before(console):
-    record = json.loads(console.run("rtplan --json")[1])
+    (record,) = jsonrecords.checked(console.run("rtplan --json")[1])
     assert record["schema"] == "rtkit.plan/1"
     assert (record["cost"], record["optimal"], record["gap"]) == (14, True, 0)
     assert record["kept"] == {"managers": 1, "components": 0, "connections": 0}
