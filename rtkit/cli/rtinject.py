@@ -11,6 +11,7 @@ import click
 
 from rtkit.cli._app import App, command
 from rtkit.cli._data import module_options, named_streams
+from rtkit.cli._lasting import lasting
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -37,14 +38,7 @@ _ENDLESS = -1
     metavar="HZ",
     help="Values per second (default 1 with -c, else as they are read).",
 )
-@click.option(
-    "-t",
-    "--timeout",
-    "duration_s",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="Write for so long; -n then has no effect.",
-)
+@lasting("Write for so long; -n then has no effect.")
 @module_options
 @click.option("--lossless", is_flag=True, help="Wait where the port has no room for a value.")
 @click.argument("ports", nargs=-1, metavar="PORT[.STREAM]...")

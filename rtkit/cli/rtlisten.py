@@ -9,6 +9,7 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._lasting import lasting
 from rtkit.cli._properties import connected, joined, place_options, record, shown, write_raw
 
 if TYPE_CHECKING:
@@ -20,14 +21,7 @@ _NS = 1_000_000_000
 @command("rtlisten")
 @place_options
 @click.option("-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N.")
-@click.option(
-    "-t",
-    "--duration",
-    "duration_s",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="Stop after this time.",
-)
+@lasting(long="--duration")
 @click.option("--queue", type=click.IntRange(1, 10_000), metavar="N",
               help="Keep N events while they cannot be sent (default 1: the latest).")  # fmt: skip
 @click.option("--every", type=click.FloatRange(min=0.0), metavar="SECONDS",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, command
+from rtkit.cli._lasting import lasting
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
@@ -45,14 +46,7 @@ _NS = 1_000_000_000
 @click.option("-s", "--start", metavar="TIME|INDEX", help="Play, or export, from here on.")
 @click.option("-e", "--end", metavar="TIME|INDEX", help="Record, play or export up to here.")
 @click.option("-i", "--index", "is_by_index", is_flag=True, help="-s and -e are indices.")
-@click.option(
-    "-t",
-    "--timeout",
-    "duration_s",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="Stop after this time; -e then has no effect.",
-)
+@lasting("Stop after this time; -e then has no effect.")
 @click.option(
     "-r",
     "--rate",

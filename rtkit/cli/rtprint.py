@@ -11,6 +11,7 @@ import click
 from rtkit.cli import _reader
 from rtkit.cli._app import App, command
 from rtkit.cli._data import module_options, named_streams
+from rtkit.cli._lasting import lasting
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -32,14 +33,7 @@ LINES, STATS, PLOT = "lines", "stats", "plot"
     metavar="HZ",
     help="Look this often and take the newest value of each port; -n then counts looks.",
 )
-@click.option(
-    "-t",
-    "--timeout",
-    "duration_s",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="Stop after this time; -n then has no effect.",
-)
+@lasting("Stop after this time; -n then has no effect.")
 @module_options
 @click.option(
     "-f",

@@ -12,6 +12,7 @@ from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.cli._choice import Words
 from rtkit.cli._ears import write_now
+from rtkit.cli._lasting import lasting
 from rtkit.cli._patience import wait_for
 from rtkit.errors import Malformed, Unreachable
 
@@ -70,14 +71,7 @@ _STYLES: dict[str, dict[str, object]] = {
     help="Begin with the last N records (default 10; all with --no-follow or --since).",
 )
 @click.option("--follow/--no-follow", default=True, help="Go on with what comes (default), or end.")
-@click.option(
-    "-t",
-    "--timeout",
-    "duration_s",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="Stop after this time.",
-)
+@lasting()
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.argument("paths", nargs=-1, metavar="PATH...")
 def main(

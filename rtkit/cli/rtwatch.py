@@ -12,6 +12,7 @@ from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.cli._choice import Words
 from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
+from rtkit.cli._lasting import lasting
 from rtkit.cli._moments import clock
 from rtkit.cli._records import line as json_line
 from rtkit.cli._records import time_text
@@ -40,14 +41,7 @@ ALL = "ALL"
 @click.option(
     "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N events."
 )
-@click.option(
-    "-t",
-    "--timeout",
-    "duration_s",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="SECONDS",
-    help="Stop after this time.",
-)
+@lasting()
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.argument("paths", nargs=-1, metavar="PATH...")
 def main(

@@ -1,0 +1,22 @@
+"""For how long a command goes on: the option ``-t``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import click
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def lasting(text: str = "Stop after this time.", long: str = "--timeout") -> Callable[[F], F]:
+    """Add ``-t``, as `duration_s`: a time above zero [s], None if it was not given."""
+    return click.option(
+        "-t",
+        long,
+        "duration_s",
+        type=click.FloatRange(min=0.0, min_open=True),
+        metavar="SECONDS",
+        help=text,
+    )
