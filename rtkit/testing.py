@@ -8,8 +8,9 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from rtkit.closing import Closing
 from rtkit.component.base import Component
 from rtkit.component.fsm import EVENT_NAME, EventPort
 from rtkit.component.literal import zero_value
@@ -27,7 +28,7 @@ _TIMEOUT_S = 20.0
 _EXECUTION_CONTEXT = "PeriodicExecutionContext"
 
 
-class Trial(Generic[C]):
+class Trial(Closing, Generic[C]):
     """A component of its own, driven by hand, in this process, without a manager or a clock.
 
     ::
@@ -54,12 +55,6 @@ class Trial(Generic[C]):
             if isinstance(port, OutPort):
                 self._written[port_name] = []
                 port.attach("trial", self._written[port_name].append)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     @property
     def state(self) -> LifeCycleState:

@@ -6,11 +6,11 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from time import monotonic, time
-from types import TracebackType
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli._app import App
 from rtkit.cli._patience import wait_for
+from rtkit.closing import Closing
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.tree.view import shown_path
@@ -36,7 +36,7 @@ class Told(NamedTuple):
     heard: Heard | None
 
 
-class Ears:
+class Ears(Closing):
     """Ears at one manager, or at several of this host; leave it as a context manager.
 
     Attributes:
@@ -85,17 +85,6 @@ class Ears:
             self.names[name] = name
             if not self._enter(name):
                 app.fail(f"manager {name!r} does not answer")
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Listen no more."""

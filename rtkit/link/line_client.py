@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import monotonic
 
+from rtkit.closing import Closing
 from rtkit.errors import Unreachable
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Event, Payload
@@ -18,7 +19,7 @@ _PIECE = 1 << 16
 _MOST_DRAINED = 1 << 22
 
 
-class LineClient:
+class LineClient(Closing):
     """One connection. Requests are answered one after the other; events come in between.
 
     Args:
@@ -176,12 +177,6 @@ class LineClient:
     def close(self) -> None:
         """End the connection."""
         self._end.close()
-
-    def __enter__(self) -> LineClient:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        self.close()
 
 
 def connect_unix(path: str, timeout_s: float) -> LineClient:

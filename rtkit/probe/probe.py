@@ -6,10 +6,10 @@ import queue
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 from uuid import uuid4
 
+from rtkit.closing import Closing
 from rtkit.component.base import Component
 from rtkit.component.contexts import PERIODIC
 from rtkit.component.options import PortStatus
@@ -61,7 +61,7 @@ class Tool(Component):
             self.arrived.put(arrivals)
 
 
-class Probe:
+class Probe(Closing):
     """A visit with one component of a tool; leave it as a context manager.
 
     With a rate [Hz] it takes the newest value of each port that often; else all that there are,
@@ -86,17 +86,6 @@ class Probe:
         self._rate = rate
         self._ended = threading.Event()
         self._guest, self.component = self._enter()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def connect(self, properties: Mapping[str, str]) -> None:
         """Activate the component and connect its ports.

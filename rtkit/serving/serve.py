@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterable
-from types import TracebackType
 
+from rtkit.closing import Closing
 from rtkit.errors import Malformed
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import canonical_segment
@@ -15,7 +15,7 @@ from rtkit.serving.doors import open_tcp, open_unix
 from rtkit.serving.host import Host
 
 
-class Served:
+class Served(Closing):
     """A service with its doors; close it, or use it as a context.
 
     Attributes:
@@ -54,17 +54,6 @@ class Served:
     def close(self) -> None:
         """Serve it no longer."""
         self._host.close()
-
-    def __enter__(self) -> Served:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        raised: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _log_refusal(identity: str, method: str, target: str) -> None:

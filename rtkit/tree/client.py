@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
+from rtkit.closing import Closing
 from rtkit.deployment.listing import Listing, listing_from_text
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
@@ -25,7 +25,7 @@ _LONGEST_S = 7 * 86_400.0
 _MOST_IN_A_PART = 50
 
 
-class Tree(ByPath):
+class Tree(ByPath, Closing):
     """A connection to one manager, through which everything it knows is read and changed.
 
     For scripts: `ls component create delete activate deactivate reset connect disconnect
@@ -52,17 +52,6 @@ class Tree(ByPath):
 
     def __repr__(self) -> str:
         return f"<Tree: manager {self.manager!r} on {self.host}>"
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """End the connection."""

@@ -12,9 +12,9 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from time import monotonic
-from types import TracebackType
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
+from rtkit.closing import Closing
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.figures import FIGURES, Figures, figures_from_text
 from rtkit.deployment.happenings import Happening, happenings
@@ -58,7 +58,7 @@ class Ended(NamedTuple):
 Heard = Change | Figures | Ended
 
 
-class Ear:
+class Ear(Closing):
     """An ear at one manager; leave it as a context manager.
 
     Attributes:
@@ -89,17 +89,6 @@ class Ear:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Listen no more."""
