@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeGuard
+from typing import TYPE_CHECKING, Any, NoReturn, TypeGuard
 
 import click
 
@@ -224,18 +224,17 @@ class Main:
             return self.as_script(sys.argv[1:], os.path.basename(sys.argv[0]))
         return _run(self.command, App(name or self.name, tree), list(argv))
 
-    def as_script(self, arguments: Sequence[str], name: str) -> int:
-        """Run as what this process is there for; does not return when it is interrupted."""
+    def as_script(self, arguments: Sequence[str], name: str) -> NoReturn:
+        """Run as what this process is there for, and end it."""
         _process.prepare()
         try:
             _process.hear_interrupts()
             status = _run(self.command, App(name), list(arguments))
-            _process.ignore_interrupts()
+            if status != _process.INTERRUPTED:
+                _process.end(status)
         except KeyboardInterrupt:
-            status = _process.INTERRUPTED
-        if status == _process.INTERRUPTED:
-            _process.die_interrupted()
-        return status
+            pass  # all is said
+        _process.die_interrupted()
 
 
 def command(

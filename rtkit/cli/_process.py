@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
-import gc
 import os
 import signal
 import sys
@@ -15,9 +13,7 @@ _MOMENT_S = 0.001
 
 
 def prepare() -> None:
-    """Make stdout fit to write to, characters that its encoding lacks as escapes; end quickly."""
-    # Else the interpreter ends with a search for cycles, a sixth of the time of a whole rtls.
-    atexit.register(gc.freeze)
+    """Make stdout fit to write to, characters that its encoding lacks as escapes."""
     if sys.stdout is None:
         sys.stdout = _closed()
     for stream in (sys.stdout, sys.stderr):
@@ -50,12 +46,6 @@ def _not_lost(failure: sys.UnraisableHookArgs) -> None:
         sys.__unraisablehook__(failure)
 
 
-def ignore_interrupts() -> None:
-    """Have Ctrl-C end the process without a word: all is said, only the interpreter has to end."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def die_interrupted() -> NoReturn:
     """End as the signal would have ended it, so that a shell ends the script it was called from.
 
@@ -66,6 +56,15 @@ def die_interrupted() -> NoReturn:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.raise_signal(signal.SIGINT)
     os._exit(INTERRUPTED)  # somebody blocks the signal
+
+
+def end(status: int) -> NoReturn:
+    """End now that all is said and flushed.
+
+    An orderly end of the interpreter looks for cycles first, a sixth of the time of a whole rtls,
+    and aborts where a thread of the transport comes back to it meanwhile.
+    """
+    os._exit(status)
 
 
 def leave_pipe() -> None:
