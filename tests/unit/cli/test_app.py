@@ -14,7 +14,7 @@ import click
 import pytest
 
 from rtkit import __version__
-from rtkit.cli import COMMANDS, _out
+from rtkit.cli import COMMANDS, _out, _process
 from rtkit.cli._app import App, Main, WrongArguments, command
 from rtkit.errors import (
     InvalidDocument,
@@ -238,13 +238,9 @@ def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_characters_that_the_output_lacks_are_escaped(monkeypatch: pytest.MonkeyPatch) -> None:
     ascii_only = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
     monkeypatch.setattr(sys, "stdout", ascii_only)
-    monkeypatch.setattr(sys, "argv", ["rtsay"])
-
-    @command("rtsay")
-    def main(app: App) -> None:
-        _out.write(["größe"])
-
-    assert main() == 0
+    _process.prepare()
+    _out.write(["größe"])
+    ascii_only.flush()
     assert ascii_only.buffer.getvalue() == b"gr\\xf6\\xdfe\n"  # type: ignore[attr-defined]
 
 
