@@ -69,6 +69,7 @@ class Shell:
     def __init__(self, folder: Path, run_id: str) -> None:
         self.folder = folder
         self.prefix: list[str] = []
+        self._opened: list[subprocess.Popen[str]] = []
         self.modules = folder / "modules"
         self.modules.mkdir()
         for name in ("run", "state"):
@@ -114,7 +115,7 @@ class Shell:
 
     def open(self, line: str, begin: str = "") -> subprocess.Popen[str]:
         """Start a command; Python statements may come before it."""
-        return subprocess.Popen(
+        process = subprocess.Popen(
             self.command(line, begin),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
@@ -123,6 +124,16 @@ class Shell:
             env=self.environment,
             cwd=self.folder,
         )
+        self._opened.append(process)
+        return process
+
+    def close(self) -> None:
+        """Let go of what was opened: a test that fails does not come to its own end of it."""
+        for process in self._opened:
+            process.wait(_STOP_S)
+            for pipe in (process.stdout, process.stderr):
+                if pipe is not None:
+                    pipe.close()
 
     def end_of(self, process: subprocess.Popen[str], timeout_s: float = 30.0) -> Outcome:
         """Wait for a command that was started, and return what it came to."""
@@ -163,6 +174,7 @@ def opened_shell() -> Iterator[Shell]:
     finally:
         for pid in _processes(run_id):
             os.kill(pid, 9)
+        shell.close()
         shutil.rmtree(folder)
 
 
