@@ -15,8 +15,8 @@ from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
 from rtkit.cli._group import Group
 from rtkit.cli._help import TOPICS
-from rtkit.cli._rtkit import SUMMARIES, WORDS
 from rtkit.cli._statuses import DETAILS, STATUSES, TOLD_APART
+from rtkit.cli._verbs import SUMMARIES, WORDS
 
 _ENVIRONMENT = (
     ("RTKIT_MANAGER", "Name of the manager to ask, by default manager."),

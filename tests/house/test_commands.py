@@ -12,7 +12,7 @@ import pytest
 
 from rtkit.cli import COMMANDS
 from rtkit.cli._app import Main
-from rtkit.cli._rtkit import SUMMARIES
+from rtkit.cli._verbs import SUMMARIES
 
 ROOT = Path(__file__).parents[2]
 MAX_LINES = 500

@@ -16,7 +16,7 @@ from rtkit.cli._app import App
 from rtkit.cli._examples import EXAMPLES
 from rtkit.cli._group import Group, Word
 from rtkit.cli._man import pages
-from rtkit.cli._rtkit import WORDS
+from rtkit.cli._verbs import WORDS
 
 FOLDER = Path(__file__).parents[2] / "man"
 PAGES = pages()

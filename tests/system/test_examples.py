@@ -20,7 +20,7 @@ from forked import Commands
 
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
-from rtkit.cli._rtkit import WORDS
+from rtkit.cli._verbs import WORDS
 from rtkit.link.door import free_port
 
 ROOT = Path(__file__).parents[2]

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import COMMANDS
 from rtkit.cli._process import write
+from rtkit.cli._verbs import SUMMARIES, WORDS
 from rtkit.cli.prompt.candidates import Candidate, Files, those
 from rtkit.errors import RtkitError
 
@@ -137,8 +138,6 @@ def candidates(
 
 
 def _verbs(typed: str) -> list[Candidate]:
-    from rtkit.cli._rtkit import SUMMARIES, WORDS
-
     told = {**SUMMARIES, **WORDS, "--version": "", "--help": ""}
     return [Candidate(word, about) for word, about in told.items() if word.startswith(typed)]
 

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from rtkit.cli import COMMANDS
-from rtkit.cli._rtkit import WORDS
+from rtkit.cli._verbs import WORDS
 
 LINES = [
     *(f"{name} {option}" for name in COMMANDS.values() for option in ("-h", "--version")),

@@ -10,7 +10,8 @@ import pytest
 
 from rtkit import __version__
 from rtkit.cli import COMMANDS
-from rtkit.cli._rtkit import SUMMARIES, WORDS, run
+from rtkit.cli._rtkit import run
+from rtkit.cli._verbs import SUMMARIES, WORDS
 from rtkit.cli.prompt.functions import SHELLS, script
 from rtkit.deployment.world import World
 from rtkit.tree.fake import fake_tree
