@@ -307,7 +307,7 @@ def test_a_listing_loads_nothing_that_it_does_not_need(manager: Any) -> None:
     command = manager.command("rtls -l /localhost")
     command[2] = command[2].replace(
         "sys.exit(main())",
-        f"main(); print([name for name in {heavy} if name in sys.modules], file=sys.stderr)",
+        f"main(sys.argv[1:]); print([name for name in {heavy} if name in sys.modules], file=sys.stderr)",
     )
     manager.command = lambda _: command
     assert manager.run("rtls").err == "[]\n"
