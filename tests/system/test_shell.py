@@ -305,10 +305,8 @@ def test_arguments_that_are_no_text(manager: Any) -> None:
 def test_a_listing_loads_nothing_that_it_does_not_need(manager: Any) -> None:
     heavy = ("asyncio", "dataclasses", "logging", "lxml", "rich", "shutil", "socket", "subprocess")
     command = manager.command("rtls -l /localhost")
-    command[2] = command[2].replace(
-        "sys.exit(main())",
-        f"main(sys.argv[1:]); print([name for name in {heavy} if name in sys.modules], file=sys.stderr)",
-    )
+    loaded = f"print([name for name in {heavy} if name in sys.modules], file=sys.stderr)"
+    command[2] = command[2].replace("sys.exit(main())", f"main(sys.argv[1:]); {loaded}")
     manager.command = lambda _: command
     assert manager.run("rtls").err == "[]\n"
     del manager.__dict__["command"]
