@@ -6,7 +6,7 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
-from rtkit.cli.system import planning, shared
+from rtkit.cli.system import planning, shared, step_times
 
 
 @command("rtapply")
@@ -26,6 +26,7 @@ def main(
     parallel: int | None,
     state: str,
     costs: tuple[str, ...],
+    basis: str,
     stand_in: bool,
     transmit: bool,
     dry_run: bool,
@@ -39,7 +40,8 @@ def main(
     step fails nothing more is begun, and what is left is told; run again, it goes on from there.
     With --rollback it goes back instead, by the cheapest way.
 
-    --timeout bounds each step. Steps are told on stderr when they are done.
+    --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
+    noted: plans made later count with it.
     """
     from rtkit.deployment.planning.telling import lines
     from rtkit.tree.applying import Applier
@@ -52,11 +54,16 @@ def main(
         mapped=mapped,
         state=state,
         costs=costs,
+        basis=basis,
         stand_in=stand_in,
         transmit=transmit,
         parallel=parallel or 0,
     )
     if dry_run:
-        _out.write(map(_out.printable, lines(plan)))
+        _out.write(map(_out.printable, lines(plan, goal.costs)))
         return
-    Applier(app.tree, goal, app.say, app.say).run(plan, snapshot, rolls_back=rollback)
+    applier = Applier(app.tree, goal, app.say, app.say)
+    try:
+        applier.run(plan, snapshot, rolls_back=rollback)
+    finally:
+        step_times.note(app, applier.taken, step_times.types_of(goal.system, snapshot))

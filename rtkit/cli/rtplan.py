@@ -30,6 +30,7 @@ def main(
     detailed_exitcode: bool,
     state: str,
     costs: tuple[str, ...],
+    basis: str,
     stand_in: bool,
     transmit: bool,
     strict: bool,
@@ -42,6 +43,10 @@ def main(
     that may be changed while its component runs (rtkit.hot) is set without a stop, another by
     stopping that component and no other; one that moves is made anew with its connections.
 
+    A step costs what steps of its kind took here, on a scale with the table, once 20 were measured;
+    before, or with --costs table, what the table says (rtkit help plans). A profile may say what
+    interrupting a component costs (rtkit.cost), and --cost goes before all.
+
     When there is no plan it is told which wishes cannot hold together, and why; with --exit-detail
     the status is 7 then.
     """
@@ -49,7 +54,7 @@ def main(
 
     if is_json and is_dot:
         raise UsageProblem("--json and --dot exclude each other")
-    plan = planning.prepare(
+    goal, _, plan = planning.prepare(
         app,
         files,
         is_dry=True,
@@ -57,11 +62,13 @@ def main(
         mapped=mapped,
         state=state,
         costs=costs,
+        basis=basis,
         stand_in=stand_in,
         transmit=transmit,
-    ).plan
+    )
     if is_json:
-        _out.write([_records.line("plan", telling.as_plain(plan))])
+        _out.write([_records.line("plan", telling.as_plain(plan, goal.costs))])
     else:
-        _out.write(map(_out.printable, telling.to_dot(plan) if is_dot else telling.lines(plan)))
+        told = telling.to_dot(plan) if is_dot else telling.lines(plan, goal.costs)
+        _out.write(map(_out.printable, told))
     return CHANGE_NEEDED if detailed_exitcode and plan.moves else 0

@@ -210,6 +210,7 @@ class Result:
         why: One line for the user; empty on success.
         value: What was made: the instance name of a created component.
         note: What the user may not expect though it was done; mostly empty.
+        took_s: How long it took [s]; 0 where nobody measured it.
     """
 
     code: ReturnCode = ReturnCode.OK
@@ -217,6 +218,7 @@ class Result:
     why: str = ""
     value: str = ""
     note: str = ""
+    took_s: float = field(default=0.0, compare=False)
 
     @property
     def ok(self) -> bool:

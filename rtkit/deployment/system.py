@@ -53,6 +53,7 @@ class WantedComponent:
         unknown_host: The host it names, when nobody knows that host.
         guests: Context id and instance name of others that its contexts are to drive.
         hot: Parameters that may be changed while it is active; ``*`` for all.
+        costs: What kinds of steps cost that are done to it, where the profile says so.
     """
 
     id: str
@@ -70,6 +71,7 @@ class WantedComponent:
     unknown_host: str = ""
     guests: tuple[tuple[str, str], ...] = ()
     hot: tuple[str, ...] = ()
+    costs: Mapping[str, float] = field(default_factory=dict)
 
     def port(self, name: str) -> PortProfile | None:
         """Return the port of that name, or None."""

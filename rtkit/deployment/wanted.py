@@ -23,6 +23,7 @@ from rtkit.deployment.described import (
 )
 from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
+from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, is_cost
 from rtkit.deployment.port_types import settle_types
 from rtkit.deployment.system import (
     BadComponent,
@@ -192,6 +193,7 @@ def _component(
         unknown_host=where.unknown_host,
         guests=guests_of(component),
         hot=tuple(filter(None, map(str.strip, own.get(extension.HOT, "").split(",")))),
+        costs=_costs(component.instance_name, own.get(extension.COST, "")),
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
@@ -200,6 +202,27 @@ def _component(
     module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
     text = str(_create(create, made)) if create else ""
     return replace(made, create=text, module=module), where.note
+
+
+def _costs(instance: str, text: str) -> dict[str, float]:
+    """Return what kinds of steps cost by ``NUMBER``, any interruption, or ``KIND=NUMBER,…``."""
+    costs: dict[str, float] = {}
+    for item in filter(None, map(str.strip, text.split(","))):
+        kind, equals, number = item.rpartition("=")
+        kinds = (kind.strip(),) if equals else INTERRUPTIONS
+        try:
+            cost = float(number)
+        except ValueError:
+            cost = 0.0
+        if not is_cost(cost):
+            raise Malformed(f"{instance}: {extension.COST}: not a number above 0: {item}")
+        if not set(kinds) <= DEFAULT_COSTS.keys():
+            known = ", ".join(DEFAULT_COSTS)
+            raise Malformed(
+                f"{instance}: {extension.COST}: no such kind of step: {kind}; there are {known}"
+            )
+        costs.update(dict.fromkeys(kinds, cost))
+    return costs
 
 
 def _create(text: str, made: WantedComponent) -> CreateString:

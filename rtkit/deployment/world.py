@@ -45,6 +45,7 @@ class World:
         types: What can be created, by implementation id.
         modules: What a module offers once it is loaded, by path.
         fault: Called before each action; a returned result is its outcome (to make it fail).
+        lacking: Why nothing can be made of a type, by implementation id; others may be made.
         performed: Every action performed, in order.
         changed: Called after facts of a component changed.
     """
@@ -68,6 +69,7 @@ class World:
         self.components: dict[str, ComponentFacts] = {}
         self.connectors: dict[str, ConnectorProfile] = {}
         self.properties: dict[str, str] = {}
+        self.lacking: dict[str, str] = {}
         self.names: tuple[str, ...] = (f"{LOCAL}/{manager}{MANAGER_SUFFIX}",)
         self.fault: Callable[[Action], Result | None] = _no_fault
         self.performed: list[Action] = []

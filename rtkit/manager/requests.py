@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -22,7 +23,9 @@ from rtkit.manager.core.events import (
     StopAsked,
 )
 from rtkit.manager.core.state import State
+from rtkit.manager.modules.finding import lacking
 from rtkit.manager.modules.loadable import loadable
+from rtkit.manager.modules.search import Search
 from rtkit.manager.restarting import open_report
 from rtkit.property.exchange import Reply, Request, failure
 from rtkit.rtc.plain import encode
@@ -60,11 +63,15 @@ class Desk:
         """
         if request.is_extension and request.name == "picture":
             return PictureAsked(request.answer)
+        if request.is_extension and request.name == "lacking" and request.payload is not None:
+            self._find(request)
+            return None
         if request.is_extension:
             request.answer(Reply(self._view(request.name)))
             return None
         if request.payload is None and request.name == "get_loadable_modules":
-            self._scan(request)
+            folders = configuring.load_paths(self._state)
+            _aside(request, lambda: loadable(folders))
             return None
         if request.payload is None:
             request.answer(Reply(self._property(keys.unescape(request.name))))
@@ -80,20 +87,17 @@ class Desk:
             return StopAsked()
         return self._operation(keys.unescape(request.name), request)
 
-    def _scan(self, request: Request) -> None:
-        """Answer on a thread of its own: many files may have to be read."""
-        from threading import Thread
-
-        folders = configuring.load_paths(self._state)
-
-        def run() -> None:
-            try:
-                reply = Reply(loadable(folders))
-            except Exception as error:
-                reply = failure(error)
-            request.answer(reply)
-
-        Thread(target=run, name="scan", daemon=True).start()
+    def _find(self, request: Request) -> None:
+        """Answer what keeps components from being made."""
+        settings = self._state.settings
+        search = Search(
+            configuring.load_paths(self._state),
+            is_absolute_allowed=settings.flag("manager.modules.abs_path_allowed"),
+        )
+        loaded = tuple(self._state.modules.values())
+        may_search = settings.flag("manager.modules.search_auto")
+        question = request.payload or ""
+        _aside(request, lambda: lacking(question, loaded, search, is_search_allowed=may_search))
 
     def _view(self, name: str) -> str:
         kind, _, which = name.partition("/")
@@ -132,6 +136,20 @@ class Desk:
         if name in operations.DO:
             return OperationAsked(name, argument, request.answer)
         return OperationAsked("set_configuration", f"{name}:{argument}", request.answer)
+
+
+def _aside(request: Request, work: Callable[[], str]) -> None:
+    """Answer on a thread of its own: many files may have to be read."""
+    from threading import Thread
+
+    def run() -> None:
+        try:
+            reply = Reply(work())
+        except Exception as error:
+            reply = failure(error)
+        request.answer(reply)
+
+    Thread(target=run, name="scan", daemon=True).start()
 
 
 def _compact(data: Any) -> str:

@@ -22,6 +22,7 @@ class Runner:
     Attributes:
         attempted: Every action sent so far.
         done: The steps that were carried out.
+        taken: What the actions took that were done [s], where the manager tells.
     """
 
     def __init__(
@@ -47,6 +48,7 @@ class Runner:
         self._told: set[str] = set()
         self.attempted: list[Action] = []
         self.done: list[Step] = []
+        self.taken: list[tuple[Action, float]] = []
 
     def check(self, checks: Iterable[Check]) -> None:
         """Refuse to begin when something that must hold does not.
@@ -131,7 +133,10 @@ class Runner:
         if not actions:
             return ()
         self.attempted += actions
-        return uninterrupted(lambda: self._tree.apply(actions, is_ordered=is_ordered))
+        results = uninterrupted(lambda: self._tree.apply(actions, is_ordered=is_ordered))
+        done = zip(actions, results, strict=False)  # what follows a failure has no result
+        self.taken += [(action, each.took_s) for action, each in done if each.ok and each.took_s]
+        return results
 
     def _perform(self, action: Action) -> tuple[Result, ...]:
         return uninterrupted(lambda: self._tree.apply([action]))

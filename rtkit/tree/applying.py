@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import Layer, Plan
 from rtkit.deployment.planning.back import way_back
+from rtkit.deployment.planning.costs import Costs
 from rtkit.deployment.planning.doing import Doing
-from rtkit.deployment.planning.model import DEFAULT_COSTS, Model
+from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.moves import Move
+from rtkit.deployment.planning.outlook import NOTHING_KNOWN, Outlook
 from rtkit.deployment.planning.plan import NO_RANKS, DeploymentPlan, make_plan
 from rtkit.deployment.planning.survey import Survey, survey
 from rtkit.deployment.planning.telling import lines
@@ -40,13 +43,15 @@ class Goal:
         state: In which every component is to be; None for as it is.
         ranks: Components of lower numbers are activated before those of higher ones.
         parallel: Most actions that are under way at once; 0 for no bound.
+        outlook: What is known of components that do not live yet.
     """
 
     system: System
     state: LifeCycleState | None = LifeCycleState.ACTIVE
     ranks: Mapping[str, int] = field(default_factory=lambda: NO_RANKS)
-    costs: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
+    costs: Costs = field(default_factory=Costs)
     parallel: int = 0
+    outlook: Outlook = NOTHING_KNOWN
 
     def survey(self, snapshot: Snapshot, began: Snapshot | None = None) -> Survey:
         """Return what is wanted over what lives, with what lived when it `began`.
@@ -55,7 +60,7 @@ class Goal:
             Impossible: Something else lives where a required component belongs.
         """
         live = Live(snapshot, self.system)
-        return survey(self.system, live, self.state, self.costs, began)
+        return survey(self.system, live, self.state, self.costs.values, began, self.outlook)
 
     def plan(self, snapshot: Snapshot, began: Snapshot | None = None) -> DeploymentPlan:
         """Return the cheapest plan from what lives.
@@ -83,6 +88,11 @@ class Applier:
         self._report = report
         self._progress = progress
         self._runner = Runner(tree, report)
+
+    @property
+    def taken(self) -> list[tuple[Action, float]]:
+        """What the actions took that were done [s]."""
+        return self._runner.taken
 
     def run(self, plan: DeploymentPlan, before: Snapshot, *, rolls_back: bool = False) -> None:
         """Carry a plan out that was made from what lived `before`; go back if that fails.

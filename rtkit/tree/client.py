@@ -112,6 +112,27 @@ class Tree(ByPath, Closing):
         except (TypeError, ValueError) as error:
             raise Malformed(f"the manager's snapshot cannot be read: {error}") from error
 
+    def lacking(self, makings: Sequence[tuple[str, str]]) -> list[str]:
+        """Return for each pair of a module and a create string why nothing can be made of it.
+
+        Empty means that nothing speaks against it. No code is run. A module is ``PATH:INIT``, or
+        empty where the type is found by its name.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+            NotFound: It is of a version that cannot tell.
+        """
+        import json
+
+        if not makings:
+            return []
+        key = keys.extension_key(self._service, "lacking")
+        try:
+            told = json.loads(self._ask(key, json.dumps(makings)))
+            return [str(why) for _, why in zip(makings, told, strict=True)]
+        except (TypeError, ValueError) as error:
+            raise Malformed(f"the manager's answer cannot be read: {error}") from error
+
     def apply(
         self,
         actions: Sequence[Action],

@@ -81,6 +81,9 @@ def _answer(world: World, request: Request) -> str:
     if request.is_extension and kind == "part":
         instances = keys.unescape(which).split(",")
         return json.dumps(encode(part_of(world.snapshot(), instances)))
+    if request.is_extension and request.name == "lacking" and request.payload is not None:
+        asked = json.loads(request.payload)
+        return json.dumps([world.lacking.get(create.partition("?")[0], "") for _, create in asked])
     if request.name == "batch" and request.payload is not None:
         batch = batch_from_text(request.payload)
         return results_to_text(world.batch(batch.actions, batch.is_ordered))

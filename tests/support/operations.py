@@ -106,6 +106,7 @@ OPERATIONS = {
     "activate": Operation("rtact /localhost/Motor0.rtc", robot),
     "delete": Operation(f"{MANAGER} -d Sensor0", wired, again="no component named Sensor0"),
     "resurrect": Operation(f"rtresurrect {SYSTEM}", manager, is_gradual=True),
+    "apply": Operation(f"rtapply --parallel 2 {SYSTEM}", manager, is_gradual=True),
     "start plan": Operation(f"rtstart {SYSTEM}", system, is_gradual=True),
     "stop plan": Operation(f"rtstop {SYSTEM}", active, is_gradual=True),
     "teardown": Operation(f"rtteardown --exit {SYSTEM}", system, is_gradual=True),

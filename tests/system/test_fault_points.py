@@ -31,7 +31,16 @@ def try_all(
             outcome.result()
 
 
-MANY_STEPS = ("resurrect", "start plan", "stop plan", "teardown", "cryo", "import", "configure")
+MANY_STEPS = (
+    "resurrect",
+    "apply",
+    "start plan",
+    "stop plan",
+    "teardown",
+    "cryo",
+    "import",
+    "configure",
+)
 """What commands do in several steps, or to files; the others ask the manager once."""
 
 DAEMONS = ("manager", "zygote", "slave", "holder")

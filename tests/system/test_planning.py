@@ -70,12 +70,43 @@ def test_a_killed_apply_is_run_again_and_finishes(manager: Any) -> None:
     assert shell.run(f"rtcheck {FILE}") == (0, "", "")
 
 
-def test_what_fails_is_taken_back(manager: Any) -> None:
+BROKEN = """
+from rtkit.component import Component
+
+
+class Broken(Component):
+    def on_initialize(self):
+        raise RuntimeError("no wheels")
+
+
+def BrokenInit(manager):
+    manager.register_factory(Broken)
+"""
+
+
+def test_what_is_not_found_is_told_beforehand_and_what_fails_is_taken_back(manager: Any) -> None:
     shell = manager
     bad = shell.folder / "bad.xml"
-    bad.write_text(re.sub(r"Motor\?", "Nothing?", Path(FILE).read_text()))
-    failed = shell.run(f"rtapply --rollback {bad}")
+    bad.write_text(re.sub(r"Motor\?", "Moto?", Path(FILE).read_text()))
+    failed = shell.run(f"rtapply --exit-detail {bad}")
+    assert (failed.status, failed.out) == (7, "")
+    assert "Motor0.rtc: component type Moto is not known (looked in" in failed.err
+    assert "(did you mean Motor?)" in failed.err
+    assert shell.ok("rtls -1 /localhost").split() == ["manager.mgr/"]
+
+    (shell.modules / "Broken.py").write_text(BROKEN)
+    bad.write_text(re.sub(r"Motor\?", "Broken?", Path(FILE).read_text()))
+    failed = shell.run(f"rtapply --rollback --parallel 1 {bad}")
     assert failed.status == 1
-    assert "Nothing" in failed.err
+    assert "no wheels" in failed.err
+    assert "way back: " in failed.err
     assert failed.err.endswith("; everything is as it was before\n")
     assert shell.ok("rtls -1 /localhost").split() == ["manager.mgr/"]
+
+    # What the steps took that were done is noted, and counts when there is enough of it.
+    times = Path(shell.environment["RTKIT_STATE_DIR"], "step-times.json")
+    means = json.loads(times.read_text())["means"]
+    assert means["create_slave Controller"][0] == 1
+    means["create_slave"][0] = means["delete"][0] = 20
+    times.write_text(json.dumps({"version": 1, "means": means}))
+    assert "measured: create_slave\n" in shell.ok(f"rtplan {FILE}")

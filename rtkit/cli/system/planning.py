@@ -15,14 +15,14 @@ from rtkit.errors import UsageProblem
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.planning.costs import Costs
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.system import System
     from rtkit.tree.applying import Goal
 
 ANY = "Any"
 STATES = ("Active", "Inactive", ANY)
-INTERRUPTIONS = ("deactivate", "delete", "reset")
-"""Kinds of commands that interrupt a component."""
+MEASURED, TABLE = "measured", "table"
 
 
 class Prepared(NamedTuple):
@@ -51,6 +51,14 @@ def planning_options(function: Callable[..., Any]) -> Callable[..., Any]:
             help="What a kind of step costs, or any interruption of a component.",
         ),
         click.option(
+            "--costs",
+            "basis",
+            type=click.Choice((MEASURED, TABLE)),
+            default=MEASURED,
+            help="Cost of the other steps: as long as they took here (default, where known), or"
+            " what the table says.",
+        ),
+        click.option(
             "--stand-in",
             "stand_in",
             is_flag=True,
@@ -72,6 +80,7 @@ def prepare(
     mapped: tuple[str, ...],
     state: str,
     costs: tuple[str, ...],
+    basis: str,
     stand_in: bool,
     transmit: bool,
     parallel: int = 0,
@@ -81,6 +90,7 @@ def prepare(
     Raises:
         Impossible: There is no plan; names wishes that cannot hold together.
     """
+    from rtkit.cli.system.foresight import look_ahead
     from rtkit.cli.system.known_types import known_types
     from rtkit.rtc.enums import LifeCycleState
     from rtkit.tree.applying import Goal
@@ -98,7 +108,9 @@ def prepare(
     )
     wished = None if state == ANY else LifeCycleState(state)
     ranks = _ranks(app, document, system)
-    goal = Goal(system, wished, ranks, read_costs(costs, system), parallel)
+    outlook = look_ahead(app, system, snapshot)
+    table = settled_costs(app, costs, system, snapshot, is_measured=basis == MEASURED)
+    goal = Goal(system, wished, ranks, table, parallel, outlook)
     from rtkit.deployment.planning.plan import make_plan
 
     survey = goal.survey(snapshot)
@@ -107,15 +119,40 @@ def prepare(
     return Prepared(goal, snapshot, make_plan(survey.model, ranks))
 
 
-def read_costs(given: tuple[str, ...], system: System) -> Mapping[str, float]:
-    """Return the table of costs with what the user gave; a component stands for interrupting it.
+def settled_costs(
+    app: App, given: tuple[str, ...], system: System, snapshot: Snapshot, *, is_measured: bool
+) -> Costs:
+    """Return what steps cost: of the table, as measured, of the profile, of the user.
 
     Raises:
         UsageProblem: One is not NAME=NUMBER, or there is no such kind of step and no component.
     """
-    from rtkit.deployment.planning.model import DEFAULT_COSTS
+    from rtkit.cli.system import step_times
+    from rtkit.deployment.planning import costs
 
-    costs = dict(DEFAULT_COSTS)
+    table = costs.Costs()
+    said = read_costs(given, system)
+    if is_measured:
+        types = step_times.types_of(system, snapshot)
+        table = table.over(step_times.read(app).costs(types), costs.MEASURED)
+    stated = {
+        f"{kind} {component.instance}": cost
+        for component in system.components
+        for kind, cost in component.costs.items()
+    }
+    return table.over(stated, costs.PROFILE).over(said, costs.USER)
+
+
+def read_costs(given: tuple[str, ...], system: System) -> Mapping[str, float]:
+    """Return the costs that the user gave; a component stands for interrupting it.
+
+    Raises:
+        UsageProblem: One is not NAME=NUMBER, or there is no such kind of step and no component.
+    """
+    from rtkit.deployment.planning.costs import interruption
+    from rtkit.deployment.planning.model import DEFAULT_COSTS, is_cost
+
+    costs: dict[str, float] = {}
     names = {component.instance for component in system.components}
     for item in given:
         name, equals, text = item.rpartition("=")
@@ -123,13 +160,13 @@ def read_costs(given: tuple[str, ...], system: System) -> Mapping[str, float]:
             number = float(text)
         except ValueError:
             number = -1.0
-        if not equals or not 0 < number < float("inf"):
+        if not equals or not is_cost(number):
             raise UsageProblem(f"--cost needs NAME=NUMBER with a number above 0: {item}")
         kind, _, subject = name.partition(" ")
         if name in DEFAULT_COSTS or (kind in DEFAULT_COSTS and subject):
             costs[name] = number
         elif name in names:
-            costs.update((f"{each} {name}", number) for each in INTERRUPTIONS)
+            costs.update(interruption(name, number))
         else:
             known = ", ".join(DEFAULT_COSTS)
             raise UsageProblem(f"--cost: no component and no kind of step ({known}): {name}")

@@ -13,7 +13,8 @@ from rtkit.deployment.live import Live, context_of
 from rtkit.deployment.plan import Layer, Step
 from rtkit.deployment.planning.model import Model, is_inproc, owner_of
 from rtkit.deployment.planning.moves import Move
-from rtkit.deployment.planning.survey import ACTIVE_SET, create_text
+from rtkit.deployment.planning.outlook import create_text
+from rtkit.deployment.planning.survey import ACTIVE_SET
 from rtkit.deployment.system import System
 from rtkit.errors import Refused
 from rtkit.rtc.create import parse_create

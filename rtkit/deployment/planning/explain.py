@@ -18,14 +18,23 @@ class NoPlan(Impossible):
     Attributes:
         wishes: Of which each can be left out, and then the others can hold: ``VARIABLE=VALUE``.
         reasons: What stands in the way of them.
+        more: What else stands in the way, of other wishes.
     """
 
-    def __init__(self, wishes: Sequence[str], words: Sequence[str], reasons: Sequence[str]) -> None:
+    def __init__(
+        self,
+        wishes: Sequence[str],
+        words: Sequence[str],
+        reasons: Sequence[str],
+        more: Sequence[str] = (),
+    ) -> None:
         self.wishes = tuple(wishes)
         self.reasons = tuple(reasons)
+        self.more = tuple(more)
         how = "cannot hold together" if len(wishes) > 1 else "cannot be"
         told = f"impossible: {', '.join(words)} {how}"
-        super().__init__(told + (f" ({'; '.join(reasons)})" if reasons else ""))
+        told += f" ({'; '.join(reasons)})" if reasons else ""
+        super().__init__(told + (f"; moreover: {'; '.join(more)}" if more else ""))
 
 
 def explained(model: Model, error: Impossible) -> NoPlan:
@@ -38,7 +47,9 @@ def explained(model: Model, error: Impossible) -> NoPlan:
     found = minimal_conflict(local, lambda some: _is_possible(model, some))
     told = [_told(wish) for wish in found or local]
     words = [_words(model, wish) for wish in found or local]
-    return NoPlan(told, words, list(dict.fromkeys(_reasons(model, found))))
+    reasons = list(dict.fromkeys(_reasons(model, found)))
+    more = [why for why in _unmakable(model) if why not in reasons]
+    return NoPlan(told, words, reasons, more)
 
 
 def _is_possible(model: Model, wishes: Sequence[Wished]) -> bool:
@@ -111,6 +122,14 @@ def _reasons(model: Model, wishes: Sequence[Wished]) -> Iterator[str]:
                 yield f"{manager} does not find module {module}"
         elif kind in ("cmp", "act", "cfg"):
             yield from _unit_reasons(asked, owner_of(name))
+
+
+def _unmakable(model: Model) -> Iterator[str]:
+    """Yield why components cannot be made that must be: who repairs one thing wants to know all."""
+    for name, unit in model.units.items():
+        is_there = model.now(f"cmp:{name}") != ABSENT
+        if unit.why_not and not is_there and not model.allows(f"cmp:{name}", ABSENT):
+            yield unit.why_not
 
 
 def _unit_reasons(model: Model, name: str) -> Iterator[str]:

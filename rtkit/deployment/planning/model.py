@@ -8,9 +8,10 @@ where a certain slave is meant.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import inf
 
 DOWN, UP = "down", "up"
 ABSENT, LOADED = "absent", "loaded"
@@ -40,6 +41,14 @@ DEFAULT_COSTS: Mapping[str, float] = {
     "deactivate": 1,
     "reset": 1,
 }
+
+INTERRUPTIONS = ("deactivate", "delete", "reset")
+"""Kinds of steps that interrupt a component."""
+
+
+def is_cost(number: float) -> bool:
+    """Whether a step may cost so much."""
+    return 0 < number < inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +107,8 @@ class Model:
         keys: Parameters by ``C.KEY``.
         live: What is; a variable that is not named has its usual value (see `usual`).
         desired: What is wished; what is not named may be anything.
-        costs: Of each kind of command; ``KIND NAME`` for what concerns one component only.
+        costs: Of each kind of command; ``KIND NAME`` for what concerns one component only, or one
+            parameter, or one connection.
         slaves_need_modules: A module must be loaded also for what is made in a slave.
     """
 
@@ -130,7 +140,7 @@ class Model:
 
     def cost(self, kind: str, subject: str = "") -> float:
         """Return what a command costs, for what it is done to."""
-        return self.costs.get(f"{kind} {subject}", self.costs[kind])
+        return self.costs[cost_name(self.costs, kind, subject)]
 
     @cached_property
     def keys_of(self) -> dict[str, list[str]]:
@@ -185,6 +195,13 @@ class Model:
             yield f"act:{name}"
         yield from (f"cfg:{key}" for key in self.keys)
         yield from (f"con:{name}" for name in self.wires)
+
+
+def cost_name(costs: Container[str], kind: str, subject: str) -> str:
+    """Return under which name a table has what a command costs, the most special one it has."""
+    owner = owner_of(subject) if kind == "configure" else subject
+    names = (f"{kind} {subject}", f"{kind} {owner}")
+    return next((name for name in names if name in costs), kind)
 
 
 def is_granted(wish: Wish, value: str) -> bool:

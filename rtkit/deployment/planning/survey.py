@@ -30,6 +30,12 @@ from rtkit.deployment.planning.model import (
     is_granted,
     key_of,
 )
+from rtkit.deployment.planning.outlook import (
+    NOTHING_KNOWN,
+    Outlook,
+    create_text,
+    place_name,
+)
 from rtkit.deployment.system import (
     HIDDEN,
     System,
@@ -39,9 +45,9 @@ from rtkit.deployment.system import (
 )
 from rtkit.deployment.wiring import is_same_wire, missing_end
 from rtkit.errors import Impossible
-from rtkit.rtc.create import FRESH_SLAVE, parse_create
+from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState
-from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
 DEFAULT = "default"
 """The set that is the active one in a component just made."""
@@ -67,6 +73,7 @@ def survey(
     state: LifeCycleState | None = LifeCycleState.ACTIVE,
     costs: Mapping[str, float] = DEFAULT_COSTS,
     began: Snapshot | None = None,
+    outlook: Outlook = NOTHING_KNOWN,
 ) -> Survey:
     """Return a wanted system over what lives as a model.
 
@@ -76,26 +83,12 @@ def survey(
         state: Active or Inactive, in which every component is to be; None for as it is.
         costs: Of commands.
         began: What lived when it began; who moves keeps connections and values of then.
+        outlook: What is known of components that do not live yet.
 
     Raises:
         Impossible: Something else lives where a required component belongs.
     """
-    return _Surveying(system, live, state, costs, began or live.snapshot).run()
-
-
-def place_name(manager: str, process: str) -> str:
-    """Return a place as the model calls it; empty and the manager's own name are the manager."""
-    if process in ("", manager):
-        return f"{manager}:inproc"
-    return f"{manager}:slave" if process == FRESH_SLAVE else f"{manager}:slave/{process}"
-
-
-def create_text(component: WantedComponent, live: Live) -> str:
-    """Return the create string of a component: what is wanted, else what made what lives."""
-    entry = live.entry(component.instance)
-    if component.create or entry is None or entry.is_stand_in:
-        return component.create
-    return entry.create
+    return _Surveying(system, live, state, costs, began or live.snapshot, outlook).run()
 
 
 class _Surveying:
@@ -106,7 +99,9 @@ class _Surveying:
         state: LifeCycleState | None,
         costs: Mapping[str, float],
         began: Snapshot,
+        outlook: Outlook,
     ) -> None:
+        self._outlook = outlook
         self._began = began
         self._joined = {wire.connector_id: wire for wire in began.connectors}
         self._before = {facts.instance: facts for facts in began.components}
@@ -166,8 +161,9 @@ class _Surveying:
         options = parse_create(create).options if create else {}
         members = tuple(m.strip() for m in options.get("members", "").split(",") if m.strip())
         place = place_name(self._manager, options.get("manager_name", ""))
-        places = () if why_not or not create else (place,)
-        why = why_not or ("" if create else f"nothing tells how to make {component.path}")
+        lack = why_not or self._lack(component)
+        places = () if lack or not create else (place,)
+        why = lack or ("" if create else f"nothing tells how to make {component.path}")
         module = component.module if component.pattern is None else ""
         self._units[name] = Unit(name, module, places, why, members)
         if module:
@@ -192,7 +188,12 @@ class _Surveying:
             host = component.unknown_host
             hint = f"--map {host}=localhost makes it here"
             return f"no such host: {host} (component {component.instance}); {hint}"
-        return ""
+        return self._lack(component)
+
+    def _lack(self, component: WantedComponent) -> str:
+        """Return why nothing could be made of a component's type; empty when it may be."""
+        lack = self._outlook.lacks.get(component.instance, "")
+        return f"{component.path}: {lack}" if lack else ""
 
     def _place_wish(
         self, component: WantedComponent, facts: ComponentFacts | None, place: str, is_stated: bool
@@ -202,6 +203,10 @@ class _Surveying:
         now = place_name(self._manager, facts.process)
         if not is_stated:
             return ANY
+        lack = self._lack(component)
+        if lack and not component.is_required:
+            self._notes.append(f"{lack}; it stays where it is")
+            return now
         is_any_slave = place == f"{self._manager}:slave" and now != f"{self._manager}:inproc"
         return (now, place) if is_any_slave else place
 
@@ -329,19 +334,27 @@ class _Surveying:
         return f"{' to '.join(map(str, ports))} ({id})"
 
     def _refused(self, wanted: WantedConnector, pending: list[str]) -> str:
-        """Return why two ports that live cannot be connected; empty when they can."""
-        if pending:
-            return ""
+        """Return why two ports cannot be connected; empty when they can, or nobody knows yet."""
         found = []
         for end in wanted.profile.ports:
-            facts = self._live_facts.at(end.instance)
-            port = facts.port(end.port) if facts is not None else None
+            port = self._port(end, is_pending=end.instance in pending)
             if port is None:
                 return ""
             found.append(port)
         why = refusal(found, wanted.profile.properties)
         told = " to ".join(address(self._system, end) for end in wanted.profile.ports)
         return f"{told}: {why}" if why else ""
+
+    def _port(self, end: PortRef, *, is_pending: bool) -> PortProfile | None:
+        """Return a port that lives, or as it will be when its component lives."""
+        facts = self._live_facts.at(end.instance)
+        if not is_pending:
+            return facts.port(end.port) if facts is not None else None
+        component = self._system.component(end.instance)
+        if component.pattern is not None:
+            return component.port(end.port)
+        known = self._outlook.ports.get(end.instance, ())
+        return next((port for port in known if port.name == end.port), None)
 
     def _surplus(self, wires: Iterable[ConnectorProfile]) -> None:
         """Take in connections of wanted components that nobody names: who moves keeps them."""

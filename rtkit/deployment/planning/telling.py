@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from rtkit.deployment.planning.costs import ORIGINS, TABLE, USUAL, Costs
 from rtkit.deployment.planning.model import NO, UNKNOWN, YES, owner_of
 from rtkit.deployment.planning.moves import Move
 from rtkit.deployment.planning.plan import DeploymentPlan
@@ -12,8 +13,11 @@ from rtkit.deployment.planning.plan import DeploymentPlan
 NOTHING_TO_DO = "nothing to do"
 
 
-def lines(plan: DeploymentPlan) -> Iterator[str]:
-    """Yield a plan for people: steps with costs and changes, what is done at once, what is kept."""
+def lines(plan: DeploymentPlan, costs: Costs = USUAL) -> Iterator[str]:
+    """Yield a plan for people: steps with costs and changes, what is done at once, what is kept.
+
+    Where not all costs are of the table, it is told where they come from.
+    """
     if not plan.moves:
         yield f"{NOTHING_TO_DO}: everything is as wanted"
     else:
@@ -30,6 +34,7 @@ def lines(plan: DeploymentPlan) -> Iterator[str]:
             yield told.rstrip()
         if any(len(layer) > 1 for layer in plan.layers):
             yield f"at once: {'; '.join(_ranges([n + 1 for n in each]) for each in plan.layers)}"
+        yield from _sources(plan, costs)
     managers, units, wires = plan.kept
     kept = [(managers, "manager"), (units, "component"), (wires, "connection")]
     yield f"kept: {', '.join(_counted(*each) for each in kept if each[0]) or 'nothing'}"
@@ -50,12 +55,12 @@ def changes(plan: DeploymentPlan) -> Iterator[str]:
         state.update(move.changes)
 
 
-def as_plain(plan: DeploymentPlan) -> dict[str, Any]:
+def as_plain(plan: DeploymentPlan, costs: Costs = USUAL) -> dict[str, Any]:
     """Return a plan as plain data for JSON; steps are numbered from 1."""
     layer_of = {n: number for number, layer in enumerate(plan.layers, 1) for n in layer}
     managers, units, wires = plan.kept
     return {
-        "cost": plan.cost,
+        "cost": round(plan.cost, 6),
         "optimal": plan.gap == 0,
         "gap": plan.gap,
         "looked_at": plan.looked_at,
@@ -68,6 +73,7 @@ def as_plain(plan: DeploymentPlan) -> dict[str, Any]:
                 "subject": _subject(move),
                 "text": move.text,
                 "cost": move.cost,
+                "cost_from": costs.origin(move.kind, move.subject),
                 "change": change,
             }
             for n, (move, change) in enumerate(zip(plan.moves, changes(plan), strict=True))
@@ -88,6 +94,15 @@ def to_dot(plan: DeploymentPlan) -> Iterator[str]:
         for each in sorted(before):
             yield f"  s{each + 1} -> s{n + 1};"
     yield "}"
+
+
+def _sources(plan: DeploymentPlan, costs: Costs) -> Iterator[str]:
+    kinds: dict[str, dict[str, None]] = {}
+    for move in plan.moves:
+        kinds.setdefault(costs.origin(move.kind, move.subject), {})[move.kind] = None
+    if kinds.keys() - {TABLE}:
+        told = (f"{source}: {', '.join(kinds[source])}" for source in ORIGINS if source in kinds)
+        yield f"costs: {'; '.join(told)}"
 
 
 def _change(move: Move, before: str, after: str) -> str:

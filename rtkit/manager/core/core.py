@@ -8,6 +8,7 @@ argument.
 from __future__ import annotations
 
 import signal
+from dataclasses import replace
 from functools import partial
 
 from rtkit.deployment.actions import Result
@@ -84,6 +85,7 @@ class Core:
         self._announcer = Announcer(state, self._out)
         self._survey = Survey(state, self._out, self._announcer.run_id)
         self._is_stopping = False
+        self._now = 0.0
 
     @property
     def is_idle(self) -> bool:
@@ -96,6 +98,7 @@ class Core:
         Raises:
             Malformed: A holder reported what cannot be read; nothing is changed.
         """
+        self._now = now
         match event:
             case BatchAsked():
                 self._begin(_Job(event))
@@ -171,10 +174,11 @@ class Core:
 
     def _start(self, job: _Job, index: int) -> None:
         steps = procedure_for(job.batch.actions[index], self.state)
-        self._tasks.begin(steps, job.batch.timeout_s, partial(self._done, job, index))
+        done = partial(self._done, job, index, self._now)
+        self._tasks.begin(steps, job.batch.timeout_s, done)
 
-    def _done(self, job: _Job, index: int, result: Result) -> None:
-        job.results[index] = result
+    def _done(self, job: _Job, index: int, began: float, result: Result) -> None:
+        job.results[index] = replace(result, took_s=round(self._now - began, 6))
         job.pending -= 1
         is_over = job.batch.is_ordered and (not result.ok or self._is_stopping)
         if is_over or not job.pending:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import jsonrecords
@@ -12,6 +14,13 @@ import pytest
 from rtkit.cli import rtapply, rtplan
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.planning.costs import (
+    ENOUGH,
+    Mean,
+    Times,
+    times_from_text,
+    times_to_text,
+)
 from rtkit.deployment.world import World
 from rtkit.errors import Unreachable
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
@@ -75,8 +84,17 @@ class Console:
         self._capsys = capsys
         self.write()
 
-    def write(self, *, slave: str = "s", gain: str = "2", hot: str = "", create: bool = True):
+    def write(
+        self,
+        *,
+        slave: str = "s",
+        gain: str = "2",
+        hot: str = "",
+        create: bool = True,
+        cost: str = "",
+    ):
         told = PROPERTY.format("rtkit.hot", hot) if hot else ""
+        told += PROPERTY.format("rtkit.cost", cost) if cost else ""
         parts = []
         for kind, port in (("Source", "out"), ("Sink", "in")):
             how = f"{kind}?manager_name={slave}" if kind == "Source" else kind
@@ -110,7 +128,10 @@ class Console:
 
 
 @pytest.fixture
-def console(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Console:
+def console(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> Console:
+    monkeypatch.setenv("RTKIT_STATE_DIR", str(tmp_path / "state"))
     return Console(tmp_path, capsys)
 
 
@@ -229,6 +250,71 @@ def test_costs_may_be_set(console):
         assert "--cost" in err
 
 
+def test_a_component_may_say_what_interrupting_it_costs(console):
+    console.up()
+    console.write(gain="5", cost="1000")
+    assert "cost 1002 (optimal)" in console.run("rtplan")[1]
+    assert "costs: table: configure, activate; profile: deactivate\n" in console.run("rtplan")[1]
+    assert "cost 9 (optimal)" in console.run("rtplan --cost Source0=7")[1]
+    console.write(gain="5", cost="configure=20, activate=4")
+    assert "cost 25 (optimal)" in console.run("rtplan")[1]
+    for bad in ("x", "0", "fly=3", "activate="):
+        console.write(cost=bad)
+        status, _, err = console.run("rtplan")
+        assert status == 1
+        assert "pair.xml:8: Source0: rtkit.cost: no" in err
+
+
+def measured(console: Console, times: dict[str, float], steps: int = ENOUGH) -> Path:
+    path = Path(os.environ["RTKIT_STATE_DIR"], "step-times.json")
+    path.parent.mkdir(mode=0o700, exist_ok=True)
+    path.write_text(times_to_text(Times({n: Mean(steps, s) for n, s in times.items()})))
+    return path
+
+
+def test_costs_are_what_steps_took_here_once_enough_were_measured(console):
+    console.up()
+    console.write(gain="5")
+    times = {"deactivate": 0.01, "configure": 0.03, "activate": 0.02, "activate Source": 0.04}
+    measured(console, times, ENOUGH - 1)
+    assert "cost 3 (optimal)" in console.run("rtplan")[1]
+    path = measured(console, times)
+    out = console.run("rtplan")[1]
+    # In sum as dear as in the table, rounded to preferred numbers.
+    assert "cost 4.17 (optimal)" in out
+    assert "costs: measured: deactivate, configure, activate\n" in out
+    (record,) = jsonrecords.checked(console.run("rtplan --json")[1])
+    assert [(s["cost"], s["cost_from"]) for s in record["steps"]] == [
+        (0.47, "measured"),
+        (1.5, "measured"),
+        (2.2, "measured"),
+    ]
+    assert "cost 3 (optimal)" in console.run("rtplan --costs table")[1]
+    assert "cost 12.17 (optimal)" in console.run("rtplan --cost activate=10.2")[1]
+    path.write_text('{"version": 1, "means": {"activate": [20')
+    status, out, err = console.run("rtplan")
+    assert status == 0
+    assert "cost 3 (optimal)" in out
+    assert err.startswith(f"rtplan: {path} is damaged and not used; steps cost what the table says")
+    assert err.count("\n") == 1
+
+
+def test_apply_notes_what_steps_took(console):
+    perform = console.world.perform
+    console.world.perform = lambda action: replace(perform(action), took_s=0.5)
+    path = measured(console, {"connect": 1.0}, 1)
+    assert console.run("rtapply")[0] == 0
+    means = times_from_text(path.read_text()).means
+    assert means["connect"] == Mean(2, 0.75)
+    assert means["create_slave Source"] == means["activate Sink"] == Mean(1, 0.5)
+    path.unlink()
+    path.mkdir()
+    console.world.perform(act.Disconnect("wire"))
+    status, _, err = console.run("rtapply")
+    assert status == 0
+    assert "rtapply: what steps took is not kept: " in err
+
+
 def test_json_tells_what_must_be_done_before(console):
     (record,) = jsonrecords.checked(console.run("rtplan --json")[1])
     assert record["schema"] == "rtkit.plan/1"
@@ -268,6 +354,32 @@ def test_ports_of_types_that_do_not_fit_are_told(console):
     assert status == 1
     assert "impossible: connection Source0.out to Sink0.in (wire) cannot be" in err
     assert "data type" in err.lower()
+
+
+def test_what_the_manager_does_not_find_is_told_before_anything_is_done(console):
+    console.world.lacking = {"Source": "no module Source.py (looked in /x)", "Sink": "no Sink"}
+    status, _, err = console.run("rtapply")
+    assert status == 1
+    assert err == (
+        "rtapply: impossible: that Source0 exists cannot be (/localhost/Source0.rtc: no module"
+        " Source.py (looked in /x)); moreover: /localhost/Sink0.rtc: no Sink\n"
+    )
+    assert console.world.performed == []
+    console.world.lacking = {}
+    console.up()
+    console.world.lacking = {"Source": "no module Source.py"}
+    assert console.steps() == []
+    console.write(slave="elsewhere")
+    assert "Source0.rtc: no module Source.py)" in console.run("rtplan")[2]
+
+
+def test_ports_of_types_that_do_not_fit_are_told_before_they_live(console):
+    console.world = make_world(sink_type="IDL:RTC/TimedString:1.0")
+    for kind in ("Source", "Sink"):
+        console.world.perform(act.Create(f"{kind}?instance_name=Other{kind}"))
+    status, _, err = console.run("rtplan")
+    assert status == 1
+    assert "impossible: connection Source0.out to Sink0.in (wire) cannot be" in err
 
 
 def test_another_component_in_the_place_is_not_replaced(console):

@@ -1,0 +1,90 @@
+"""What can be known of components before they are made: asked of the manager, read in profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+from rtkit.cli._app import App
+from rtkit.errors import NotFound
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.live import Live
+    from rtkit.deployment.planning.outlook import Outlook
+    from rtkit.deployment.system import System
+    from rtkit.rtc.profiles import PortProfile
+    from rtkit.statics.blueprint import Blueprint
+
+
+def look_ahead(app: App, system: System, snapshot: Snapshot) -> Outlook:
+    """Return what is known of the components that do not live as wanted; no code is run.
+
+    Raises:
+        Unreachable: The manager does not answer.
+    """
+    from rtkit.deployment.live import Live
+    from rtkit.deployment.planning.outlook import Outlook, makings
+
+    live = Live(snapshot, system)
+    asked = makings(system, live)
+    lacks: dict[str, str] = {}
+    if asked and snapshot.pid:
+        distinct = sorted(set(asked.values()))
+        try:
+            found = dict(zip(distinct, app.tree.lacking(distinct), strict=True))
+        except NotFound as error:
+            app.tell(f"which modules are found is not known: {error}")
+        else:
+            lacks = {name: found[making] for name, making in asked.items() if found[making]}
+    return Outlook(lacks, _ports(app, system, live, asked.keys() - lacks.keys()))
+
+
+def _ports(
+    app: App, system: System, live: Live, pending: Collection[str]
+) -> dict[str, tuple[PortProfile, ...]]:
+    """Return the ports that components will have, of those that are to be connected.
+
+    A living component of the same type shows them, else an RTC profile of the type says them.
+    """
+    ends = {end.instance for wire in system.connectors for end in wire.profile.ports}
+    wanted = {name: system.component(name).id for name in pending if name in ends}
+    alive = {c.type.id: c.ports for c in live.snapshot.components if not c.zombie}
+    found = {name: alive[id] for name, id in wanted.items() if id in alive}
+    left = {name: id for name, id in wanted.items() if name not in found}
+    if left:
+        found.update(_described(app, left))
+    return found
+
+
+def _described(app: App, wanted: dict[str, str]) -> dict[str, tuple[PortProfile, ...]]:
+    from rtkit.cli._components import profiles
+    from rtkit.deployment.identity import type_of
+    from rtkit.statics.stock import Document, stocked
+
+    names = {type_of(id).type_name for id in wanted.values()}
+    catalogue, _ = stocked((Document(*each) for each in profiles((), app.tell)), names)
+    found = {}
+    for name, id in wanted.items():
+        match = catalogue.find(id)
+        if match is not None and not match.is_other_version and not match.others:
+            found[name] = _ports_of(match.blueprint)
+    return found
+
+
+def _ports_of(blueprint: Blueprint) -> tuple[PortProfile, ...]:
+    """Return ports by type alone: what else they offer shows when they live."""
+    from rtkit.rtc.enums import PortType
+    from rtkit.rtc.profiles import PortProfile
+
+    data = [
+        PortProfile(name, each.kind, {"dataport.data_type": each.data_type})
+        for name, ports in blueprint.data_ports.items()
+        for each in ports[:1]
+        if len(ports) == 1
+    ]
+    service = [
+        PortProfile(name, PortType.SERVICE, interfaces=interfaces)
+        for name, interfaces in blueprint.service_ports.items()
+    ]
+    return (*data, *service)

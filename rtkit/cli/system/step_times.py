@@ -1,0 +1,72 @@
+"""How long steps took on this installation: a small file beside the logs.
+
+Two commands that end together may each miss what the other measured; that does no harm.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.cli._app import App
+from rtkit.errors import Malformed, RtkitError
+
+if TYPE_CHECKING:
+    from rtkit.deployment.actions import Action
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.planning.costs import Times
+    from rtkit.deployment.system import System
+
+_NAME = "step-times.json"
+_MOST = 1 << 20
+
+
+def path() -> str:
+    """Return where they are kept."""
+    from rtkit.link.places import state_dir
+
+    return os.path.join(state_dir(), _NAME)
+
+
+def read(app: App) -> Times:
+    """Return what was measured; a file that is damaged counts for nothing, and that is told."""
+    from rtkit.deployment.planning.costs import Times, times_from_text
+
+    try:
+        with open(path(), "rb") as stream:
+            data = stream.read(_MOST + 1)
+        if len(data) > _MOST:
+            raise Malformed(f"larger than {_MOST} bytes")
+        return times_from_text(data.decode())
+    except FileNotFoundError:
+        return Times()
+    except (OSError, UnicodeDecodeError, Malformed) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        app.fail(f"{path()} is damaged and not used; steps cost what the table says ({why})")
+        return Times()
+
+
+def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, str]) -> None:
+    """Add what actions took [s]; that it cannot be kept is told, and no failure."""
+    if not taken:
+        return
+    from rtkit.cli._atomic import write_output
+    from rtkit.deployment.planning.costs import times_to_text
+    from rtkit.link.places import make_private, state_dir
+
+    times = read(app).noting(taken, types)
+    try:
+        make_private(state_dir())
+        write_output(times_to_text(times).encode(), path())
+    except RtkitError as error:
+        app.fail(f"what steps took is not kept: {error}")
+
+
+def types_of(system: System, snapshot: Snapshot) -> dict[str, str]:
+    """Return the type names of components, by their names."""
+    from rtkit.deployment.identity import type_of
+
+    found = {facts.instance: facts.type.type_name for facts in snapshot.components}
+    found.update((each.instance, type_of(each.id).type_name) for each in system.components)
+    return found

@@ -1,0 +1,200 @@
+"""What steps cost: a table, over it what they took here so far, over that what somebody says.
+
+Costs are those of the table in scale: what was measured, taken together, costs what the table says
+of these kinds together. They are rounded coarsely, so that plans stay the same from day to day.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from math import floor, log10
+from typing import NamedTuple
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action
+from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, cost_name
+from rtkit.errors import Malformed
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import Transition
+
+TABLE, MEASURED, PROFILE, USER = "table", "measured", "profile", "user"
+"""Where a cost comes from."""
+ORIGINS = (TABLE, MEASURED, PROFILE, USER)
+"""Each goes before those before it."""
+
+ENOUGH = 20
+"""So many steps of a kind must have been measured before their mean counts."""
+
+_MEMORY = 100
+"""A mean is that of about so many steps, the latest ones."""
+_MOST_TYPES = 500
+_VERSION = 1
+_OF_TYPES = ("create", "create_slave", "delete", "configure", "activate", "deactivate", "reset")
+_PREFERRED = (1.0, 1.5, 2.2, 3.3, 4.7, 6.8, 10.0)
+_LEAST = 0.01
+
+_KINDS: Mapping[type, str] = {
+    act.Load: "load",
+    act.Unload: "unload",
+    act.Delete: "delete",
+    act.Connect: "connect",
+    act.Attach: "connect",
+    act.Disconnect: "disconnect",
+    act.Detach: "disconnect",
+    act.SetParameters: "configure",
+    act.ActivateSet: "configure",
+}
+_TRANSITIONS = {
+    Transition.ACTIVATE: "activate",
+    Transition.DEACTIVATE: "deactivate",
+    Transition.RESET: "reset",
+}
+
+
+class Mean(NamedTuple):
+    """How long steps took: how many of them, and the mean [s]."""
+
+    steps: int
+    seconds: float
+
+    def with_one(self, seconds: float) -> Mean:
+        """Return the mean with one more; the older ones are forgotten little by little."""
+        count = min(self.steps + 1, _MEMORY)
+        return Mean(count, self.seconds + (seconds - self.seconds) / count)
+
+
+@dataclass(frozen=True)
+class Times:
+    """How long the steps of this installation took.
+
+    Attributes:
+        means: By kind of step, or ``KIND TYPE`` for components of one type; the latest last.
+    """
+
+    means: Mapping[str, Mean] = field(default_factory=dict)
+
+    def noting(self, taken: Iterable[tuple[Action, float]], types: Mapping[str, str]) -> Times:
+        """Return the same with what actions took [s]; `types` are of components, by name."""
+        means = dict(self.means)
+        for action, seconds in taken:
+            for name in _names(action, types):
+                means[name] = means.pop(name, Mean(0, 0.0)).with_one(seconds)
+        of_types = [name for name in means if " " in name]
+        for name in of_types[: max(0, len(of_types) - _MOST_TYPES)]:
+            del means[name]
+        return Times(means)
+
+    def costs(self, types: Mapping[str, str]) -> dict[str, float]:
+        """Return what steps cost of which enough were measured, by kind and ``KIND COMPONENT``."""
+        known = {name: mean for name, mean in self.means.items() if mean.steps >= ENOUGH}
+        kinds = [kind for kind in DEFAULT_COSTS if kind in known]
+        seconds = sum(known[kind].seconds for kind in kinds)
+        if not seconds:
+            return {}
+        unit_s = seconds / sum(DEFAULT_COSTS[kind] for kind in kinds)
+        found = {kind: _rounded(known[kind].seconds / unit_s) for kind in kinds}
+        for component, type_ in types.items():
+            for kind in _OF_TYPES:
+                mean = known.get(f"{kind} {type_}")
+                if mean is not None:
+                    found[f"{kind} {component}"] = _rounded(mean.seconds / unit_s)
+        return found
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What steps cost, and where that comes from.
+
+    Attributes:
+        values: Of each kind; ``KIND NAME`` for what concerns one component or thing only.
+        origins: `MEASURED`, `PROFILE` or `USER`, by the same names; what is not named is `TABLE`.
+    """
+
+    values: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
+    origins: Mapping[str, str] = field(default_factory=dict)
+
+    def over(self, more: Mapping[str, float], origin: str) -> Costs:
+        """Return the same with other costs over these."""
+        kept = dict(self.values)
+        origins = dict(self.origins)
+        for kind in more.keys() & DEFAULT_COSTS.keys():
+            # What is said of a whole kind goes before what was measured of single types.
+            for name in [each for each in kept if each.startswith(f"{kind} ")]:
+                if origins.get(name) == MEASURED:
+                    del kept[name], origins[name]
+        return Costs({**kept, **more}, {**origins, **dict.fromkeys(more, origin)})
+
+    def origin(self, kind: str, subject: str) -> str:
+        """Return where the cost of a step comes from."""
+        return self.origins.get(cost_name(self.values, kind, subject), TABLE)
+
+
+USUAL = Costs()
+"""What the table says."""
+
+
+def interruption(component: str, cost: float) -> dict[str, float]:
+    """Return costs by which any interruption of a component costs so much."""
+    return {f"{kind} {component}": cost for kind in INTERRUPTIONS}
+
+
+def times_to_text(times: Times) -> str:
+    """Return what was measured as text for a file."""
+    plain = {name: [mean.steps, round(mean.seconds, 6)] for name, mean in times.means.items()}
+    return json.dumps({"version": _VERSION, "means": plain}, indent=1) + "\n"
+
+
+def times_from_text(text: str) -> Times:
+    """Rebuild what was measured.
+
+    Raises:
+        Malformed: It is damaged, or of another version.
+    """
+    try:
+        plain = json.loads(text)
+        if plain["version"] != _VERSION:
+            raise Malformed(f"version {plain['version']!r} is not known")
+        return Times(dict(_means(plain["means"])))
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
+        raise Malformed(f"not what was measured: {error}") from error
+
+
+def _means(plain: Mapping[str, tuple[int, float]]) -> Iterator[tuple[str, Mean]]:
+    for name, (count, seconds) in plain.items():
+        if name.partition(" ")[0] not in DEFAULT_COSTS:
+            raise ValueError(f"no kind of step: {name}")
+        if not (isinstance(count, int) and count > 0 and 0 <= float(seconds) < float("inf")):
+            raise ValueError(f"not a count and seconds: {name}")
+        yield name, Mean(min(count, _MEMORY), float(seconds))
+
+
+def kind_of(action: Action) -> str:
+    """Return which kind of step an action is; empty for what no plan has."""
+    if isinstance(action, act.Create):
+        return "create_slave" if parse_create(action.create).place else "create"
+    if isinstance(action, act.ChangeState):
+        return _TRANSITIONS.get(action.transition, "")
+    return _KINDS.get(type(action), "")
+
+
+def _names(action: Action, types: Mapping[str, str]) -> Iterator[str]:
+    kind = kind_of(action)
+    if not kind:
+        return
+    yield kind
+    instance = getattr(action, "instance", "")
+    if isinstance(action, act.Create):
+        instance = parse_create(action.create).instance_name
+    if kind in _OF_TYPES and types.get(instance):
+        yield f"{kind} {types[instance]}"
+
+
+def _rounded(cost: float) -> float:
+    """Return the preferred number next to a cost: 1, 1.5, 2.2, 3.3, 4.7, 6.8 and their tenfold."""
+    if cost <= _LEAST:
+        return _LEAST
+    scale = 10.0 ** floor(log10(cost))
+    nearest = min(_PREFERRED, key=lambda each: abs(log10(each) - log10(cost / scale)))
+    return float(f"{nearest * scale:.2g}")
