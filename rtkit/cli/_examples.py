@@ -205,6 +205,10 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "rtserve": (
         ("rtserve simple_pid:PID pid -a 1 -a 0.1", "A class, called with two arguments."),
         ("rtserve ./arm.py:Arm robots/arm --port 0", "Of a file, with a TCP door too."),
+        (
+            "rtserve ./arm.py:Arm arm --serial /dev/ttyS0 --allow-set 'angle*'",
+            "With a serial line, over which the angles may be set.",
+        ),
     ),
     "rtset": (
         ("rtset robot.speed -0.5", "A number."),

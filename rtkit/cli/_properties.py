@@ -11,6 +11,7 @@ import click
 from rtkit.cli import _records
 from rtkit.cli._app import App, working_directory
 from rtkit.cli._out import printable
+from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.property.messages import Payload
@@ -22,7 +23,9 @@ F = TypeVar("F", bound=Callable[..., Any])
 def place_options(function: F) -> F:
     """Add ``-p`` and ``--at``."""
     function = click.option(
-        "--at", metavar="HOST:PORT", help="Ask the services behind this TCP door."
+        "--at",
+        metavar="HOST:PORT",
+        help="Ask what is behind this TCP door, or serial:DEVICE?baud=115200.",
     )(function)
     return click.option(
         "-p",
@@ -43,7 +46,14 @@ def connected(app: App, at: str | None) -> Iterator[Places]:
     """
     from rtkit.tree.properties import Places
 
-    if at is not None and not at.rpartition(":")[2].isdigit():
+    if at is not None and at.startswith("serial:"):
+        from rtkit.link.serial_line import read_address
+
+        try:
+            read_address(at)
+        except Malformed as error:
+            raise click.BadParameter(str(error), param_hint="--at") from None
+    elif at is not None and not at.rpartition(":")[2].isdigit():
         raise click.BadParameter(f"not HOST:PORT: {at}", param_hint="--at")
     places = Places(working_directory(), at or "", app.timeout_s)
     try:

@@ -14,6 +14,10 @@ from rtkit.cli._app import App, command
 @click.option("--hide", multiple=True, metavar="NAME", help="Do not show this (repeatable).")
 @click.option("--port", type=click.IntRange(0, 65535), metavar="PORT",
               help="Also open a TCP door on this host, 0 for any free port.")  # fmt: skip
+@click.option("--serial", metavar="DEVICE",
+              help="Also open this serial line (DEVICE?baud=115200&check=auto).")  # fmt: skip
+@click.option("--allow-set", "settable", multiple=True, metavar="GLOB",
+              help="Names that may be set over the serial line (repeatable).")  # fmt: skip
 @click.argument("thing", metavar="MODULE:CLASS")
 @click.argument("name")
 def main(
@@ -21,6 +25,8 @@ def main(
     arguments: tuple[str, ...],
     hide: tuple[str, ...],
     port: int | None,
+    serial: str | None,
+    settable: tuple[str, ...],
     thing: str,
     name: str,
 ) -> None:
@@ -29,18 +35,26 @@ def main(
     Its attributes, properties, getters and setters become properties that rtget, rtset and
     rtlisten know, its other public methods actions. MODULE is a name or a file; CLASS, which is
     called, may also be a function or an object. When it can be found it is printed where.
+
+    Behind a serial line all may be got and listened to, and set what --allow-set names. A device
+    that is not there is waited for. Lines carry a check where the far side makes them.
     """
     import signal
     import threading
 
     from rtkit.cli._object import made
+    from rtkit.link.serial_line import SCHEME
     from rtkit.serving.serve import serve
 
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
-    with serve(made(thing, arguments), name, port=port, hide=hide) as served:
+    if settable and serial is None:
+        raise click.UsageError("--allow-set goes with --serial")
+    thing_made = made(thing, arguments)
+    with serve(thing_made, name, port=port, serial=serial, settable=settable, hide=hide) as served:
         door = "" if served.port is None else f"  localhost:{served.port}"
-        _out.write([f"/localhost/{served.name}{door}"])
+        line = "" if serial is None else f"  {SCHEME}{serial.removeprefix(SCHEME)}"
+        _out.write([f"/localhost/{served.name}{door}{line}"])
         import sys
 
         sys.stdout.flush()

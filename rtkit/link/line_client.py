@@ -5,13 +5,13 @@ from __future__ import annotations
 import select
 import socket
 import struct
-from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from time import monotonic
 
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
+from rtkit.link.inbox import Inbox
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Event, Payload
 
@@ -35,9 +35,7 @@ class LineClient(Closing):
             end.setsockopt(socket.SOL_SOCKET, direction, bound)
         self._timeout_s = timeout_s
         self._replies = Replies()
-        self._events: deque[Event] = deque()
-        self._latest: dict[str, Event] = {}
-        self._names_of_latest: set[str] = set()
+        self._inbox = Inbox()
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         """GET, or SET, and wait for the reply.
@@ -56,7 +54,7 @@ class LineClient(Closing):
             if told is None:
                 raise Unreachable(f"no answer within {self._timeout_s:g} s")
             if isinstance(told, Event):
-                self._keep(told)
+                self._inbox.put(told)
             else:
                 return told[1]
 
@@ -67,7 +65,7 @@ class LineClient(Closing):
             Unreachable: The connection has ended.
         """
         self._drain()
-        known = self._next_known()
+        known = self._inbox.take()
         if known is not None:
             return known
         deadline = None if timeout_s is None else monotonic() + timeout_s
@@ -76,9 +74,9 @@ class LineClient(Closing):
             if told is None:
                 return None
             if isinstance(told, Event):
-                self._keep(told)
+                self._inbox.put(told)
                 self._drain()
-                return self._next_known()
+                return self._inbox.take()
 
     def _drain(self) -> None:
         """Take what has arrived: of a property of which the latest is wanted, older ones go."""
@@ -94,18 +92,7 @@ class LineClient(Closing):
             self._replies.feed(data)
         while (told := self._replies.next()) is not None:
             if isinstance(told, Event):
-                self._keep(told)
-
-    def _keep(self, event: Event) -> None:
-        if event.name in self._names_of_latest and not event.code:
-            self._latest[event.name] = event
-        else:
-            self._events.append(event)
-
-    def _next_known(self) -> Event | None:
-        if self._latest:
-            return self._latest.pop(next(iter(self._latest)))
-        return self._events.popleft() if self._events else None
+                self._inbox.put(told)
 
     def listen(self, target: str) -> None:
         """Begin to listen to ``P`` or ``P?queue=…``.
@@ -116,8 +103,7 @@ class LineClient(Closing):
             PropertyError: As the service answers.
         """
         name, mark, tail = target.partition("?")
-        is_latest = not any(each.startswith(("queue=", "mode=")) for each in tail.split("&"))
-        (self._names_of_latest.add if is_latest else self._names_of_latest.discard)(name)
+        self._inbox.expect(name, tail)
         self.ask(f"{name}.listen{mark}{tail}", "self").value()
 
     def events(self) -> Iterator[Event]:

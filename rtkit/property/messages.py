@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.property.codes import code_of, rebuilt
@@ -48,10 +48,12 @@ class Caller:
 
     Attributes:
         identity: A name that the door has made sure of; empty for anybody.
+        origin: Whose requests, repeated with their id, are the same ones.
     """
 
     def __init__(self, identity: str = "") -> None:
         self.identity = identity
+        self.origin: Hashable = self
 
     def may(self, method: str, name: str) -> bool:
         """Whether it may GET or SET a property; SET is for those who are known."""

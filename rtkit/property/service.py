@@ -415,7 +415,7 @@ def _identity_of(ask: Ask, target: Target) -> tuple[Any, ...] | None:
     id = target.parameters.get("id")
     if id is not None:
         return (ask.target, ask.payload, id)
-    return (ask.caller, ask.id, ask.target, ask.payload) if ask.id else None
+    return (ask.caller.origin, ask.id, ask.target, ask.payload) if ask.id else None
 
 
 def _divisible(value: Content, place: Place) -> Value:

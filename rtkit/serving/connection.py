@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 
 from rtkit.property.line import Asked, Requests, write_answer, write_event
 from rtkit.property.listening import Listener
-from rtkit.property.messages import Answer, Ask, Caller
+from rtkit.property.messages import Answer, Ask, Caller, Event
 from rtkit.property.order import InOrder
 
 if TYPE_CHECKING:
     from rtkit.property.service import Service
-    from rtkit.serving.host import Host
+    from rtkit.serving.host import End, Host
     from rtkit.serving.login import Login
 
 _PIECE = 1 << 16
@@ -33,7 +33,7 @@ _MOST_WAITING = 4096
 
 
 class Connection(Caller):
-    """A client behind a socket.
+    """A client behind a socket, or something that behaves as one.
 
     Args:
         host: Whose loop serves it.
@@ -43,7 +43,7 @@ class Connection(Caller):
     """
 
     def __init__(
-        self, host: Host, end: socket.socket, service: str, identity: str, login: Login | None
+        self, host: Host, end: End, service: str, identity: str, login: Login | None
     ) -> None:
         super().__init__(identity)
         self._host = host
@@ -164,8 +164,12 @@ class Connection(Caller):
         else:
             self._dispatch(asked, answer)
 
+    def _write(self, message: bytes) -> None:
+        """Have a reply or an event sent."""
+        self._out += message
+
     def _put(self, reply: bytes) -> None:
-        self._out += reply
+        self._write(reply)
         if not self._is_working and self.is_open:
             self._host.mark(self)
 
@@ -194,7 +198,7 @@ class Connection(Caller):
                 event = listener.take(now)
                 if event is None:
                     break
-                self._out += write_event(event)
+                self._tell(listener, event)
             if listener.has_ended and not listener.pending:
                 self._listeners.remove(listener)
             elif listener.pending and len(self._out) < _ROOM_FOR_EVENTS:
@@ -202,6 +206,9 @@ class Connection(Caller):
                 due += [] if at is None else [at]
         self._work()
         return min(due, default=None) if self.is_open else None
+
+    def _tell(self, listener: Listener, event: Event) -> None:
+        self._write(write_event(event))
 
     def check(self, now: float) -> None:
         """See `Tenant.check`."""

@@ -25,6 +25,30 @@ _MOST_CALLS = 64
 _LONGEST_WAIT_S = 3600.0
 
 
+class End(Protocol):
+    """What the loop can wait for, read and write: a socket, or a device."""
+
+    def fileno(self) -> int:
+        """Return its descriptor."""
+        ...
+
+    def setblocking(self, flag: bool, /) -> None:
+        """Wait in `recv` and `send`, or raise BlockingIOError."""
+        ...
+
+    def recv(self, size: int, /) -> bytes:
+        """Return what has come, nothing at its end."""
+        ...
+
+    def send(self, data: bytes | bytearray | memoryview, /) -> int:
+        """Send what there is room for; return how much that was."""
+        ...
+
+    def close(self) -> None:
+        """Be open no longer."""
+        ...
+
+
 class Tenant(Protocol):
     """Something with a socket that the loop serves."""
 
@@ -60,7 +84,7 @@ class Host:
         self._posted: deque[Callable[[], object]] = deque()
         self._dirty: set[Tenant] = set()
         self._tenants: dict[int, Tenant] = {}
-        self._sockets: dict[int, socket.socket] = {}
+        self._sockets: dict[int, End] = {}
         self._calls = 0
         self._is_woken = False
         self._is_ended = threading.Event()
@@ -131,19 +155,19 @@ class Host:
 
     # Sockets
 
-    def register(self, end: socket.socket, tenant: Tenant) -> None:
+    def register(self, end: End, tenant: Tenant) -> None:
         """Serve a socket; on the loop's thread, or before it runs."""
         number = end.fileno()
         self._tenants[number] = tenant
         self._sockets[number] = end
         self._epoll.register(number, select.EPOLLIN)
 
-    def await_room(self, end: socket.socket, *, reads: bool, writes: bool) -> None:
+    def await_room(self, end: End, *, reads: bool, writes: bool) -> None:
         """Wait until a socket can be read, or be written to, or for neither of them."""
         mask = (select.EPOLLIN if reads else 0) | (select.EPOLLOUT if writes else 0)
         self._epoll.modify(end.fileno(), mask)
 
-    def unregister(self, end: socket.socket, tenant: Tenant) -> None:
+    def unregister(self, end: End, tenant: Tenant) -> None:
         """Serve a socket no longer."""
         number = end.fileno()
         if self._tenants.pop(number, None) is not None:

@@ -67,6 +67,8 @@ def serve(
     name: str,
     *,
     port: int | None = None,
+    serial: str | None = None,
+    settable: Iterable[str] = (),
     hide: Iterable[str] = (),
     is_on_zenoh: bool = True,
 ) -> Served:
@@ -84,12 +86,14 @@ def serve(
         thing: Any object, or a `Service` that is there already.
         name: Parts joined by slashes.
         port: Also open this TCP port of the host, 0 for any, to who knows the user's secret.
+        serial: Also open this serial line, ``DEVICE[?baud=N&check=auto|1|0]``, when it is there.
+        settable: Patterns of names that may be set over it; none may, unless told.
         hide: Names that are not to be seen.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
 
     Raises:
         Refused: A service of that name runs.
-        Malformed: It is no name.
+        Malformed: It is no name, or no serial line.
         Unreachable: The port is taken.
     """
     host = Host()
@@ -104,6 +108,11 @@ def serve(
     host.add(service)
     try:
         socket = open_unix(host, service.name)
+        if serial is not None:
+            from rtkit.link.serial_line import read_address
+            from rtkit.serving.serial_door import open_serial
+
+            open_serial(host, read_address(serial), service.name, tuple(settable))
         opened = None if port is None else open_tcp(host, service.name, port)
         if is_on_zenoh:
             from rtkit.serving.zenoh_door import open_zenoh

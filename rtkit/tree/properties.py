@@ -87,12 +87,14 @@ class Places:
     """Finds properties and keeps one connection for each owner.
 
     Args:
-        at: ``HOST:PORT`` of a TCP door, else services of this user on this host are meant.
+        at: ``HOST:PORT`` of a TCP door, or ``serial:DEVICE``, else services of this user on this
+            host are meant. Behind a serial line there is one service, which needs no name.
         timeout_s: Bound on each request [s].
     """
 
     def __init__(self, cwd: str, at: str, timeout_s: float) -> None:
-        self._cwd = cwd
+        self._is_serial = at.startswith("serial:")
+        self._cwd = "/" if self._is_serial else cwd
         self._at = at
         self._timeout_s = timeout_s
         self._ends: dict[str, End] = {}
@@ -147,11 +149,17 @@ class Places:
         return self._services
 
     def _at_door(self) -> list[str]:
+        if self._is_serial:
+            return []
         answer = self._door().ask("door/services").value()
         return [] if answer == "()" else str(answer).strip("()").split()
 
     def _door(self) -> End:
-        if "" not in self._ends:
+        if "" not in self._ends and self._is_serial:
+            from rtkit.link.serial_client import connect_serial
+
+            self._ends[""] = connect_serial(self._at, self._timeout_s)
+        elif "" not in self._ends:
             from rtkit.link.line_client import connect_tcp
 
             host, _, port = self._at.rpartition(":")
@@ -159,6 +167,8 @@ class Places:
         return self._ends[""]
 
     def _end(self, place: Place) -> End:
+        if self._is_serial:
+            return self._door()
         if not place.service:
             known = " ".join(self._known()) or "none"
             first = place.name.split(".")[0]

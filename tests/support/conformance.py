@@ -287,9 +287,9 @@ ROWS: tuple[Row, ...] = (
 )
 
 
-def check_answers(door: Door) -> None:
+def check_answers(door: Door, rows: tuple[Row, ...] = ROWS) -> None:
     """Ask everything of a fresh subject in order, and compare."""
-    wrong = [told for row in ROWS if (told := _compared(door, row))]
+    wrong = [told for row in rows if (told := _compared(door, row))]
     assert not wrong, "\n" + "\n".join(wrong)
 
 

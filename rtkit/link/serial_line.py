@@ -1,0 +1,108 @@
+"""Serial lines: how they are named, ``serial:/dev/ttyACM0?baud=115200``, and how one is opened."""
+
+from __future__ import annotations
+
+import os
+import stat
+from typing import NamedTuple
+
+from rtkit.errors import Malformed, Refused, Unreachable
+
+SCHEME = "serial:"
+_BAUD = 115200
+_CHECK = {"auto": None, "1": True, "0": False}
+
+
+class SerialAddress(NamedTuple):
+    """A serial line.
+
+    Attributes:
+        baud: Speed [bit/s].
+        has_checks: Whether lines carry a check; None: if the far side knows how to.
+    """
+
+    device: str
+    baud: int = _BAUD
+    has_checks: bool | None = None
+
+    def __str__(self) -> str:
+        return self.device
+
+
+def read_address(text: str) -> SerialAddress:
+    """Read ``[serial:]DEVICE[?baud=N][&check=auto|1|0]``.
+
+    Raises:
+        Malformed: It is something else.
+    """
+    device, mark, tail = text.removeprefix(SCHEME).partition("?")
+    given = dict(each.partition("=")[::2] for each in tail.split("&")) if mark else {}
+    baud, check = given.pop("baud", str(_BAUD)), given.pop("check", "auto")
+    is_number = baud.isascii() and baud.isdigit() and int(baud[:9]) > 0 and len(baud) < 9
+    if not device or given or check not in _CHECK or not is_number:
+        raise Malformed(f"not serial:DEVICE[?baud=N&check=auto|1|0]: {text}")
+    return SerialAddress(device, int(baud), _CHECK[check])
+
+
+class SerialEnd:
+    """An open serial line; reads and writes what there is, as a socket that does not wait.
+
+    Raises:
+        Unreachable: There is no such device, or it cannot be opened (now).
+        Refused: It is no serial line, or pyserial is missing.
+    """
+
+    def __init__(self, address: SerialAddress) -> None:
+        import termios
+
+        try:
+            from serial import Serial, SerialException
+        except ImportError as error:
+            raise Refused("serial lines need pyserial: pip install 'rtkit[serial]'") from error
+        device = address.device
+        try:
+            if not stat.S_ISCHR(os.stat(device).st_mode):
+                raise Refused(f"not a serial line: {device}")
+            self._port = Serial(device, address.baud, timeout=0, write_timeout=0, exclusive=True)
+            self._fd = self._port.fileno()
+            # Nothing there and nobody there differ only so.
+            settings = termios.tcgetattr(self._fd)
+            settings[6][termios.VMIN], settings[6][termios.VTIME] = 1, 0
+            termios.tcsetattr(self._fd, termios.TCSANOW, settings)
+        except SerialException as error:
+            if "exclusively" in str(error):
+                raise Unreachable(f"cannot open {device}: it is in use") from error
+            why = os.strerror(error.errno) if error.errno else str(error)
+            raise Unreachable(f"cannot open {device}: {why}") from error
+        except (OSError, termios.error, ValueError) as error:
+            why = getattr(error, "strerror", None) or str(error)
+            raise Unreachable(f"cannot open {device}: {why}") from error
+
+    def fileno(self) -> int:
+        """Return its descriptor."""
+        return self._fd
+
+    def setblocking(self, flag: bool, /) -> None:
+        """Do nothing: it never waits."""
+
+    def recv(self, size: int, /) -> bytes:
+        """Return what has come, nothing when the device is gone.
+
+        Raises:
+            BlockingIOError: Nothing has come.
+            OSError: The device is gone.
+        """
+        return os.read(self._fd, size)
+
+    def send(self, data: bytes | bytearray | memoryview, /) -> int:
+        """Send what there is room for; return how many bytes.
+
+        Raises:
+            BlockingIOError: There is none.
+            OSError: The device is gone.
+        """
+        return os.write(self._fd, data)
+
+    def close(self) -> None:
+        """Give the device back."""
+        self._port.close()

@@ -1,0 +1,229 @@
+"""The serial door, over real terminal devices: it answers as all doors do, also where lines are
+damaged, and when devices come and go."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from conformance import ROWS, check_answers, check_events, subject
+from serialkit import Cable, noise
+
+from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.link.serial_client import SerialClient, connect_serial
+from rtkit.link.serial_line import read_address
+from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.service import Service
+from rtkit.serving.serve import Served, serve
+
+BOUND_S = 30.0
+
+
+@pytest.fixture
+def cable(monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
+    folder = tempfile.mkdtemp(prefix="rtk")
+    for name in ("run", "state"):
+        os.mkdir(f"{folder}/{name}", 0o700)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
+    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
+    cable = Cable(folder)
+    yield cable
+    cable.close()
+    shutil.rmtree(folder)
+
+
+@contextmanager
+def serving(cable: Cable, service: Service, *settable: str) -> Iterator[Served]:
+    given = {"serial": cable.far, "settable": settable, "is_on_zenoh": False}
+    with serve(service, "robot", **given) as served:  # type: ignore[arg-type]
+        yield served
+
+
+class OneLine:
+    """One client for all that is asked and listened to, since there is one line."""
+
+    def __init__(self, client: SerialClient) -> None:
+        self._client = client
+        self._kept: dict[str, deque[Event]] = {}
+
+    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+        return self._client.ask(target, payload)
+
+    @contextmanager
+    def listen(self, target: str) -> Iterator[Iterator[Event]]:
+        name = target.partition("?")[0]
+        kept = self._kept[name] = deque()
+        self._client.listen(target)
+
+        def events() -> Iterator[Event]:
+            while True:
+                while not kept:
+                    event = self._client.event(BOUND_S)
+                    assert event is not None, f"no event of {name}"
+                    self._kept[event.name].append(event)
+                yield kept.popleft()
+
+        yield events()
+        self.ask(f"{name}.listen?remove", "self")
+
+
+@pytest.mark.parametrize("check", ["1", "0"])
+def test_it_answers_as_all_doors(cable: Cable, check: str) -> None:
+    with (
+        serving(cable, subject(), "*"),
+        connect_serial(f"serial:{cable.near}?check={check}", BOUND_S) as client,
+    ):
+        check_answers(OneLine(client))
+
+
+@pytest.mark.parametrize("check", ["1", "0"])
+def test_it_tells_events_as_all_doors(cable: Cable, check: str) -> None:
+    with (
+        serving(cable, subject(), "*") as served,
+        connect_serial(f"serial:{cable.near}?check={check}", BOUND_S) as client,
+    ):
+        check_events(OneLine(client), served.service, served.owned)
+
+
+def test_it_answers_alike_where_lines_are_damaged(cable: Cable) -> None:
+    cable.noise = noise(0, one_in=6)
+    short = tuple(row for row in ROWS if len(row[1] or "") < 1000)
+    with (
+        serving(cable, subject(), "*"),
+        connect_serial(f"serial:{cable.near}?check=1", BOUND_S) as client,
+    ):
+        check_answers(OneLine(client), short)
+
+
+def test_what_is_asked_again_acts_once(cable: Cable) -> None:
+    calls: list[float] = []
+
+    class Robot:
+        def move(self, way: float) -> int:
+            calls.append(way)
+            return len(calls)
+
+    cable.noise = noise(7, one_in=4)
+    with (
+        serve(Robot(), "robot", serial=cable.far, settable=["move"], is_on_zenoh=False),
+        connect_serial(f"serial:{cable.near}?check=1", BOUND_S) as client,
+    ):
+        for way in range(30):
+            answer = client.ask("move?echo", str(way)).value()
+            assert answer == f'<call state="done"><result>{way + 1}</result></call>'
+    assert calls == list(range(30))
+
+
+def test_the_last_value_arrives_where_lines_are_damaged(
+    cable: Cable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtkit.link.serial_client.LEASE_S", 0.6)
+    cable.noise = noise(3, one_in=2)
+    with (
+        serving(cable, subject()) as served,
+        connect_serial(f"serial:{cable.near}?check=1", BOUND_S) as client,
+    ):
+        client.listen("count")
+        for value in range(100):
+            served.owned(lambda value=value: served.service.update("count", value))  # type: ignore[misc]
+        while (event := client.event(BOUND_S)) is not None and event.payload != "99":
+            pass
+        assert event is not None
+
+
+def test_only_what_is_named_can_be_set(cable: Cable) -> None:
+    with serving(cable, subject(), "arm.*") as _, connect_serial(cable.near, BOUND_S) as client:
+        assert client.has_checks
+        assert client.ask("arm.angle", "4").error == ""
+        assert client.ask("count", "4").error == "denied"
+        assert client.ask("properties", "((arm.angle 5) (count 4))").error == "denied"
+        assert client.ask("properties?names=(arm.angle%20count)&values").payload == (
+            "((arm.angle 4) (count 7))"
+        )
+        assert client.ask("properties", "((arm.angle 5))").error == ""
+        client.listen("count")
+        event = client.event(BOUND_S)
+        assert event is not None
+        assert event.payload == "7"
+
+
+def test_a_device_that_is_unplugged_is_missed_and_taken_up_again(
+    cable: Cable, caplog: pytest.LogCaptureFixture
+) -> None:
+    cable.unplug(cable.far)
+    with serving(cable, subject(), "*"):
+        assert "waiting for it" in caplog.text
+        cable.plug(cable.far)
+        with connect_serial(cable.near, BOUND_S) as client:
+            assert client.ask("count", "8").error == ""
+            cable.unplug(cable.near)
+            with pytest.raises(Unreachable, match="unplugged"):
+                client.ask("count")
+            with pytest.raises(Unreachable, match="unplugged"):
+                client.event(BOUND_S)
+        with pytest.raises(Unreachable, match="No such file"):
+            connect_serial(cable.near, BOUND_S)
+        cable.plug(cable.near)
+        cable.unplug(cable.far)
+        cable.plug(cable.far)
+        with connect_serial(cable.near, BOUND_S) as client:
+            assert client.ask("count").payload == "8"
+        assert "is back" in caplog.text
+
+
+def test_nobody_at_the_other_end_is_said(cable: Cable) -> None:
+    with pytest.raises(Unreachable, match="no answer within"):
+        connect_serial(cable.near, 0.2)
+
+
+@pytest.mark.parametrize("check", ["1", "0"])
+@pytest.mark.parametrize(
+    "rubbish",
+    [
+        bytes(range(256)) * 8,
+        b"x" * (3 << 20),
+        b"\n" * 10_000,
+        b"SET any {999999999999}\n" + b"SET count 1\n" * 1000,
+        b"SET any {5}\n" + b"SET count 1\n" * 1000,
+        b"#1 SET any {12} ~0000\nSET count 12\n",
+        b"GET ~29B1\n" * 100,
+    ],
+)
+def test_rubbish_is_lived_through(cable: Cable, check: str, rubbish: bytes) -> None:
+    address = f"{cable.near}?check={check}"
+    if check == "0":
+        rubbish = rubbish.replace(b" ~0000", b"")
+    with serving(cable, subject(), "*"):
+        with connect_serial(address, BOUND_S) as client:
+            assert client.ask("count").payload == "7"
+        end = os.open(cable.near, os.O_RDWR | os.O_NOCTTY)
+        rest = memoryview(rubbish)
+        while rest:
+            rest = rest[os.write(end, rest) :]
+        os.close(end)
+        with connect_serial(address, BOUND_S) as client:
+            assert client.ask("count").payload == "7"
+
+
+def test_two_do_not_share_a_device(cable: Cable) -> None:
+    with (
+        serving(cable, subject()),
+        connect_serial(cable.near, BOUND_S),
+        pytest.raises(Unreachable, match="in use"),
+    ):
+        connect_serial(cable.near, BOUND_S)
+
+
+def test_addresses() -> None:
+    assert read_address("serial:/dev/ttyS0?baud=9600&check=1") == ("/dev/ttyS0", 9600, True)
+    assert read_address("/dev/ttyS0") == ("/dev/ttyS0", 115200, None)
+    for wrong in ("serial:", "x?baud=fast", "x?baud=0", "x?check=2", "x?y=1", "x?baud=999999999"):
+        with pytest.raises(Malformed):
+            read_address(wrong)
+    with pytest.raises(Refused, match="not a serial line"):
+        connect_serial(__file__, 1.0)
