@@ -92,6 +92,11 @@ class App:
 
         return others(self.tree)
 
+    @property
+    def finds_managers(self) -> bool:
+        """Whether it looks for managers itself, and was not given one."""
+        return self._is_own_tree
+
     def at(self, address: Address) -> tuple[Tree, str]:
         """Return the connection to what an address stands for, and which slave of it, if any.
 

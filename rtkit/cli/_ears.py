@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from time import monotonic, time
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -29,11 +30,17 @@ _KEEN_S = 5.0
 """How long a door is tried again after something happened beside it [s]."""
 
 
+class Begun(NamedTuple):
+    """A manager can be heard that could not, or was not there, before."""
+
+    is_back: bool
+
+
 class Told(NamedTuple):
-    """What was heard of a manager; None when it is back."""
+    """What was heard of a manager."""
 
     manager: str
-    heard: Heard | None
+    heard: Heard | Begun
 
 
 class Ears(Closing):
@@ -49,8 +56,8 @@ class Ears(Closing):
         self,
         app: App,
         lines: Sequence[str],
-        others: Sequence[str] = (),
         *,
+        is_wide: bool = False,
         is_patient: bool = False,
     ) -> None:
         """Begin to listen.
@@ -58,7 +65,8 @@ class Ears(Closing):
         Args:
             app: The run of the command.
             lines: Of which lines.
-            others: Managers beside the one that paths lead to.
+            is_wide: Listen to all managers of this user on this host, also to those that begin
+                later.
             is_patient: Wait for a manager that does not answer, in `listen`.
 
         Raises:
@@ -71,6 +79,7 @@ class Ears(Closing):
         self._away: list[str] = []
         self._folder: Folder | None = None
         self._keen_until = 0.0
+        self._is_wide = is_wide and app.finds_managers
         self.names: dict[str, str] = {}
         self.why: RtkitError | None = None
         self.ears: dict[str, Ear] = {}
@@ -81,7 +90,9 @@ class Ears(Closing):
                 raise
             self.why = error
             self._await("")
-        for name in others:
+        if self._is_wide:
+            self._watch_folder()
+        for name in self._unknown():
             self.names[name] = name
             if not self._enter(name):
                 app.fail(f"manager {name!r} does not answer")
@@ -135,7 +146,7 @@ class Ears(Closing):
         return not ready.isdisjoint(also)
 
     def _follow(self, told: Sequence[Told]) -> list[Told]:
-        """Let go of managers that ended; return those that are back."""
+        """Let go of managers that ended; return those that are back, or new."""
         from rtkit.tree.listening import Ended
 
         for manager, heard in told:
@@ -144,25 +155,36 @@ class Ears(Closing):
                 self._await(manager)
         if self._folder is not None and self._folder.take():
             self._keen_until = monotonic() + _KEEN_S
+            for name in self._unknown():
+                self.names[name] = name
+                self._away.append(name)
         back = [name for name in self._away if self._is_there(name) and self._enter(name)]
         self._away = [name for name in self._away if name not in back]
-        if not self._away and self._folder is not None:
+        if not self._away and self._folder is not None and not self._is_wide:
             self._folder.close()
             self._folder = None
         return [each for name in back for each in self._return_of(name)]
 
     def _return_of(self, name: str) -> list[Told]:
-        """Return that a manager is back, and what happened there while nobody listened."""
+        """Return that a manager is back, or new, and what happened there while nobody listened."""
         from rtkit.deployment.happenings import happenings
         from rtkit.deployment.news import news_between
         from rtkit.tree.listening import Change
 
-        told = [Told(name, None)]
-        before, after = self._facts.pop(name, None), self.ears[name].facts
-        if before is not None:
-            missed = tuple(happenings(before, news_between(before, after, "", 0)))
-            told.append(Told(name, Change(time(), missed)))
-        return told
+        after = self.ears[name].facts
+        before = self._facts.pop(name, None)
+        told = [Told(name, Begun(is_back=before is not None))]
+        if before is None:  # there was nothing
+            before = replace(after, processes=(), components=(), connectors=(), modules=())
+        missed = tuple(happenings(before, news_between(before, after, "", 0)))
+        return [*told, Told(name, Change(time(), missed))]
+
+    def _unknown(self) -> list[str]:
+        """Return the managers that run and were not known yet, if they are wanted."""
+        from rtkit.link.running import managers
+
+        known = set(self.names.values())
+        return [name for name in managers() if name not in known] if self._is_wide else []
 
     def _is_there(self, name: str) -> bool:
         from rtkit.link.places import manager_socket
@@ -171,11 +193,14 @@ class Ears(Closing):
         return not known or ":" in name or os.path.exists(manager_socket(known))
 
     def _await(self, name: str) -> None:
+        self._away.append(name)
+        self._keen_until = monotonic() + _KEEN_S
+        self._watch_folder()
+
+    def _watch_folder(self) -> None:
         from rtkit.link.folder import Folder
         from rtkit.link.places import make_private, runtime_dir
 
-        self._away.append(name)
-        self._keen_until = monotonic() + _KEEN_S
         if self._folder is None:
             self._folder = Folder(make_private(runtime_dir()))
 
@@ -265,8 +290,3 @@ def is_covered(
     return any(
         scope.covers(what, hostname) and not (manager and scope.is_one_manager) for scope in scopes
     )
-
-
-def manager_names(app: App) -> list[str]:
-    """Return the other managers of this host that run as processes of this user."""
-    return [name for name in app.others() if ":" not in name and os.sep not in name]

@@ -113,7 +113,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
             "rtget /localhost/Motor0.rtc.state",
             "Of a component; also of managers, and localhost.load.",
         ),
-        ("rtget -p frame=robot robot.pose", "With a parameter."),
+        ("rtget -p values -p names='(speed mode)' robot", "Several names with their values."),
         ("rtget robot.speed.meta", "Type, unit, range, time, quality of a property."),
         ("rtget --raw robot.image > image.jpg", "Bytes, as they are."),
     ),
@@ -130,7 +130,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     "rtlisten": (
         ("rtlisten robot.speed", "Every change, until Ctrl-C."),
         ("rtlisten -n 1 --every 0.5 robot.location", "At most two a second, and only one."),
-        ("rtlisten /localhost/Motor0.rtc.ports.out.count", "How much passes a port."),
+        ("rtlisten /localhost/Robot0.rtc.ports.pose.count", "How much passes a port."),
         ("rtlisten --mode diff robot", "Which names come and go."),
     ),
     "rtlog": (

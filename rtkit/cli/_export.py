@@ -8,6 +8,8 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from rtkit.cli import _out, _records
+from rtkit.cli._app import App
+from rtkit.cli._meter import Show, counted, metered
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
@@ -17,7 +19,7 @@ _PIECE = 1000
 Line = Callable[["Entry", Any], Iterable[str]]
 
 
-def export(name: str, form: str, part: Part) -> None:
+def export(app: App, name: str, form: str, part: Part) -> None:
     """Write the values of a recording to stdout as text, JSON or CSV.
 
     Raises:
@@ -28,17 +30,28 @@ def export(name: str, form: str, part: Part) -> None:
     from rtkit.recording.mcap_file import Reader
 
     reader = Reader(name)
-    channels = {channel.name: channel for channel in reader.info().channels}
-    lines = _lines(channels, part.of(reader.entries()), _FORMS[form](channels))
-    first = next(lines, None)
-    if first is None:
-        raise Refused(f"no values in that part: {name}" if part.start else f"no values: {name}")
-    if form == "csv":
-        _out.write(["received,stamp,stream,field,value"])
-    _out.write([first])
-    while piece := list(islice(lines, _PIECE)):
-        _out.write(piece)
-        sys.stdout.flush()
+    info = reader.info()
+    channels = {channel.name: channel for channel in info.channels}
+    with metered(app, "export", is_writing=True) as show:
+        entries = _watched(reader.entries(), info.entries, show)
+        lines = _lines(channels, part.of(entries), _FORMS[form](channels))
+        first = next(lines, None)
+        if first is None:
+            raise Refused(f"no values in that part: {name}" if part.start else f"no values: {name}")
+        if form == "csv":
+            _out.write(["received,stamp,stream,field,value"])
+        _out.write([first])
+        while piece := list(islice(lines, _PIECE)):
+            _out.write(piece)
+            sys.stdout.flush()
+
+
+def _watched(entries: Iterator[Entry], total: int, show: Show) -> Iterator[Entry]:
+    """Yield entries, and show how many of all have been read."""
+    show_count = counted(show)
+    for number, entry in enumerate(entries, 1):
+        yield entry
+        show_count(number, total)
 
 
 def _lines(channels: dict[str, Channel], entries: Iterator[Entry], line: Line) -> Iterator[str]:

@@ -19,9 +19,12 @@ Show = Callable[[float, float | None, str], None]
 
 
 @contextmanager
-def metered(app: App, title: str) -> Iterator[Show]:
-    """Show progress on stderr while inside, if that is a terminal; lines go above it."""
-    if not _is_terminal():
+def metered(app: App, title: str, *, is_writing: bool = False) -> Iterator[Show]:
+    """Show progress on stderr while inside, if that is a terminal; lines go above it.
+
+    What `is_writing` its results on a terminal meanwhile shows by that how far it is.
+    """
+    if not _is_terminal() or (is_writing and sys.stdout.isatty()):
         yield _nothing
         return
     from rich.console import Console

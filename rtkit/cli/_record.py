@@ -62,7 +62,7 @@ def record(
         app.tell(f"{probe.component.instance} is connected")
         limit = _Limit(part, duration_s)
         app.say(limit.announcement)
-        with metered(app, "record") as show:
+        with metered(app, "record", is_writing=name == STDOUT) as show:
             _take(probe, sink, limit, {n: stamp_reader(cls) for n, cls in types.items()}, show)
         reader.check()
         lost, is_cut = probe.lost, not probe.is_connected

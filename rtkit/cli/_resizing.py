@@ -1,11 +1,14 @@
-"""A bell that rings when the terminal has changed its size."""
+"""A bell that rings when what stands on the terminal is no longer what was written there."""
 
 from __future__ import annotations
 
 import os
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+
+_DISTURBANCES = (signal.SIGWINCH, signal.SIGCONT)
+"""Another size; or the shell has had the terminal meanwhile (Ctrl-Z, fg)."""
 
 
 class Bell:
@@ -19,8 +22,9 @@ class Bell:
         return self._event
 
     def ring(self) -> None:
-        """Ring; a signal handler may."""
-        os.eventfd_write(self._event, 1)
+        """Ring, from any thread or a signal handler; nobody hears one that is no more."""
+        with suppress(OSError, ValueError):
+            os.eventfd_write(self._event, 1)
 
     def heard(self) -> bool:
         """Whether it has rung since this was asked last."""
@@ -33,16 +37,20 @@ class Bell:
     def close(self) -> None:
         """Be no more."""
         os.close(self._event)
+        self._event = -1
 
 
 @contextmanager
 def resizing(is_terminal: bool) -> Iterator[Bell]:
-    """Have a bell ring at each new size, if there is a terminal that could have one."""
+    """Have a bell ring when all is to be written anew, if there is a terminal to write on."""
     bell = Bell()
-    before = signal.signal(signal.SIGWINCH, lambda *_: bell.ring()) if is_terminal else None
+    before = {
+        number: signal.signal(number, lambda *_: bell.ring())
+        for number in (_DISTURBANCES if is_terminal else ())
+    }
     try:
         yield bell
     finally:
-        if is_terminal:
-            signal.signal(signal.SIGWINCH, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
         bell.close()

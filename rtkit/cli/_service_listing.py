@@ -29,30 +29,65 @@ def service_at(typed: str) -> Place | None:
     return place if place.service else None
 
 
-def listed(app: App, place: Place, *, is_long: bool, recurse: bool, is_json: bool) -> list[str]:
-    """Return what is shown of a service.
+class Listing:
+    """What is shown of a place in a service.
 
-    Raises:
-        PropertyError: As the service answers.
+    Attributes:
+        app: The run of the command.
+        place: The place.
+        is_deep: What is below the names there is shown, too.
+        has_values: Values are shown.
+        names: Of the properties whose values were shown last.
     """
-    from rtkit.tree.properties import Places, asked
 
-    typed = place.typed
-    places = Places(working_directory(), "", app.timeout_s)
-    try:
-        _, end = places.find(typed)
-        base = f"{place.name}.properties" if place.name else "properties"
-        more = "all" if recurse else ""
-        if not is_long and not is_json:
-            text = asked(lambda: end.ask(f"{base}?{more}" if more else base), typed)
-            return [shown(str(name)) for name in _group(text)]
-        target = f"{base}?meta&{more}" if more else f"{base}?meta"
-        rows = _group(asked(lambda: end.ask(target), typed))
-    finally:
-        places.close()
-    if is_json:
-        return [_record(typed, row) for row in rows]
-    return _columns([_cells(row) for row in rows])
+    def __init__(
+        self, app: App, place: Place, is_long: bool, recurse: bool, is_json: bool, is_single: bool
+    ) -> None:
+        self.app = app
+        self.place = place
+        self.is_deep = recurse
+        self.has_values = is_long or is_json
+        self.names: list[str] = []
+        self._is_json = is_json
+        self._is_single = is_single
+
+    def look(self) -> list[str]:
+        """Ask the service, and return what is to be shown.
+
+        Raises:
+            PropertyError: As the service answers.
+        """
+        from rtkit.cli._properties import connected
+        from rtkit.tree.properties import asked
+
+        typed = self.place.typed
+        base = f"{self.place.name}.properties" if self.place.name else "properties"
+        options = ["meta"] * self.has_values + ["all"] * self.is_deep
+        target = f"{base}?{'&'.join(options)}" if options else base
+        with connected(self.app, None) as places:
+            _, end = places.find(typed)
+            rows = _group(asked(lambda: end.ask(target), typed))
+        if not self.has_values:
+            names = [shown(str(name)) for name in rows]
+            is_plain = self._is_single or not _out.is_terminal()
+            return names if is_plain else _in_columns(names)
+        self.names = [name for name, _, *value in map(_row, rows) if value]
+        if self._is_json:
+            return [_record(typed, row) for row in rows]
+        return _columns([_cells(row) for row in rows])
+
+
+def _in_columns(names: list[str]) -> list[str]:
+    from shutil import get_terminal_size
+
+    return _out.columns([(name, name) for name in names], get_terminal_size().columns)
+
+
+def _row(row: Value) -> tuple[str, Value, *tuple[Value, ...]]:
+    """Return name, description and, unless it is hidden or only has others below it, the value."""
+    assert isinstance(row, tuple)
+    name, meta, *value = (*row, ()) if len(row) == 1 else row
+    return (str(name), meta, *value)
 
 
 def _group(text: str | bytes) -> tuple[Value, ...]:
@@ -66,11 +101,10 @@ def _cells(row: Value) -> tuple[str, ...]:
     from rtkit.property.values import Element
     from rtkit.property.writing import write
 
-    assert isinstance(row, tuple)
-    name, meta, *value = row
+    name, meta, *value = _row(row)
     told = [_field(meta, key) for key in _HEAD] if isinstance(meta, Element) else ["-"] * 4
     text = write(value[0]) if value else ""
-    return (*told, str(name), text if len(text) <= 200 else f"{text[:200]}…")
+    return (*told, name, text if len(text) <= 200 else f"{text[:200]}…")
 
 
 def _field(meta: Element, key: str) -> str:
@@ -87,6 +121,5 @@ def _columns(rows: list[tuple[str, ...]]) -> list[str]:
 def _record(typed: str, row: Value) -> str:
     from rtkit.property.writing import write
 
-    assert isinstance(row, tuple)
-    name, _, *value = row
-    return record("property", f"{typed.rstrip('/')}.{name!s}", write(value[0]) if value else "()")
+    name, _, *value = _row(row)
+    return record("property", f"{typed.rstrip('/')}.{name}", write(value[0]) if value else "()")

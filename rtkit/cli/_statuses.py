@@ -7,8 +7,8 @@ STATUSES: dict[str, str] = {
     "1": "It could not be done, or something else was found than was to be.",
     "2": "The command line cannot be read.",
     "130": "Interrupted, as a shell shows it: the command ends by the signal.",
+    "141": "Who read its output has gone: rtls -R | head -n 1.",
 }
-READER_GONE = ("141", "Who read its output has gone: rtls -R | head -n 1.")
 DETAILS: dict[str, str] = {
     "1": "refused",
     "2": "malformed",

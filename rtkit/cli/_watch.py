@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+import time
 from collections.abc import Callable, Iterable
 
 import click
@@ -21,20 +23,59 @@ class MayWatch(click.Command):
         return super().parse_args(ctx, options + args[end:])
 
 
-def watch(look: Callable[[], Iterable[str]], period_s: float, gap: str) -> None:
-    """Show again and again: on a terminal in place of the last time, else what is new."""
-    import sys
-    import time
+class Sight:
+    """What is shown: on a terminal in place of the last time, else behind a `gap`.
 
-    before = None
-    while True:
+    It begins stale, and is shown at most once in a period as long as it stands there.
+    """
+
+    def __init__(self, period_s: float, gap: str) -> None:
+        self._period_s = period_s
+        self._gap = gap
+        self._before: list[str] | None = None
+        self._shown_at = -period_s
+        self._is_stale = True
+
+    def due(self) -> float | None:
+        """Return when it is to be shown, monotonic [s]; None if nothing has changed."""
+        return self._shown_at + self._period_s if self._is_stale else None
+
+    @property
+    def is_due(self) -> bool:
+        """Whether it is to be shown now."""
+        due = self.due()
+        return due is not None and time.monotonic() >= due
+
+    def stale(self) -> None:
+        """Note that something may have changed."""
+        self._is_stale = True
+
+    def forget(self) -> None:
+        """Note that what was written may no longer stand there."""
+        self._before, self._is_stale, self._shown_at = None, True, -self._period_s
+
+    def show(self, look: Callable[[], Iterable[str]]) -> None:
+        """Look, and write what is seen if that is not what was written last."""
+        self._shown_at = time.monotonic()
         lines = list(look())
-        if _out.is_terminal():
-            sys.stdout.write(CLEAR)
+        if lines != self._before:
+            sys.stdout.write(CLEAR if _out.is_terminal() else self._gap if self._before else "")
             _out.write(lines)
-        elif lines != before:
-            sys.stdout.write(gap if before is not None else "")
-            _out.write(lines)
-        before = lines
-        sys.stdout.flush()
-        time.sleep(period_s)
+            sys.stdout.flush()
+        self._before, self._is_stale = lines, False
+
+
+def watch(look: Callable[[], Iterable[str]], period_s: float) -> None:
+    """Look again in each period, and show what has changed, until nobody reads it."""
+    from rtkit.cli._patience import wait_for
+    from rtkit.cli._resizing import resizing
+
+    sight = Sight(period_s, "")
+    with resizing(_out.is_terminal()) as bell:
+        while True:
+            sight.stale()
+            if bell.heard():
+                sight.forget()
+            if sight.is_due:
+                sight.show(look)
+            wait_for([bell.fileno()], sight.due() or time.monotonic() + period_s)

@@ -67,4 +67,4 @@ def main(
         if period_s is None:
             _out.write(look())
         else:
-            watch(look, period_s, "")
+            watch(look, period_s)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import click
@@ -14,6 +16,7 @@ from rtkit.cli._properties import connected, joined, place_options, record, show
 
 if TYPE_CHECKING:
     from rtkit.property.messages import Event
+    from rtkit.tree.properties_heard import Heard
 
 _NS = 1_000_000_000
 
@@ -61,11 +64,11 @@ def main(
     given = [f"{key}={value}" for key, value in options.items() if value is not None]
     until = None if duration_s is None else time.monotonic() + duration_s
     count = 0
-    with connected(app, at) as places:
+    with connected(app, at) as places, ExitStack() as stack:
         from rtkit.tree.properties_heard import Heard
 
-        heard = Heard(places, targets, joined([*parameters, *given]))
-        for typed, event in heard.events(until):
+        heard = stack.enter_context(Heard(places, targets, joined([*parameters, *given])))
+        for typed, event in _events(heard, until):
             if event.code:
                 from rtkit.property.codes import PropertyError
                 from rtkit.tree.properties import told
@@ -80,6 +83,23 @@ def main(
             if count == number:
                 break
     return 0 if count else 1
+
+
+def _events(heard: Heard, until: float | None) -> Iterator[tuple[str, Event]]:
+    """Yield events with the target as it was typed, until some time [s, monotonic].
+
+    Raises:
+        PropertyError: An owner has gone.
+        BrokenPipeError: Nobody reads stdout any more.
+    """
+    from rtkit.cli._patience import wait_for
+
+    while True:
+        while (event := heard.take()) is not None:
+            yield event
+        if until is not None and time.monotonic() >= until:
+            return
+        wait_for([heard.fileno()], until)
 
 
 def _flush() -> None:

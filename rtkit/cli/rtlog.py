@@ -110,6 +110,8 @@ def main(
 
     A recording is an MCAP file that other viewers open too: values in CDR, with their data types.
     What was recorded up to half a second ago can be read even after the recorder was killed.
+    On a busy host values may be lost, large ones first; how many is told at the end. With
+    --lossless none is: who writes waits. More by rtkit help connectors.
 
     Streams are named after their ports, Robot0_pose, or as a port is followed by .STREAM. A port
     that is played into takes the stream of the name given; without one the first stream of its
@@ -130,7 +132,7 @@ def main(
     elif exported:
         from rtkit.cli._export import export
 
-        export(str(filename), exported, part)
+        export(app, str(filename), exported, part)
     elif is_play:
         pace = _play.Pace(rate or 1.0, is_untimed, exec_rate or 100.0, is_absolute, duration_s)
         _play.play(app, str(filename), form, ports, part, pace, is_lossless=lossless)

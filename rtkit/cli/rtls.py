@@ -9,8 +9,8 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
-from rtkit.cli._service_listing import listed, service_at
-from rtkit.cli._watch import CLEAR, MayWatch, watch
+from rtkit.cli._service_listing import Listing, service_at
+from rtkit.cli._watch import MayWatch, Sight
 from rtkit.errors import Malformed, Unreachable
 from rtkit.tree.resolve import entry
 from rtkit.tree.view import Kind, Node
@@ -65,14 +65,13 @@ def main(
     gap = "" if is_json else "\n"
     service = service_at(paths[0] if paths else ".")
     if service is not None:
-
-        def look_at_service() -> Iterable[str]:
-            return listed(app, service, is_long=is_long, recurse=recurse, is_json=is_json)
-
+        listing = Listing(app, service, is_long, recurse, is_json, is_single)
         if period_s is None:
-            _out.write(look_at_service())
+            _out.write(listing.look())
         else:
-            watch(look_at_service, period_s, gap)
+            from rtkit.cli._service_watch import watch_service
+
+            watch_service(listing, Sight(period_s, gap))
         return
     show = _json if is_json else _long if is_long else _short(is_single)
 
@@ -90,49 +89,31 @@ def main(
     if period_s is None:
         _out.write(look())
     else:
-        _watch(app, path, look, period_s, gap)
+        _watch(app, path, look, Sight(period_s, gap))
 
 
-def _watch(
-    app: App, path: Path, look: Callable[[], Iterable[str]], period_s: float, gap: str
-) -> None:
-    """Show again when something has changed: on a terminal in place of the last time."""
-    import sys
-    from time import monotonic
-
-    from rtkit.cli._ears import Ears, manager_names
+def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: Sight) -> None:
+    """Show again when something has changed."""
+    from rtkit.cli._ears import Ears
     from rtkit.cli._resizing import resizing
     from rtkit.deployment.news import TREE
     from rtkit.tree.listening import Ended
 
-    others = manager_names(app) if len(path.elements) < 2 else []
-    before: list[str] | None = None
-    is_stale, shown_at = True, -period_s
-    with Ears(app, (TREE,), others) as ears, resizing(_out.is_terminal()) as bell:
-
-        def wake_at() -> float | None:
-            return shown_at + period_s if is_stale else None
-
-        for told in ears.listen(None, (bell.fileno(),), wake_at):
+    is_wide = len(path.elements) < 2
+    with Ears(app, (TREE,), is_wide=is_wide) as ears, resizing(_out.is_terminal()) as bell:
+        for told in ears.listen(None, (bell.fileno(),), sight.due):
             if bell.heard():
-                before, is_stale = None, True
+                sight.forget()
             for each in told:
                 if isinstance(each.heard, Ended):
                     app.fail(f"{each.heard.why}; waiting for it to come back")
-            is_stale |= bool(told)
-            if not is_stale or monotonic() < shown_at + period_s or "" not in ears.ears:
+                sight.stale()
+            if not sight.is_due or "" not in ears.ears:
                 continue
-            shown_at = monotonic()
             try:
-                lines = list(look())
+                sight.show(look)
             except Unreachable as error:  # it is ending, of which the ears will hear
                 app.tell(str(error))
-                continue
-            if lines != before:
-                sys.stdout.write(CLEAR if _out.is_terminal() else gap if before else "")
-                _out.write(lines)
-                sys.stdout.flush()
-            before, is_stale = lines, False
 
 
 def _blocks(node: Node, title: str, show: _Show) -> Iterator[str]:

@@ -13,7 +13,7 @@ import click
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
 from rtkit.cli._choice import Words
-from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
+from rtkit.cli._ears import Ears, is_covered, place_of, scopes_of, write_now
 from rtkit.cli.top.page import TITLES, Look, memory, ordered, short, table
 from rtkit.cli.top.rates import Rater, Row
 from rtkit.rtc.names import LOCAL
@@ -63,7 +63,7 @@ def main(
     MEAN/ms   time of a cycle; MAX/ms of the longest one in the last second
     CPU% MEM  of the whole process, which several components may share
     IN/s      values read from in ports; OUT/s written to out ports
-    RST       how often it was made again after its process was lost
+    RST       how often it was made again after its process was lost, and not deleted
 
     A line below a component tells why it is in Error, does not answer or is a zombie.
     """
@@ -71,9 +71,9 @@ def main(
     from rtkit.deployment.news import TREE
 
     scopes = scopes_of(app, paths or (f"/{LOCAL}",))
-    others = [] if all(scope.is_one_manager for scope in scopes) else manager_names(app)
+    is_wide = not all(scope.is_one_manager for scope in scopes)
     look = Look(TITLES.index(sort), reverse)
-    with Ears(app, (TREE, FIGURES), others) as ears:
+    with Ears(app, (TREE, FIGURES), is_wide=is_wide) as ears:
         top = Top(app, ears, scopes)
         if is_json or once or number or not _is_live():
             _write_pages(top, look, 1 if once else number, is_json=is_json)

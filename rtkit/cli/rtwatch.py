@@ -11,7 +11,7 @@ import click
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.cli._choice import Words
-from rtkit.cli._ears import Ears, is_covered, manager_names, place_of, scopes_of, write_now
+from rtkit.cli._ears import Begun, Ears, is_covered, place_of, scopes_of, write_now
 from rtkit.cli._lasting import lasting
 from rtkit.cli._moments import clock
 from rtkit.cli._records import line as json_line
@@ -67,8 +67,9 @@ def main(
     FSM_EVENT          its state machine: state, structure, events
     HEARTBEAT          once a second, of the component and each execution context that runs
 
-    A manager that ends is waited for. A state that is left again at once may not be told. The
-    status is 1 when the time is up before N events, or any at all, have come.
+    A manager that ends is waited for, one that begins is listened to. A state that is left
+    again at once may not be told. The status is 1 when the time is up before N events, or any at
+    all, have come.
     """
     from rtkit.deployment.figures import FIGURES
     from rtkit.deployment.news import TREE
@@ -78,10 +79,10 @@ def main(
     wanted = set(KINDS) if ALL in kinds else set(kinds) or set(KINDS) - {HEARTBEAT}
     until = None if duration_s is None else time.monotonic() + duration_s
     scopes = scopes_of(app, paths)
-    others = [] if all(scope.is_one_manager for scope in scopes) else manager_names(app)
+    is_wide = not all(scope.is_one_manager for scope in scopes)
     lines = (TREE, FIGURES) if HEARTBEAT in wanted else (TREE,)
     left = number
-    with Ears(app, lines, others) as ears:
+    with Ears(app, lines, is_wide=is_wide) as ears:
         app.tell("listening")
         watch = _Watch(app, ears, scopes, wanted)
         for told in ears.listen(until):
@@ -122,10 +123,11 @@ class _Watch:
                 yield from self._chosen(manager, heard.time, heard.happenings)
             elif isinstance(heard, Figures):
                 yield from self._chosen(manager, heard.time, self._beats(manager, heard))
-            elif heard is not None:
-                self._app.fail(f"{heard.why}; waiting for it to come back")
+            elif isinstance(heard, Begun):
+                how = "is back" if heard.is_back else "has begun"
+                self._app.fail(f"manager {self._ears.names[manager]!r} {how}")
             else:
-                self._app.fail(f"manager {self._ears.names[manager]!r} is back")
+                self._app.fail(f"{heard.why}; waiting for it to come back")
 
     def _chosen(
         self, manager: str, moment: float, happened: Iterable[Happening]

@@ -82,6 +82,11 @@ def data_socket(manager: str, pid: int) -> str:
     return os.path.join(runtime_dir(), f"{manager}.{pid}.data")
 
 
+def zygote_pattern(manager: str) -> str:
+    """Return the path at which those listen that forked the slaves, ``%p`` for their pid."""
+    return os.path.join(runtime_dir(), f"{manager}.%p.zygote")
+
+
 def log_file(manager: str, slave: str = "", folder: str = "") -> str:
     """Return the path of a manager's log, or of the log of a slave of it."""
     return f"{folder or state_dir()}/{_of_process(manager, slave)}.log"

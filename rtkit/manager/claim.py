@@ -13,6 +13,7 @@ from contextlib import ExitStack
 
 from rtkit.errors import Refused
 from rtkit.link import places
+from rtkit.link.bound import is_abandoned
 from rtkit.manager.processes.wire import peer_of
 
 _DYING_MS = 1000
@@ -106,7 +107,7 @@ def remove_stale(name: str, living: Collection[int]) -> None:
     for path in left:
         beside = path.removesuffix(".lock")
         is_own = beside in own
-        if not is_own and not _is_of_the_dead(os.path.basename(beside), name, living):
+        if not is_own and not _is_of_the_dead(beside, name, living):
             continue
         try:
             if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):
@@ -118,23 +119,15 @@ def remove_stale(name: str, living: Collection[int]) -> None:
             raise Refused(f"cannot remove {path}: {error.strerror}") from error
 
 
-def _is_of_the_dead(entry: str, name: str, living: Collection[int]) -> bool:
+def _is_of_the_dead(path: str, name: str, living: Collection[int]) -> bool:
     """Whether a process of that manager, and of no other whose name is longer, left it behind.
 
     Slaves outlive their manager: what belongs to one that lives is let be. Guests and zygotes are
-    known by their pid alone.
+    known by their sockets.
     """
+    entry = os.path.basename(path)
     pid, _, kind = entry.removeprefix(f"{name}.").partition(".")
     is_one = entry == f"{name}.{pid}.{kind}" and pid.isdigit() and kind in _KINDS
     if not is_one or int(pid) in living:
         return False
-    return kind in _OF_SLAVES or _has_ended(int(pid))
-
-
-def _has_ended(pid: int) -> bool:
-    """Whether no process has that pid, or only one that waits to be reaped."""
-    try:
-        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
-            return file.read().rpartition(") ")[2][:1] in "ZX"
-    except (FileNotFoundError, ProcessLookupError):
-        return True
+    return kind in _OF_SLAVES or is_abandoned(path, int(pid))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import resource
 import signal
@@ -26,6 +27,7 @@ from rtkit.manager.core.state import Process, State
 from rtkit.manager.holding.estate import Estate
 from rtkit.manager.logs.logs import open_log
 from rtkit.manager.processes.absent import estates_of_the_dead, living_slaves
+from rtkit.manager.processes.newborns import end_lost
 from rtkit.manager.processes.nursery import Nursery, become_subreaper
 from rtkit.manager.report import Report
 from rtkit.manager.restarting import execute_again
@@ -44,8 +46,8 @@ if TYPE_CHECKING:
     from rtkit.manager.holding.holder import Holder
     from rtkit.manager.loop import Loop
 
+_log = logging.getLogger(__name__)
 _DATA_SUFFIX = ".data"
-_ZYGOTE_SUFFIX = ".zygote"
 _DESCRIPTORS = 65_536
 USUAL_NAME = "%n.mgr"
 """Template of the name that each manager has, so that all of a host are found in one place."""
@@ -138,6 +140,8 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
     stack.callback(fault.point, "manager.unlocking")
     stack.enter_context(open_log(name, is_shown=is_shown))
     fault.point("manager.logging")
+    for pid in end_lost(name):
+        _log.warning("a fork of an earlier manager that said nothing was ended: pid %d", pid)
     return dead
 
 
@@ -160,7 +164,7 @@ def _assemble(
             "data": data,
             "host": host,
             "load_path": configuring.load_paths(state),
-            "zygote": os.path.join(places.runtime_dir(), f"{name}.%p{_ZYGOTE_SUFFIX}"),
+            "zygote": places.zygote_pattern(name),
         },
         dead,
     )

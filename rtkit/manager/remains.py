@@ -15,6 +15,7 @@ from rtkit.link import places, running
 from rtkit.manager.claim import remove_stale, take_lock
 from rtkit.manager.processes.absent import is_slave, living_slaves
 from rtkit.manager.processes.leftovers import end_sessions
+from rtkit.manager.processes.newborns import end_lost
 from rtkit.manager.processes.wire import peer_of
 
 TERM_S = 7.0
@@ -41,8 +42,9 @@ def end_remains(name: str, term_s: float = TERM_S) -> int:
             for pidfd in (*slaves.values(), *zygotes.values()):
                 os.close(pidfd)
         end_sessions(slaves.keys(), is_heir=False)
+        lost = end_lost(name)
         remove_stale(name, ())
-    return len(slaves)
+    return len(slaves) + len(lost)
 
 
 def _slaves(name: str) -> Iterator[tuple[int, int]]:

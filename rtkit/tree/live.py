@@ -60,6 +60,11 @@ class _Me(Caller):
         self.listeners.remove(listener)
 
 
+def _is_count(target: str) -> bool:
+    """Whether a property is a counter, which the manager tells once a second only."""
+    return target.partition("?")[0].endswith(".count")
+
+
 class Live:
     """A component, or the manager itself when no instance is named, as properties.
 
@@ -85,8 +90,9 @@ class Live:
         Raises:
             Unreachable: The manager does not answer.
         """
-        if ".count" in target and self._figures is None:
-            self._await_figures()
+        if _is_count(target) and self._figures is None:
+            with Ear(self._tree, (TREE, FIGURES)) as ear:
+                self._await_figures(ear)
         self._refresh()
         answers: list[Answer] = []
         self._service.handle(Ask(target, payload, answers.append, self._me))
@@ -107,6 +113,8 @@ class Live:
         if self._ear is None:
             self._ear = Ear(self._tree, (TREE, FIGURES))
         name, mark, tail = target.partition("?")
+        if _is_count(target) and self._figures is None:
+            self._await_figures(self._ear)
         self._take(self._ear.facts)
         answers: list[Answer] = []
         self._service.handle(Ask(f"{name}.listen{mark}{tail}", "self", answers.append, self._me))
@@ -148,14 +156,19 @@ class Live:
                 self._take_figures(heard)
         self._take(self._ear.facts)
 
-    def _await_figures(self) -> None:
-        """Take the next figures, so that counters are known."""
-        with Ear(self._tree, (TREE, FIGURES)) as ear:
-            until = time.monotonic() + _FIGURES_S
-            while self._figures is None and (left := until - time.monotonic()) > 0:
-                for heard in ear.wait(left):
-                    if isinstance(heard, Figures):
-                        self._take_figures(heard)
+    def _await_figures(self, ear: Ear) -> None:
+        """Take the next figures, so that counters are known.
+
+        Raises:
+            Unreachable: The manager has ended.
+        """
+        until = time.monotonic() + _FIGURES_S
+        while self._figures is None and (left := until - time.monotonic()) > 0:
+            for heard in ear.wait(left):
+                if isinstance(heard, Ended):
+                    raise Unreachable(heard.why)
+                if isinstance(heard, Figures):
+                    self._take_figures(heard)
 
     def _take_figures(self, figures: Figures) -> None:
         for process in figures.processes:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import threading
-import time
-from collections.abc import Iterator, Sequence
-from queue import Empty, SimpleQueue
+from collections import deque
+from collections.abc import Sequence
+from contextlib import suppress
 
+from rtkit.closing import Closing
 from rtkit.errors import RtkitError
 from rtkit.property.messages import Event
 from rtkit.tree.properties import End, Places, told
@@ -14,50 +16,73 @@ from rtkit.tree.properties import End, Places, told
 _Heard = tuple[str, Event | Exception]
 
 
-class Heard:
+class Heard(Closing):
     """Listens to all targets; refused when one of them is.
+
+    Its descriptor is readable when there is something to `take`.
 
     Raises:
         PropertyError: As commands tell it.
     """
 
     def __init__(self, places: Places, targets: Sequence[str], parameters: str) -> None:
-        self._queue: SimpleQueue[_Heard] = SimpleQueue()
+        self._come: deque[_Heard] = deque()
+        self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         names: dict[int, dict[str, str]] = {}
         ends: dict[int, End] = {}
-        for typed in targets:
-            place, end = places.find(typed)
-            target = place.target(parameters)
-            try:
-                end.listen(target)
-            except RtkitError as error:
-                raise told(typed, error) from error
-            name = target.partition("?")[0]
-            names.setdefault(id(end), {})[name] = typed
-            ends[id(end)] = end
+        try:
+            for typed in targets:
+                place, end = places.find(typed)
+                target = place.target(parameters)
+                try:
+                    end.listen(target)
+                except RtkitError as error:
+                    raise told(typed, error) from error
+                name = target.partition("?")[0]
+                names.setdefault(id(end), {})[name] = typed
+                ends[id(end)] = end
+        except BaseException:
+            self.close()
+            raise
         for key, end in ends.items():
             arguments = (end, names[key], targets[0])
             threading.Thread(target=self._hear, args=arguments, daemon=True).start()
 
+    def fileno(self) -> int:
+        """Return the descriptor."""
+        return self._bell
+
     def _hear(self, end: End, names: dict[str, str], first: str) -> None:
         try:
             while (event := end.event()) is not None:
-                self._queue.put((names.get(event.name, event.name), event))
+                self._note(names.get(event.name, event.name), event)
         except RtkitError as error:
-            self._queue.put((next(iter(names.values()), first), error))
+            self._note(next(iter(names.values()), first), error)
 
-    def events(self, until: float | None) -> Iterator[tuple[str, Event]]:
-        """Yield events with the target as it was typed, until some time [s, monotonic].
+    def _note(self, typed: str, heard: Event | Exception) -> None:
+        self._come.append((typed, heard))
+        with suppress(OSError, ValueError):  # nobody takes it any more
+            os.eventfd_write(self._bell, 1)
+
+    def take(self) -> tuple[str, Event] | None:
+        """Return the next event with the target as it was typed, None if there is none now.
 
         Raises:
             PropertyError: An owner has gone.
         """
-        while True:
-            left = None if until is None else max(0.0, until - time.monotonic())
-            try:
-                typed, heard = self._queue.get(timeout=left)
-            except Empty:
-                return
-            if isinstance(heard, Exception):
-                raise told(typed, heard) from heard
-            yield typed, heard
+        if not self._come:
+            with suppress(BlockingIOError):
+                os.eventfd_read(self._bell)
+        # What came between the two has rung again.
+        if not self._come:
+            return None
+        typed, heard = self._come.popleft()
+        if isinstance(heard, Exception):
+            raise told(typed, heard) from heard
+        return typed, heard
+
+    def close(self) -> None:
+        """Take no more."""
+        bell, self._bell = self._bell, -1
+        if bell >= 0:
+            os.close(bell)

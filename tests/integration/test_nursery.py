@@ -6,6 +6,7 @@ import os
 import select
 import signal
 import socket
+import subprocess
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -87,3 +88,17 @@ def test_who_is_taken_for_its_own_and_what_is_left_of_who_is_killed(side: Side) 
     nursery.signal(KEY, signal.SIGKILL)
     assert not os.path.exists(will)
     assert side.told(SlaveEnded) == SlaveEnded(KEY, "signal 9")
+
+
+def test_a_stranger_with_the_pid_of_a_guest_that_left_is_let_be(side: Side) -> None:
+    nursery = side.nursery
+    with subprocess.Popen(["sleep", "60"]) as stranger:
+        assert nursery.adopt(KEY, stranger.pid, is_guest=True) is not None
+        assert not nursery.is_untold(KEY)
+        nursery.mistrust(KEY)
+        assert nursery.is_untold(KEY)
+        nursery.signal(KEY, signal.SIGKILL)
+        assert nursery.lost(KEY) == SlaveEnded(KEY, "exit status unknown")
+        nursery.sweep()
+        assert stranger.poll() is None
+        stranger.kill()

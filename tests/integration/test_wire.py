@@ -109,3 +109,13 @@ def test_a_length_that_nobody_means(pair: Pair) -> None:
     pair.theirs.sendall(struct.pack("<I", MAX_MESSAGE + 1))
     with pytest.raises(Malformed, match=f"message of {MAX_MESSAGE + 1} bytes"):
         pair.channel.receive()
+
+
+def test_a_line_is_over_though_something_is_still_to_be_read() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        assert not Channel(ours).is_over
+        Channel(theirs).send({"last": 1})
+        assert not Channel(ours).is_over
+        theirs.close()
+        assert Channel(ours).is_over

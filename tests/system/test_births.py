@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -126,3 +128,24 @@ def test_a_zygote_that_dies_at_each_start_is_started_less_and_less_often(shell: 
     flag.unlink()
     until(lambda: shell.run(line).status == 0, "a slave")
     assert "no slave can be started" not in shell.ok("rtls -l /localhost")
+
+
+def test_a_fork_that_hangs_when_manager_and_zygote_die_is_ended_by_the_next(site: Site) -> None:
+    with site.tree() as tree:
+        until(lambda: create(tree, "first").ok, "a zygote that is ready")
+        zygote, manager = zygote_of(tree), tree.listing().pid
+        known = set(born_of(zygote))
+        site.points.arm(Order("slave.begun", 1, "delay", "1000"))
+        with site.shell.open("rtmgr /localhost/manager.mgr -c 'ConsoleIn?manager_name=s'") as made:
+            assert site.points.has_struck(1)
+            (lost,) = set(born_of(zygote)) - known
+            for pid in (manager, zygote):
+                os.kill(pid, signal.SIGKILL)
+            assert made.wait(timeout=BOUND_S) == 1
+    site.points.disarm()
+    assert os.path.exists(f"/proc/{lost}")
+    site.start()
+    until(lambda: not os.path.exists(f"/proc/{lost}"), "its end")
+    assert f"said nothing was ended: pid {lost}" in site.shell.log()
+    with site.tree() as tree:
+        assert [each[0] for each in tree.listing().slaves] == ["first"]

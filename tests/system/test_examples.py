@@ -72,6 +72,21 @@ def RobotInit(manager):
     for each in (Robot, Sensor, Control):
         manager.register_factory(each)
 '''
+SERVED = """
+class Robot:
+    def __init__(self):
+        self.speed = 0.5
+        self.location = [1.0, 2.0, 3.0]
+        self.mode = "idle"
+        self.image = b"..."
+
+    def double(self, number: float) -> float:
+        return 2 * number
+
+
+class Arm:
+    angle = 0.0
+"""
 INIT = "def RobotInit(manager):\n    manager.register_factory(Robot)\n"
 MADE = (
     "Robot?instance_name=Robot0&conf.careful.speed=0.1&conf.careful.turn=0",
@@ -82,6 +97,7 @@ MADE = (
     "ConsoleIn?instance_name=B0",
     "ConsoleIn?instance_name=Arm0&manager_name=arm",
     "Microwave?instance_name=Microwave0",
+    "Motor?instance_name=Motor0",
     "Sensor?instance_name=Old0&naming.formats=old.host_cxt/%n.rtc",
     "Sensor?instance_name=Eye0&naming.formats=robot.host_cxt/%n.rtc",
 )
@@ -148,16 +164,23 @@ BEFORE: dict[str, tuple[str, ...]] = {
     ),
     "rtprofile convert robot.xml robot.yaml": ("rm robot.yaml",),
     "rtprofile normalise -i *.xml": ("rm RTC.xml",),
+    # Its revision is 1 at first.
+    "rtset --if 7 robot.mode drive": tuple(f"rtset robot.mode m{n}" for n in range(6)),
 }
 """What is typed before an example, so that it can do what it says."""
 
 ENDLESS = {
+    "rtlisten robot.speed",
+    "rtlisten /localhost/Robot0.rtc.ports.pose.count",
+    "rtlisten --mode diff robot",
     "rtls -l --watch=0.5 /localhost",
     "rtlog -f run.mcap Robot0.rtc:pose",
     "rtprint Robot0.rtc:pose",
     "rtprint --plot Robot0.rtc:pose",
     "rttop",
     "rttop -s CPU% /localhost/manager.mgr",
+    "rtserve simple_pid:PID pid -a 1 -a 0.1",
+    "rtserve ./arm.py:Arm robots/arm --port 0",
     "rtvlog /localhost/Robot0.rtc",
     "rtvlog -l warn /",
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr",
@@ -176,14 +199,8 @@ STATUS = {
 }
 """Examples that may end otherwise: what they look at is this machine, or was changed before."""
 
-OTHERS = {"rtls -l robot"}
-"""Examples of other commands that speak of one too."""
-
 ELSEWHERE = ("rtmgr",)
 """Commands whose examples start managers: they have a place of their own."""
-
-OF_SERVICES = ("rtget", "rtlisten", "rtserve", "rtset")
-"""Commands whose examples speak of a Property Service that is not served here."""
 
 
 class World:
@@ -252,8 +269,6 @@ def wrong_of(world: World, names: list[str]) -> dict[str, tuple[int, str]]:
                 status, told = world.type(each)
                 if status:
                     wrong[f"{line}: before it: {each}"] = (status, told)
-            if line in OTHERS:
-                continue
             status, told = world.type(line.replace("2811", PORT), is_endless=line in ENDLESS)
             expected = (-signal.SIGINT, 0) if line in ENDLESS else STATUS.get(line, (0,))
             if status not in expected or "Traceback" in told:
@@ -274,6 +289,9 @@ def prepare(shell: Any) -> dict[str, str]:
     shutil.copy(ROOT / "profiles" / "Motor.xml", folder / "RTC.xml")
     shutil.copy(ROOT / "profiles" / "Motor.xml", folder / "Robot.xml")
     shutil.copy(ROOT / "tests" / "idl" / "MyService.idl", folder)
+    for name in ("robot.py", "arm.py"):
+        (folder / name).write_text(SERVED)
+    (folder / "image.jpg").write_text("...")
     (folder / "robot.conf").write_text("logger.log_level: DEBUG\n")
     (folder / "points.jsonl").write_text('{"data": {"x": 1, "y": 2}}\n')
     for name in ("idl", "profiles", "systems"):
@@ -291,18 +309,22 @@ def prepare(shell: Any) -> dict[str, str]:
 @pytest.mark.timeout(300)
 def test_every_example_runs(shell: Any) -> None:
     world = World(shell, prepare(shell))
+    serving = shell.open("rtserve ./robot.py:Robot robot")
     try:
+        assert serving.stdout.readline() == "/localhost/robot\n"
         assert world.type("rtmgr start") == (0, "")
         made = " ".join(f"-c {shlex.quote(each)}" for each in MADE)
         line = f"rtmgr /localhost/manager.mgr -l ./Things.py:RobotInit {made}"
         assert world.type(line) == (0, "")
         for line in SAVED:
             assert world.type(line) == (0, ""), line
-        usual = [name for name in EXAMPLES if name not in (*LAST, *ELSEWHERE, *OF_SERVICES)]
+        usual = [name for name in EXAMPLES if name not in (*LAST, *ELSEWHERE)]
         wrong = wrong_of(world, [*usual, *LAST])
         assert wrong == {}, "\n".join(f"{line}: {told}" for line, told in wrong.items())
     finally:
         world.commands.close()
+        serving.terminate()
+        assert shell.end_of(serving) == (0, "", "")
 
 
 @pytest.mark.timeout(300)
@@ -317,6 +339,6 @@ def test_every_example_that_starts_managers_runs(shell: Any) -> None:
 
 def test_rows_name_examples_that_there_are() -> None:
     lines = {line for each in EXAMPLES.values() for line, _ in each}
-    assert {*BEFORE, *ENDLESS, *STATUS, *OTHERS} <= lines
+    assert {*BEFORE, *ENDLESS, *STATUS} <= lines
     assert EXAMPLES.keys() == {*COMMANDS.values(), "rtkit"}
     assert WORDS

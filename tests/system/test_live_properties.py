@@ -9,6 +9,10 @@ from typing import Any
 
 import jsonrecords
 import pytest
+from terminal import opened
+
+from rtkit.property.values import Word
+from rtkit.serving.serve import serve
 
 MODULE = '''
 class Arm:
@@ -72,6 +76,33 @@ def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
     assert heard == ["3\n", "4\n", "5\n"]
     assert changes.wait(30) == 0
     changes.communicate()
+
+
+class Thing:
+    def __init__(self) -> None:
+        self.size = 1
+
+
+def test_a_listing_is_watched(shell: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", shell.environment["RTKIT_RUNTIME_DIR"])
+    environment = {**shell.environment, "TERM": "xterm"}
+    with serve(Thing(), "thing", is_on_zenoh=False) as served:
+        names = shell.open("rtls --watch=0.05 thing")
+        assert names.stdout.readline() == "size\n"
+        line = shell.command("rtls -lR --watch=0.05 thing")
+        with opened(line, environment, shell.folder) as screen:
+            screen.until(r"size +1\r")
+            shell.ok("rtset thing.size 2")
+            screen.until(r"size +2\r")
+            served.owned(lambda: served.service.add("inner.colour", Word("red")))
+            screen.until(r"inner.colour +red\r")
+            served.owned(lambda: served.service.update("inner.colour", Word("blue")))
+            screen.until(r"inner.colour +blue\r")
+            screen.type("\x03")
+            assert screen.status() == -signal.SIGINT
+        assert [names.stdout.readline() for _ in range(3)] == ["\n", "size\n", "inner\n"]
+    ended = "rtls: thing: no-service: the connection has ended\n"
+    assert shell.end_of(names) == (1, "", ended)
 
 
 def test_files_and_stdin(arm: Any) -> None:

@@ -185,9 +185,16 @@ def test_a_listener_that_stands_still_holds_up_nobody(system: Any) -> None:
 def test_several_managers_are_watched(system: Any) -> None:
     system.ok("rtmgr start other")
     watching = Watching(system, "rtwatch / -v").listens()
+    listing = Watching(system, "rtls -lR --watch=0.05 /")
     system.ok("rtmgr /localhost/other.mgr -c ConsoleOut")
     watching.until("/localhost/other.mgr/ConsoleOut0.rtc APPEARED")
+    system.ok("rtmgr start late -o manager.components.precreate:ConsoleIn")
+    watching.until("/localhost/late.mgr PROCESS_STARTED")
+    watching.until("/localhost/late.mgr/ConsoleIn0.rtc APPEARED")
+    listing.until("./localhost/late.mgr:")
+    system.ok("rtmgr stop late")
     watching.end()
+    listing.end()
     system.ok(f"rtmgr {MANAGER} -c ConsoleIn")
     paths = [record["path"] for record in jsonrecords.checked(system.ok("rttop --once --json"))]
     assert paths == [SOURCE, "/localhost/other.mgr/ConsoleOut0.rtc"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import signal
 import subprocess
 from pathlib import Path
@@ -81,6 +82,13 @@ def test_a_recording_tells_how_far_it_is(manager: Any) -> None:
         screen.until(BAR.pattern)
         assert screen.status() == 0
     assert manager.run(line.replace("run", "again")).err == "Recording 3 entries.\n"
+    export = manager.command("rtlog --export csv -f run.mcap")
+    environment = {**manager.environment, "TERM": "xterm-256color"}
+    with opened(["sh", "-c", f"{shlex.join(export)} > out"], environment, manager.folder) as screen:
+        screen.until(BAR.pattern)
+        assert screen.status() == 0
+    with opened(export, environment, manager.folder) as screen:
+        assert not BAR.search(screen.rest()), "what is exported shows how far it is"
 
 
 def test_ctrl_c_leaves_the_line_clean(manager: Any) -> None:

@@ -86,8 +86,7 @@ class _Live:
 
     def run(self) -> None:
         self._draw()
-        also = [self._screen.bell, *self._screen.keyboard]
-        for told in self._top.ears.listen(None, also, self._wake_at):
+        for told in self._top.ears.listen(None, self._screen.sources, self._wake_at):
             self._screen.hush()
             self._hear(told)
             self._press(self._screen.keys())
@@ -103,14 +102,16 @@ class _Live:
         return max(self._top.heard_at + _LATE_S, self._draw_at + 1.0)
 
     def _hear(self, told: Sequence[Told]) -> None:
+        from rtkit.cli._ears import Begun
         from rtkit.tree.listening import Ended
 
         self._top.take(told)
         for manager, heard in told:
             if isinstance(heard, Ended):
                 self._tell(f"{heard.why}; waiting for it to come back")
-            elif heard is None:
-                self._tell(f"manager {self._top.ears.names[manager]!r} is back")
+            elif isinstance(heard, Begun):
+                how = "is back" if heard.is_back else "has begun"
+                self._tell(f"manager {self._top.ears.names[manager]!r} {how}")
         while self._outcomes:
             self._tell(self._outcomes.popleft())
         self._is_stale = True
@@ -175,7 +176,7 @@ class _Live:
             self._outcomes.append(f"{path}: {error}")
         else:
             self._outcomes.append(f"{path} is {done}")
-        self._screen.ring()
+        self._screen.bell.ring()
 
     # the page
 

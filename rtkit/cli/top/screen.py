@@ -8,9 +8,11 @@ import signal
 import sys
 import termios
 from collections.abc import Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from types import FrameType, TracebackType
 from typing import Any, Self
+
+from rtkit.cli._resizing import Bell, resizing
 
 _ENTER = "\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J"
 _LEAVE = "\x1b[?7h\x1b[?25h\x1b[?1049l"
@@ -37,11 +39,14 @@ class Screen:
     A signal that ends the process, or stops it (Ctrl-Z), finds the terminal as it was before.
 
     Attributes:
-        bell: Descriptor that turns readable when the page is to be drawn anew.
+        bell: Rings when there is something new to show; any thread may ring it.
     """
 
     def __init__(self) -> None:
-        self.bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._open = ExitStack()
+        self.bell = Bell()
+        self._open.callback(self.bell.close)
+        self._disturbed = self._open.enter_context(resizing(is_terminal=True))
         self._out = sys.stdout.fileno()
         self._keyboard = (
             sys.stdin.fileno() if sys.stdin is not None and sys.stdin.isatty() else None
@@ -55,8 +60,6 @@ class Screen:
         for number in _ENDS:
             self._signals[number] = signal.signal(number, self._end)
         self._signals[signal.SIGTSTP] = signal.signal(signal.SIGTSTP, self._stop)
-        for number in (signal.SIGWINCH, signal.SIGCONT):
-            self._signals[number] = signal.signal(number, self._disturbed)
         self._take()
         return self
 
@@ -69,12 +72,13 @@ class Screen:
         self._give_back()
         for number, handler in self._signals.items():
             signal.signal(number, handler)
-        os.close(self.bell)
+        self._open.close()
 
     @property
-    def keyboard(self) -> list[int]:
-        """The descriptor of the keyboard, if there is one."""
-        return [] if self._keyboard is None else [self._keyboard]
+    def sources(self) -> list[int]:
+        """Descriptors of which one is readable when there is something to draw, or a key."""
+        keyboard = [] if self._keyboard is None else [self._keyboard]
+        return [self.bell.fileno(), self._disturbed.fileno(), *keyboard]
 
     @property
     def size(self) -> tuple[int, int]:
@@ -89,15 +93,10 @@ class Screen:
         text = os.read(self._keyboard, 1024).decode("utf-8", "replace")
         return keys_of(text) if text else ["end of input"]
 
-    def ring(self) -> None:
-        """Have the page drawn anew, from any thread."""
-        with suppress(OSError):
-            os.eventfd_write(self.bell, 1)
-
     def hush(self) -> None:
-        """Take note that it is being drawn."""
-        with suppress(BlockingIOError):
-            os.eventfd_read(self.bell)
+        """Take note that it has rung."""
+        self.bell.heard()
+        self._is_stale |= self._disturbed.heard()
 
     def show(self, lines: Sequence[str]) -> None:
         """Show these lines; only those that have changed are sent."""
@@ -149,12 +148,7 @@ class Screen:
         # Here it goes on, after a SIGCONT.
         signal.signal(number, self._stop)
         self._take()
-        self.ring()
-
-    def _disturbed(self, _number: int, _frame: FrameType | None) -> None:
-        """Draw all anew: the terminal has another size, or showed something else meanwhile."""
-        self._is_stale = True
-        self.ring()
+        self._disturbed.ring()
 
 
 def keys_of(text: str) -> list[str]:

@@ -63,6 +63,7 @@ class Absent:
         self._dead = dict(dead)
         self._ends: dict[int, str] = {}
         self._left: set[int] = set()
+        self._is_settled = False
 
     def look(self, known: Collection[int]) -> None:
         """Find those that run; those that are known already need not be looked at."""
@@ -70,7 +71,9 @@ class Absent:
         self._left = {pid for pid in others if is_slave(self._manager, pid)}
 
     def ended(self, pid: int, why: str) -> None:
-        """Note the end of a process that had not come back."""
+        """Note the end of a process that had not come back, unless all has been told."""
+        if self._is_settled:
+            return
         if pid not in self._dead:
             estate = _estate(self._manager, pid)
             if estate is None:
@@ -99,6 +102,7 @@ class Absent:
         for pid, estate in self._dead.items():
             if estate.components:
                 yield SlaveMissed(pid, estate.name, estate.components, self._ends.get(pid, UNKNOWN))
+        self._is_settled = True
         self._dead.clear()
         self._ends.clear()
         self._left.clear()

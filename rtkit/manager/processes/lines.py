@@ -145,7 +145,9 @@ class Lines:
             self.drop(key)  # the line that it had before
             self._take_in(key, channel)
         pidfd = self._nursery.adopt(key, pid, is_guest=is_guest)
-        if pidfd is not None:
+        if channel is not None and channel.is_over:
+            self._nursery.mistrust(key)  # it ended before: whoever has that pid may be another
+        elif pidfd is not None:
             self._watch(key, pidfd)
         self.check_settled()
 

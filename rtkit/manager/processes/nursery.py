@@ -28,6 +28,8 @@ from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import ENDS, STOPS, reason
 
 NOBODY: Mapping[int, Estate] = {}
+_NO_ZYGOTE = 0
+"""In place of the pid of a zygote that has ended."""
 _SWEEP_S = 0.1
 """How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
 
@@ -130,6 +132,12 @@ class Nursery:
         self.fosters.found(pid)
         return None if self.fosters.has(pid) else self._pidfds.get(key)
 
+    def mistrust(self, key: int) -> None:
+        """Take who was adopted under a pid for a stranger: it is neither watched nor signalled."""
+        pidfd = self._pidfds.pop(key, None)
+        if pidfd is not None:
+            os.close(pidfd)
+
     def lost(self, key: int) -> ev.Event | None:
         """Return the end of an adopted slave of which only its pidfd told."""
         pid = self._pids.get(key)
@@ -224,8 +232,7 @@ class Nursery:
 
     def _is_abandoned(self, pid: int) -> bool:
         """Whether a slave that is not our child is nobody's: its zygote took its status along."""
-        zygote = self._parents.get(pid)
-        return zygote is not None and zygote not in self._zygotes
+        return self._parents.get(pid) == _NO_ZYGOTE
 
     def _zygote_report(self, report: os.waitid_result) -> Iterator[ev.Event]:
         """Note what a zygote did; yield what it had still told if it has ended."""
@@ -244,6 +251,9 @@ class Nursery:
         """Have those ended that it forked and who said no hello: they are still in its session."""
         self._zygotes.discard(zygote)
         self._over.add(zygote)
+        # Its pid may be given to the next one.
+        orphans = {pid: _NO_ZYGOTE for pid, parent in self._parents.items() if parent == zygote}
+        self._parents.update(orphans)
         self._sweep_soon()
 
     def sweep(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import select
 import socket
 import struct
 from typing import Any
@@ -32,6 +33,13 @@ class Channel:
     def has_backlog(self) -> bool:
         """Whether bytes wait for `flush`."""
         return bool(self._outbox)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the other end is closed, also when not all that it sent has been received."""
+        poll = select.poll()
+        poll.register(self.socket, 0)
+        return bool(poll.poll(0))
 
     def send(self, message: Message) -> None:
         """Send one message.

@@ -95,8 +95,11 @@ def test_what_is_stale_is_removed_and_what_is_not_ours_is_named(folder: Path) ->
         os._exit(0)
     os.waitpid(child, 0)
     own = os.getpid()
-    for name in (f"m.{child}.data", f"m.{own}.data", f"m.{child}.x", "other.1.data"):
+    parent = os.getppid()  # it has that pid, but did not make the socket
+    for name in (f"m.{child}.data", f"m.{parent}.data", f"m.{child}.x", "other.1.data"):
         (folder / name).touch()
+    guest = socket.socket(socket.AF_UNIX)
+    guest.bind(str(folder / f"m.{own}.data"))
     slave = Beats(str(folder / f"m.{own}.beats"))
     for pid in (own, os.getppid()):
         (folder / f"m.{pid}.held").touch()
@@ -105,6 +108,7 @@ def test_what_is_stale_is_removed_and_what_is_not_ours_is_named(folder: Path) ->
     left = sorted(each.name for each in folder.iterdir())
     kept = [f"m.{own}.{kind}" for kind in ("beats", "data", "held")]
     assert left == sorted([*kept, f"m.{child}.x", "other.1.data"])
+    guest.close()
     del slave
     assert living_slaves("m") == set()
     (folder / "m.sock").mkdir()

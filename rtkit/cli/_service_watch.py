@@ -1,0 +1,88 @@
+"""``rtls --watch`` of a property service: it listens to what it shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+
+from rtkit.cli import _out
+from rtkit.cli._patience import wait_for
+from rtkit.cli._properties import connected
+from rtkit.cli._resizing import resizing
+from rtkit.cli._service_listing import Listing
+from rtkit.cli._watch import Sight
+from rtkit.property.codes import PropertyError
+from rtkit.tree.properties_heard import Heard
+
+_MOST = 1000
+"""How many properties one connection listens to; services bound it."""
+
+
+def watch_service(listing: Listing, sight: Sight) -> None:
+    """Show a listing again when something of it has changed, until nobody reads it.
+
+    Raises:
+        PropertyError: The service has gone.
+    """
+    with _Ears(listing) as ears, resizing(_out.is_terminal()) as bell:
+        while True:
+            if bell.heard():
+                sight.forget()
+            if ears.has_news():
+                sight.stale()
+            if sight.is_due:
+                sight.show(listing.look)
+                ears.listen_to(listing.names)
+            wait_for([bell.fileno(), *ears.sources], sight.due())
+
+
+class _Ears:
+    """Hears that there are other names, and other values of those that are shown."""
+
+    def __init__(self, listing: Listing) -> None:
+        self._listing = listing
+        self._open = ExitStack()
+        self._heard: list[Heard] = []
+        self._known: set[str] = set()
+
+    def __enter__(self) -> _Ears:
+        self._hear([self._listing.place.typed], ["mode=diff"] if self._listing.is_deep else [])
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self._open.close()
+
+    @property
+    def sources(self) -> Iterable[int]:
+        """Descriptors of which one is readable when there is news."""
+        return [heard.fileno() for heard in self._heard]
+
+    def has_news(self) -> bool:
+        """Take all news, and tell whether there was some.
+
+        Raises:
+            PropertyError: The service has gone.
+        """
+        taken = False
+        for heard in self._heard:
+            while heard.take() is not None:
+                taken = True
+        return taken
+
+    def listen_to(self, names: Sequence[str]) -> None:
+        """Listen to the values of properties, if not so already."""
+        new = [name for name in names if name not in self._known]
+        self._known = set(names)
+        place = self._listing.place.typed.rstrip("/")
+        for first in range(0, len(new), _MOST):
+            try:
+                self._hear([f"{place}.{name}" for name in new[first : first + _MOST]], [])
+            except PropertyError as error:
+                if error.code != "unknown":
+                    raise
+                # One of them has gone meanwhile, which the ear for names hears.
+                self._known.clear()
+
+    def _hear(self, targets: Sequence[str], parameters: Sequence[str]) -> None:
+        places = self._open.enter_context(connected(self._listing.app, None))
+        self._heard.append(self._open.enter_context(Heard(places, targets, "&".join(parameters))))

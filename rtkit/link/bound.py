@@ -1,0 +1,42 @@
+"""Which unix sockets have a process behind them: a pid alone may be that of a stranger by now."""
+
+from __future__ import annotations
+
+import os
+
+
+def is_abandoned(path: str, pid: int) -> bool:
+    """Whether the process that bound a socket, which had that pid, is no more.
+
+    The kernel lists which paths are bound in a network namespace; who lives in another one is
+    believed to be the owner.
+    """
+    if _state(pid) in ("", "Z", "X"):
+        return True
+    try:
+        is_near = os.stat(f"/proc/{pid}/ns/net").st_ino == os.stat("/proc/self/ns/net").st_ino
+    except FileNotFoundError:
+        return True  # it has ended meanwhile
+    except PermissionError:
+        return True  # somebody else's: in the folder of this user it has nothing
+    return is_near and not _is_bound(path)
+
+
+def _state(pid: int) -> str:
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
+            return file.read().rpartition(") ")[2][:1]
+    except (FileNotFoundError, ProcessLookupError):
+        return ""
+
+
+def _is_bound(path: str) -> bool:
+    """Source: proc_net(5), the last column of ``/proc/net/unix``."""
+    name, folder = os.path.basename(path), os.path.realpath(os.path.dirname(path))
+    with open("/proc/net/unix", encoding="utf-8", errors="surrogateescape") as file:
+        rows = (line.rstrip("\n").split(None, 7) for line in file)
+        paths = [row[7] for row in rows if len(row) == 8]
+    return any(
+        os.path.basename(each) == name and os.path.realpath(os.path.dirname(each)) == folder
+        for each in paths
+    )
