@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 from forked import Commands
+from serialkit import Cable
 
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
@@ -181,6 +182,7 @@ ENDLESS = {
     "rttop -s CPU% /localhost/manager.mgr",
     "rtserve simple_pid:PID pid -a 1 -a 0.1",
     "rtserve ./arm.py:Arm robots/arm --port 0",
+    "rtserve ./arm.py:Arm arm --serial /dev/ttyS0 --allow-set 'angle*'",
     "rtvlog /localhost/Robot0.rtc",
     "rtvlog -l warn /",
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr",
@@ -269,7 +271,8 @@ def wrong_of(world: World, names: list[str]) -> dict[str, tuple[int, str]]:
                 status, told = world.type(each)
                 if status:
                     wrong[f"{line}: before it: {each}"] = (status, told)
-            status, told = world.type(line.replace("2811", PORT), is_endless=line in ENDLESS)
+            typed = line.replace("2811", PORT).replace("/dev/ttyS0", DEVICE)
+            status, told = world.type(typed, is_endless=line in ENDLESS)
             expected = (-signal.SIGINT, 0) if line in ENDLESS else STATUS.get(line, (0,))
             if status not in expected or "Traceback" in told:
                 wrong[line] = (status, told)
@@ -277,6 +280,8 @@ def wrong_of(world: World, names: list[str]) -> dict[str, tuple[int, str]]:
 
 
 PORT = str(free_port())
+DEVICE = "ttyS0"
+"""A serial line in the folder of the test."""
 
 
 def prepare(shell: Any) -> dict[str, str]:
@@ -310,6 +315,8 @@ def prepare(shell: Any) -> dict[str, str]:
 def test_every_example_runs(shell: Any) -> None:
     world = World(shell, prepare(shell))
     serving = shell.open("rtserve ./robot.py:Robot robot")
+    cable = Cable(str(shell.folder))
+    os.symlink(cable.near, shell.folder / DEVICE)
     try:
         assert serving.stdout.readline() == "/localhost/robot\n"
         assert world.type("rtmgr start") == (0, "")
@@ -323,6 +330,7 @@ def test_every_example_runs(shell: Any) -> None:
         assert wrong == {}, "\n".join(f"{line}: {told}" for line, told in wrong.items())
     finally:
         world.commands.close()
+        cable.close()
         serving.terminate()
         assert shell.end_of(serving) == (0, "", "")
 
