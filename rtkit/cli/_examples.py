@@ -209,6 +209,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
             "rtserve ./arm.py:Arm arm --serial /dev/ttyS0 --allow-set 'angle*'",
             "With a serial line, over which the angles may be set.",
         ),
+        ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
     ),
     "rtset": (
         ("rtset robot.speed -0.5", "A number."),

@@ -7,6 +7,19 @@ import click
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
 
+_LOCAL = frozenset({"", "localhost", "127.0.0.1"})
+
+
+def _http_port(context: click.Context, parameter: click.Parameter, value: str | None) -> int | None:
+    if value is None:
+        return None
+    name, _, port = value.rpartition(":")
+    if not (port.isascii() and port.isdigit() and int(port) <= 65535):
+        raise click.BadParameter(f"not [HOST:]PORT: {value}")
+    if name not in _LOCAL:
+        raise click.BadParameter(f"this host only, not {name}: nothing would be encrypted")
+    return int(port)
+
 
 @command("rtserve", is_local=True)
 @click.option("-a", "--argument", "arguments", multiple=True, metavar="[KEY=]VALUE",
@@ -18,6 +31,8 @@ from rtkit.cli._app import App, command
               help="Also open this serial line (DEVICE?baud=115200&check=auto).")  # fmt: skip
 @click.option("--allow-set", "settable", multiple=True, metavar="GLOB",
               help="Names that may be set over the serial line (repeatable).")  # fmt: skip
+@click.option("--http", metavar="[HOST:]PORT", callback=_http_port,
+              help="Also open an HTTP door on this host, 0 for any free port.")  # fmt: skip
 @click.argument("thing", metavar="MODULE:CLASS")
 @click.argument("name")
 def main(
@@ -27,6 +42,7 @@ def main(
     port: int | None,
     serial: str | None,
     settable: tuple[str, ...],
+    http: int | None,
     thing: str,
     name: str,
 ) -> None:
@@ -51,10 +67,14 @@ def main(
     if settable and serial is None:
         raise click.UsageError("--allow-set goes with --serial")
     thing_made = made(thing, arguments)
-    with serve(thing_made, name, port=port, serial=serial, settable=settable, hide=hide) as served:
-        door = "" if served.port is None else f"  localhost:{served.port}"
-        line = "" if serial is None else f"  {SCHEME}{serial.removeprefix(SCHEME)}"
-        _out.write([f"/localhost/{served.name}{door}{line}"])
+    with serve(
+        thing_made, name, port=port, serial=serial, settable=settable, http=http, hide=hide
+    ) as served:
+        doors = [f"/localhost/{served.name}"]
+        doors += [] if served.port is None else [f"localhost:{served.port}"]
+        doors += [] if serial is None else [f"{SCHEME}{serial.removeprefix(SCHEME)}"]
+        doors += [] if served.http is None else [f"http://localhost:{served.http}/ps/{served.name}"]
+        _out.write(["  ".join(doors)])
         import sys
 
         sys.stdout.flush()

@@ -8,12 +8,16 @@ import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from time import monotonic
+from typing import TYPE_CHECKING
 
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
 from rtkit.link.inbox import Inbox
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Event, Payload
+
+if TYPE_CHECKING:
+    from rtkit.link.http_client import HttpClient
 
 _PIECE = 1 << 16
 _MOST_DRAINED = 1 << 22
@@ -210,7 +214,7 @@ def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:
 
 
 @contextmanager
-def listening(client: LineClient, target: str) -> Iterator[Iterator[Event]]:
+def listening(client: LineClient | HttpClient, target: str) -> Iterator[Iterator[Event]]:
     """Listen on a connection of its own, which is closed at the end."""
     try:
         client.listen(target)

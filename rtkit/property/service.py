@@ -165,6 +165,16 @@ class Service:
             return None
         return text.encode("utf-8", "surrogateescape")
 
+    def revision(self, name: str) -> int | None:
+        """Return the revision of a property, None of what is none."""
+        node = self._nodes.get(name)
+        return None if node is None else node.revision
+
+    def is_text(self, name: str) -> bool:
+        """Whether a property holds text that is no value."""
+        node = self._nodes.get(name)
+        return node is not None and node.spec.type.base == "text"
+
     def is_plain(self, name: str) -> bool:
         """Whether a property is kept here and nothing is called when it is got or set."""
         node = self._nodes.get(name)

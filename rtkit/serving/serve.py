@@ -22,12 +22,16 @@ class Served(Closing):
         name: Under which it is found.
         socket: The path of its unix socket.
         port: Of its TCP door, None if it has none.
+        http: Port of its HTTP door, None if it has none.
     """
 
-    def __init__(self, host: Host, service: Service, socket: str, port: int | None) -> None:
+    def __init__(
+        self, host: Host, service: Service, socket: str, port: int | None, http: int | None = None
+    ) -> None:
         self.name = service.name
         self.socket = socket
         self.port = port
+        self.http = http
         self.service = service
         self._host = host
 
@@ -69,6 +73,7 @@ def serve(
     port: int | None = None,
     serial: str | None = None,
     settable: Iterable[str] = (),
+    http: int | None = None,
     hide: Iterable[str] = (),
     is_on_zenoh: bool = True,
 ) -> Served:
@@ -88,13 +93,14 @@ def serve(
         port: Also open this TCP port of the host, 0 for any, to who knows the user's secret.
         serial: Also open this serial line, ``DEVICE[?baud=N&check=auto|1|0]``, when it is there.
         settable: Patterns of names that may be set over it; none may, unless told.
+        http: Also open this port of the host, 0 for any, for HTTP, likewise.
         hide: Names that are not to be seen.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
 
     Raises:
         Refused: A service of that name runs.
         Malformed: It is no name, or no serial line.
-        Unreachable: The port is taken.
+        Unreachable: A port is taken.
     """
     host = Host()
     service = thing if isinstance(thing, Service) else Service()
@@ -114,6 +120,7 @@ def serve(
 
             open_serial(host, read_address(serial), service.name, tuple(settable))
         opened = None if port is None else open_tcp(host, service.name, port)
+        web = None if http is None else _open_http(host, http)
         if is_on_zenoh:
             from rtkit.serving.zenoh_door import open_zenoh
 
@@ -122,4 +129,10 @@ def serve(
         host.close()
         raise
     host.start()
-    return Served(host, service, socket, opened)
+    return Served(host, service, socket, opened, web)
+
+
+def _open_http(host: Host, port: int) -> int:
+    from rtkit.serving.http_door import open_http
+
+    return open_http(host, port)

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from rtkit.tree.live import ThisHost
 
 
+_HTTP = "http://"
+WEB_ROOT = "/ps"
+
+
 class End(Protocol):
     """A connection to the owner of properties."""
 
@@ -87,8 +91,9 @@ class Places:
     """Finds properties and keeps one connection for each owner.
 
     Args:
-        at: ``HOST:PORT`` of a TCP door, or ``serial:DEVICE``, else services of this user on this
-            host are meant. Behind a serial line there is one service, which needs no name.
+        at: ``HOST:PORT`` of a TCP door, ``http://HOST:PORT``, or ``serial:DEVICE``, else services
+            of this user on this host are meant. Behind a serial line there is one service, which
+            needs no name.
         timeout_s: Bound on each request [s].
     """
 
@@ -107,6 +112,11 @@ class Places:
         Raises:
             RtkitError: ``no-service``, with what was typed in front.
         """
+        try:
+            if typed.startswith(_HTTP):
+                return self._on_web(typed)
+        except Exception as error:
+            raise told(typed, error) from error
         place = parse(typed, self._cwd, self._known(), os.uname().nodename)
         try:
             if not place.service and not self._at:
@@ -151,7 +161,8 @@ class Places:
     def _at_door(self) -> list[str]:
         if self._is_serial:
             return []
-        answer = self._door().ask("door/services").value()
+        asked = "" if self._at.startswith(_HTTP) else "door/services"
+        answer = self._door().ask(asked).value()
         return [] if answer == "()" else str(answer).strip("()").split()
 
     def _door(self) -> End:
@@ -159,12 +170,31 @@ class Places:
             from rtkit.link.serial_client import connect_serial
 
             self._ends[""] = connect_serial(self._at, self._timeout_s)
+        elif "" not in self._ends and self._at.startswith(_HTTP):
+            self._ends[""] = self._web(self._at)
         elif "" not in self._ends:
             from rtkit.link.line_client import connect_tcp
 
             host, _, port = self._at.rpartition(":")
             self._ends[""] = connect_tcp(host or LOCAL, int(port), self._timeout_s)
         return self._ends[""]
+
+    def _on_web(self, typed: str) -> tuple[Place, End]:
+        """Return what ``http://HOST:PORT/ps/SERVICE/NAME`` is."""
+        address, _, rest = typed.partition(f"{WEB_ROOT}/")
+        if address not in self._ends:
+            self._ends[address] = self._web(address)
+        door = self._ends[address]
+        services = str(door.ask("").value()).strip("()").split()
+        place = parse(rest, "/", services, os.uname().nodename)
+        if not place.service:
+            raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
+        return place._replace(typed=typed), OfService(door, place.service)
+
+    def _web(self, address: str) -> End:
+        from rtkit.link.http_client import connect_http
+
+        return connect_http(address, self._timeout_s)
 
     def _end(self, place: Place) -> End:
         if self._is_serial:

@@ -16,6 +16,7 @@ from conformance import Door, check_answers, check_events, subject
 
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import keys, places, secret
+from rtkit.link.http_client import HttpClient, connect_http
 from rtkit.link.line_client import LineClient, connect_tcp, connect_unix, listening
 from rtkit.link.properties import PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
@@ -46,14 +47,14 @@ def service() -> Service:
 
 @pytest.fixture
 def served(place: str, service: Service) -> Iterator[Served]:
-    with serve(service, "robot", port=0) as served:
+    with serve(service, "robot", port=0, http=0) as served:
         yield served
 
 
 class Lines:
-    """The line protocol; each who listens has a connection of its own."""
+    """Lines or HTTP; each who listens has a client of its own."""
 
-    def __init__(self, connect: Callable[[], LineClient]) -> None:
+    def __init__(self, connect: Callable[[], LineClient | HttpClient]) -> None:
         self._connect = connect
         self._client = connect()
         self.ask = self._client.ask
@@ -96,10 +97,16 @@ def _tcp(served: Served) -> Lines:
     return Lines(lambda: connect_tcp("127.0.0.1", port, BOUND_S))
 
 
+def _http(served: Served) -> Lines:
+    address = f"http://127.0.0.1:{served.http}"
+    return Lines(lambda: connect_http(address, BOUND_S, "robot"))
+
+
 DOORS: dict[str, Callable[[Served], Lines | Zenoh]] = {
     "unix": _unix,
     "tcp": _tcp,
     "zenoh": lambda served: Zenoh(),
+    "http": _http,
 }
 """Each is a row: what is asked of one is asked of all."""
 

@@ -38,8 +38,10 @@ def broken():
 def arm(shell: Any) -> Iterator[Any]:
     """A shell with an arm that is served."""
     (shell.folder / "arm.py").write_text(MODULE, encoding="utf-8")
-    process = shell.open("rtserve arm:Arm robots/arm -a 0.5 -a name=right --port 0 --hide hidden")
-    shell.address = process.stdout.readline().split()[1]
+    process = shell.open(
+        "rtserve arm:Arm robots/arm -a 0.5 -a name=right --port 0 --http 0 --hide hidden"
+    )
+    _, shell.address, shell.web = process.stdout.readline().split()
     yield shell
     process.send_signal(signal.SIGTERM)
     assert process.communicate(timeout=30) == ("", "")
@@ -56,6 +58,10 @@ def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
         '<call state="done"><result>1.999</result></call>\n'
     )
     assert arm.ok(f"rtget --at {arm.address} robots/arm.angle") == "1.999\n"
+    assert arm.ok(f"rtget {arm.web}.angle {arm.web}/pose/y") == "1.999\n2.0\n"
+    door = arm.web.removesuffix("/ps/robots/arm")
+    assert arm.ok(f"rtset --echo --at {door} robots/arm.angle 2") == "2\n"
+    assert arm.ok(f"rtlisten -n 1 {arm.web}/name") == '"right"\n'
     arm.ok("rtset robots/arm properties '((angle 3) (name up))'")
     assert arm.ok("rtget -p values -p names='(angle name)' robots/arm") == (
         '((angle 3) (name "up"))\n'
@@ -136,6 +142,11 @@ REFUSED = [
     ("rtget -p x=1 robots/arm.name", 2, "robots/arm.name: bad-parameter: name has no parameter x"),
     ("rtlisten robots/arm.nope", 4, "robots/arm.nope: unknown: no such property: nope"),
     ("rtserve arm:Arm robots/arm", 1, "a service named 'robots/arm' is running already"),
+    (
+        "rtget http://localhost:1/ps/x",
+        5,
+        "http://localhost:1/ps/x: no-service: cannot reach http://localhost:1: Connection refused",
+    ),
     ("rtserve arm:Leg x", 4, "nothing of that name in arm: Leg"),
     ("rtserve arm:broken x", 1, "arm:broken: ValueError: no arm"),
     ("rtserve legs:Leg x", 4, "no such module: legs"),

@@ -18,7 +18,7 @@ TESTS = Path(__file__).parents[2]
 def rows() -> list[tuple[str, str]]:
     lines = INDEX.read_text(encoding="utf-8").splitlines()
     # A row may speak of = itself; what it is covered by begins with a command or a path.
-    pattern = re.compile(r"(.+?) = ((?:rt|[A-Z]+_?[A-Z]*=|unit/|laws/|system/).*)")
+    pattern = re.compile(r"(.+?) = ((?:rt|[A-Z]+_?[A-Z]*=|unit/|laws/|integration/|system/).*)")
     found = []
     for line in lines:
         if line and not line.startswith("#"):
