@@ -14,6 +14,7 @@ TOPICS: dict[str, str] = {
     "profiles": "Documents that describe components and systems.",
     "security": "Who can reach a manager, and what it runs.",
     "statuses": "What the exit status of a command says.",
+    "survival": "What is there again after a crash, and a loss of power.",
 }
 
 

@@ -57,11 +57,12 @@ def main(app: App, words: tuple[str, ...], timeout_s: float, strict: bool, is_js
 
 
 def _looked(timeout_s: float) -> Iterator[Diagnosis]:
-    from rtkit.cli.doctor import folders, installation, live
+    from rtkit.cli.doctor import folders, installation, live, stores
 
     yield from installation.installation(os.environ)
     yield from folders.folders()
     yield from folders.remains()
+    yield from stores.stores()
     yield from live.managers(timeout_s, os.environ)
     yield from live.servers(os.environ, timeout_s)
     if sys.stdin is not None and sys.stdin.isatty() and _out.is_terminal():

@@ -76,7 +76,7 @@ def main(
         _out.write(_records.lines("entry", map(entry_record, found)))
     else:
         _out.write(_out.printable(node.path) for node in found)
-    silent = [node for node in nodes if node.trouble and not node.is_slave]
+    silent = [n for n in nodes if n.trouble and not n.is_slave and not n.children]
     for node in silent:
         app.fail(f"{node.path} was not searched: {node.trouble}")
     return app.status(Unreachable()) if silent else 0

@@ -97,6 +97,11 @@ def output_file(manager: str, slave: str = "", folder: str = "") -> str:
     return f"{folder or state_dir()}/{_of_process(manager, slave)}.out"
 
 
+def store_file(manager: str) -> str:
+    """Return the path of the store in which a manager keeps what its users wished for."""
+    return f"{state_dir()}/{_of_process(manager, '')}.wishes"
+
+
 def _of_process(manager: str, slave: str) -> str:
     name = (f"{manager}.{slave}" if slave else manager).encode("utf-8", "surrogateescape")
     if len(name) > _MAX_FILE_NAME:

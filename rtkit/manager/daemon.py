@@ -21,10 +21,19 @@ from rtkit.link import keys, places
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import configuring
 from rtkit.manager.core.core import Core
-from rtkit.manager.core.events import OWN_PROCESS, HolderSaid, Message, OperationAsked, StopAsked
+from rtkit.manager.core.events import (
+    OWN_PROCESS,
+    HolderSaid,
+    Message,
+    OperationAsked,
+    Remembered,
+    Row,
+    StopAsked,
+)
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.holding.estate import Estate
+from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.logs import open_log
 from rtkit.manager.processes.absent import estates_of_the_dead, living_slaves
 from rtkit.manager.processes.newborns import end_lost
@@ -75,10 +84,13 @@ def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
             for text in configuration.warnings:
                 report.warn(text)
             state = _state(name, folder, configuration.settings)
-            loop = _assemble(state, dead, is_shown, report.warn, stack)
-            start_up = StartUp(state, loop.post, partial(_started, loop, report, state.settings))
+            keeper, remembered = _recall(state, report.warn, stack)
+            loop = _assemble(state, dead, keeper, is_shown, report.warn, stack)
+            loop.recall(remembered)
+            done = partial(_started, loop, keeper, report, state.settings)
+            start_up = StartUp(state, loop.post, done)
             _register(loop, state, stack)
-            loop.settle(start_up.begin)
+            loop.settle(start_up.restore)
             loop.run()
             fault.point("manager.finished")
     except RtkitError as error:
@@ -91,8 +103,32 @@ def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
     return 1 if loop.has_failed else 0
 
 
+def _recall(
+    state: State, warn: Callable[[str], None], stack: ExitStack
+) -> tuple[Keeper, Remembered]:
+    """Open the store; return it with what an earlier manager kept there.
+
+    Raises:
+        Refused: It is in use, or of a newer rtkit.
+    """
+    keeper = Keeper(places.store_file(state.name))
+    stack.callback(keeper.close)
+    rows: list[Row]
+    if not state.settings.flag("rtkit.restore"):
+        rows, remark = [], keeper.set_aside()
+    else:
+        rows, remark = keeper.find()
+    if remark:
+        warn(remark)
+    return keeper, Remembered(rows, boot_id(), remark)
+
+
 def _started(
-    loop: Loop, report: Report, settings: Settings, failures: list[tuple[str, str]]
+    loop: Loop,
+    keeper: Keeper,
+    report: Report,
+    settings: Settings,
+    failures: list[tuple[str, str]],
 ) -> None:
     for what, why in failures:
         report.fail(what, why)
@@ -104,6 +140,7 @@ def _started(
         fault.point("manager.settled")
         report.ready()
         fault.point("manager.ready")
+        keeper.begin()
 
 
 def _forget_folder(folder: str) -> None:
@@ -148,6 +185,7 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
 def _assemble(
     state: State,
     dead: Mapping[int, Estate],
+    keeper: Keeper,
     is_shown: bool,
     warn: Callable[[str], None],
     stack: ExitStack,
@@ -170,7 +208,7 @@ def _assemble(
     )
     stack.callback(nursery.close)
     fault.point("manager.zygote_started")
-    loop = _open_doors(state, data, nursery, warn, stack)
+    loop = _open_doors(state, data, nursery, keeper, warn, stack)
     signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
     stack.callback(signal.set_wakeup_fd, -1)
     catch_signals(loop.post, is_shown=is_shown)
@@ -178,7 +216,12 @@ def _assemble(
 
 
 def _open_doors(
-    state: State, data: str, nursery: Nursery, warn: Callable[[str], None], stack: ExitStack
+    state: State,
+    data: str,
+    nursery: Nursery,
+    keeper: Keeper,
+    warn: Callable[[str], None],
+    stack: ExitStack,
 ) -> Loop:
     from rtkit.link.streams import remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
@@ -200,7 +243,7 @@ def _open_doors(
         loop.post(HolderSaid(OWN_PROCESS, message))
 
     holder = _holder(state, data, report, stack)
-    loop = Loop(Core(state), holder, nursery, listener)
+    loop = Loop(Core(state), holder, nursery, listener, keeper)
     stack.callback(loop.close)
     thread = threading.Thread(target=holder.run, name="holder", daemon=True)
     thread.start()
@@ -321,6 +364,12 @@ def _system() -> dict[str, str]:
         "os.arch": told.machine,
         "os.hostname": told.nodename,
     }
+
+
+def boot_id() -> str:
+    """Return which run of this machine it is."""
+    with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
+        return file.read().strip()
 
 
 def base_paths() -> tuple[str, ...]:

@@ -113,6 +113,8 @@ class FakeShell:
         signals: What was sent, as (key, number).
         wake_at: When the core wants a tick.
         is_finished: Whether the core said that all is done.
+        rows: What was kept, by kind and name.
+        disk: Why nothing can be kept; empty when it can.
     """
 
     def __init__(self) -> None:
@@ -127,6 +129,8 @@ class FakeShell:
         self.signals: list[tuple[int, int]] = []
         self.wake_at: float | None = None
         self.is_finished = False
+        self.rows: dict[tuple[str, str], str] = {}
+        self.disk = ""
 
     @property
     def state(self) -> State:
@@ -143,7 +147,18 @@ class FakeShell:
         for instruction in instructions:
             if isinstance(instruction, ev.Inspect):
                 self.feed(ev.ProcessInspected(instruction.key))
+            elif isinstance(instruction, ev.Keep):
+                self._keep(instruction)
         return instructions
+
+    def _keep(self, keep: ev.Keep) -> None:
+        """Keep rows at once, or fail to."""
+        for kind, name, value in () if self.disk else keep.rows:
+            if value is None:
+                self.rows.pop((kind, name), None)
+            else:
+                self.rows[kind, name] = value
+        self.feed(ev.Kept(keep.number, self.disk))
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:

@@ -25,6 +25,7 @@ from rtkit.link.base import Link
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.holding.holder import Holder
+from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.outputs import cut
 from rtkit.manager.processes.lastwords import last_words
 from rtkit.manager.processes.lines import Lines
@@ -59,9 +60,16 @@ class Loop:
     """
 
     def __init__(
-        self, core: Core, holder: Holder, nursery: Nursery, listener: socket.socket
+        self,
+        core: Core,
+        holder: Holder,
+        nursery: Nursery,
+        listener: socket.socket,
+        keeper: Keeper,
     ) -> None:
         self._core = core
+        self._keeper = keeper
+        keeper.heard = lambda number, why: self.post(ev.Kept(number, why))
         self.desk = Desk(core.state)
         self.has_failed = False
         self._holder = holder
@@ -95,6 +103,10 @@ class Loop:
         if not self._is_closed:
             with suppress(BlockingIOError):  # it is awake already
                 os.write(self._wake_write, b"x")
+
+    def recall(self, remembered: ev.Remembered) -> None:
+        """Tell the core what an earlier manager kept, before anything else."""
+        self._handle(remembered)
 
     def settle(self, settled: Callable[[], object]) -> None:
         """Call `settled` when the slaves of earlier managers are back, or their time is up."""
@@ -289,6 +301,10 @@ class Loop:
             case ev.SignalSlave(key, number):
                 self._nursery.signal(key, signal.Signals(number))
                 fault.point("manager.signalled")
+            case ev.Keep(number, rows):
+                self._keeper.keep(number, rows)
+            case ev.Forget():
+                self._keeper.forget()
             case ev.Inspect(key, age_s):
                 self._inspect(key, age_s)
             case ev.Publish(line, message):

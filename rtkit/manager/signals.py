@@ -16,6 +16,8 @@ def catch_signals(post: Callable[[StopAsked], object], *, is_shown: bool) -> Non
 
     QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. In the
     foreground a second INT or QUIT ends at once. What a shell or ``nohup`` had ignored stays so.
+
+    TERM comes with the end of the machine, not from a user of the system: wishes are kept then.
     """
     caught: list[int] = []
 
@@ -23,7 +25,7 @@ def catch_signals(post: Callable[[StopAsked], object], *, is_shown: bool) -> Non
         is_key = number in (signal.SIGINT, signal.SIGQUIT)
         is_urgent = is_shown and is_key and bool(caught)
         caught.append(number)
-        post(StopAsked(is_urgent))
+        post(StopAsked(is_urgent, is_kept=number == signal.SIGTERM))
 
     signal.signal(signal.SIGTERM, stop)
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):

@@ -185,7 +185,7 @@ def test_the_end_of_a_found_slave_is_told_with_its_reason(pair: Any) -> None:
 
 
 def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
-    """With how it ended where its zygote knows that; and without, if that died too."""
+    """With how it ended where its zygote knows that; whose zygote died too is made again."""
     slave = pid_of(pair, f"{MANAGER}/a.mgr")
     kill_manager(pair)
     os.kill(slave, signal.SIGSEGV)
@@ -201,10 +201,10 @@ def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
     until(lambda: not os.path.exists(f"/proc/{slave}"), "its end")
     pair.ok("rtmgr start")
     shown = pair.ok("rtls -l /localhost")
-    assert "*B.rtc  (exit status unknown)" in shown
-    assert "A.rtc" not in shown
+    assert "*A.rtc  (signal 11)" in shown  # still
+    assert "Active  1/0  1/0  0/0  0/0  B.rtc" in shown  # all ended with it: it is made again
     pair.ok("rtdel -z")
-    assert pair.ok("rtls /localhost").split() == ["manager.mgr/"]
+    assert pair.ok("rtls /localhost").split() == ["B.rtc", "manager.mgr/"]
 
 
 @pytest.mark.parametrize("is_zygote_killed", [False, True])

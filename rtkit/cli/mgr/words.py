@@ -64,9 +64,12 @@ def _stop(app: App, name: str) -> None:
             raise
         absent = error
     left = _end_remains(name)
-    if absent is not None and not left:
+    is_forgotten = absent is not None and _forget_wishes(name)
+    if absent is not None and not left and not is_forgotten:
         raise absent
-    if left:
+    if is_forgotten and not left:
+        app.fail(f"manager {name!r} does not run; what it kept for its next start is removed")
+    elif left:
         app.fail(f"manager {name!r} had been killed; what it left was ended ({left} slaves)")
     else:
         app.tell(f"manager {name} ended")
@@ -81,6 +84,22 @@ def _end_remains(name: str) -> int:
     from rtkit.manager.remains import end_remains
 
     return end_remains(name)
+
+
+def _forget_wishes(name: str) -> bool:
+    """Remove what a manager kept that does not run; return whether there was anything."""
+    path = places.store_file(name)
+    if not os.path.lexists(path):
+        return False
+    from contextlib import ExitStack
+
+    from rtkit.manager.claim import take_lock
+    from rtkit.manager.keeping.store import remove
+
+    places.make_private(places.runtime_dir())
+    with ExitStack() as stack:
+        take_lock(name, stack)
+        return remove(path)
 
 
 def _restart(app: App, name: str) -> None:

@@ -80,6 +80,7 @@ def change(state: State, argument: str) -> Procedure:
         for process in list(state.processes.values()):
             if process.is_slave and process.is_ready:
                 yield Tell(process, told)
+    state.kept.set(key, value)
     return Result(value=lookup(state, key) or "")
 
 

@@ -8,31 +8,38 @@ argument.
 from __future__ import annotations
 
 import signal
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
+from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.figures import FIGURES
 from rtkit.deployment.news import TREE
-from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core import adoption, configuring, facts_in, operations
 from rtkit.manager.core.announcing import Announcer
 from rtkit.manager.core.events import (
     AdoptSlave,
+    Answer,
     AnswerClient,
     BatchAsked,
     BirthsBarred,
     CallbackStuck,
     Event,
     Finish,
+    Forget,
     HolderSaid,
     Instruction,
+    Kept,
     Listened,
     Message,
     OperationAsked,
     PictureAsked,
     ProcessInspected,
+    Remembered,
+    RestoreAsked,
     SendToHolder,
     SignalSlave,
     SlaveEnded,
@@ -46,7 +53,9 @@ from rtkit.manager.core.events import (
     Tick,
     WakeAt,
 )
+from rtkit.manager.core.keeping import Keeping, unkept
 from rtkit.manager.core.procedures import procedure_for, slaves_of
+from rtkit.manager.core.restoring import RESTORE_S, note_loss, reconnect, restore
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.surveying import Survey
@@ -82,15 +91,17 @@ class Core:
         self.state = state
         self._out: list[Instruction] = []
         self._tasks = Tasks(state, self._out)
+        self._keeping = Keeping(state, self._out, self._tasks)
         self._announcer = Announcer(state, self._out)
         self._survey = Survey(state, self._out, self._announcer.run_id)
         self._is_stopping = False
         self._now = 0.0
+        self._is_restored = False
 
     @property
     def is_idle(self) -> bool:
         """Whether nothing is under way."""
-        return self._tasks.is_idle
+        return self._tasks.is_idle and self._keeping.is_idle
 
     def handle(self, event: Event, now: float) -> list[Instruction]:
         """Take one event at monotonic time `now` [s] and return what is to be done.
@@ -101,7 +112,7 @@ class Core:
         self._now = now
         match event:
             case BatchAsked():
-                self._begin(_Job(event))
+                self._admit(_Job(event))
             case PictureAsked(answer):
                 self._announcer.send_picture(answer)
             case Listened(line, is_heard):
@@ -130,13 +141,20 @@ class Core:
                 self._stuck(key, instance, text)
             case ProcessInspected(key):
                 self._tasks.inspected(key)
-            case StopAsked(is_urgent):
-                self._stop()
+            case Remembered():
+                self._remember(event)
+            case RestoreAsked(answer):
+                self._restore(answer)
+            case Kept(number, why):
+                self._keeping.kept(number, why)
+            case StopAsked(is_urgent, is_kept):
+                self._stop(is_kept)
                 if is_urgent:
                     self._hurry()
             case Tick():
                 pass
         self._tasks.run(now)
+        self._keeping.run()
         until = self._survey.run(now)
         if until is not None:
             self._out.append(WakeAt(until))
@@ -146,6 +164,15 @@ class Core:
         return out
 
     # batches
+
+    def _admit(self, job: _Job) -> None:
+        def go_on(why: str) -> None:
+            if why:
+                self._out.append(AnswerClient(job.answer, Reply(unkept(why), Refused.kind)))
+            else:
+                self._begin(job)
+
+        self._keeping.admit(job.batch.actions, go_on)
 
     def _begin(self, job: _Job) -> None:
         if self._is_stopping:
@@ -192,13 +219,25 @@ class Core:
             process = self.state.living_process(name)
             if process is not None:
                 self._tasks.begin(retire(self.state, process), job.batch.timeout_s)
-        results = [result for result in job.results if result is not None]
-        self._out.append(AnswerClient(job.answer, Reply(results_to_text(results))))
+        done = [
+            (action, result)
+            for action, result in zip(job.batch.actions, job.results, strict=True)
+            if result is not None
+        ]
+
+        def tell(results: list[Result]) -> None:
+            self._out.append(AnswerClient(job.answer, Reply(results_to_text(results))))
+
+        self._keeping.finish([a for a, _ in done], [result for _, result in done], tell)
 
     def _operate(self, asked: OperationAsked) -> None:
-        def done(result: Result) -> None:
+        def tell(results: list[Result]) -> None:
+            (result,) = results
             text, kind = (result.value, "") if result.ok else (result.why, result.kind)
             self._out.append(AnswerClient(asked.answer, Reply(text, kind)))
+
+        def done(result: Result) -> None:
+            self._keeping.finish([operations.action(asked.name, asked.argument)], [result], tell)
 
         if self._is_stopping:
             self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
@@ -211,6 +250,36 @@ class Core:
             self._announcer.listen(is_heard)
         elif line == FIGURES:
             self._survey.listen(is_heard)
+
+    # what shall exist
+
+    def _remember(self, event: Remembered) -> None:
+        state = self.state
+        bad = state.kept.read(event.rows)
+        state.remark = event.remark
+        if bad:
+            state.remark = "; ".join([*filter(None, [event.remark]), f"not understood: {bad[0]}"])
+        for key, value in state.kept.settings.items():
+            with suppress(RtkitError):  # a property that there is no more
+                state.settings.change(key, value)
+        is_same_boot = state.kept.begin_life(event.boot)
+        for facts in list(state.kept.zombies.values()):
+            if is_same_boot:
+                process = self._tasks.new_process(facts.process)
+                process.state, process.reason = "lost", facts.zombie
+                adoption.take_missed(state, process, adoption.Holding([facts], []))
+            else:
+                state.kept.found(facts.instance)
+
+    def _restore(self, answer: Answer) -> None:
+        def tell(results: list[Result]) -> None:
+            self._out.append(AnswerClient(answer, Reply(results[0].value)))
+
+        def done(result: Result) -> None:
+            self._is_restored = True
+            self._keeping.finish([act.Tick("", "")], [result], tell)
+
+        self._tasks.begin(restore(self.state), RESTORE_S, done)
 
     # what processes report
 
@@ -241,6 +310,7 @@ class Core:
                 self._cut(wire)
             self.state.forget(instance)
         if instance not in self.state.ending and not self._is_stopping:
+            self.state.kept.forget(instance)
             self._tasks.begin(retire(self.state, process), TERM_S)
 
     def _forked(self, key: int, pid: int) -> None:
@@ -292,6 +362,8 @@ class Core:
         process.is_wanted &= not self._is_stopping
         self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
+        if self._is_restored:
+            self._tasks.begin(reconnect(self.state), RESTORE_S)
         self._tasks.begin(retire(self.state, process), adoption.SETTLE_S)
 
     def _missed(self, event: SlaveMissed) -> None:
@@ -300,6 +372,9 @@ class Core:
         process = self._tasks.new_process(name, event.pid)
         process.state, process.reason = "lost", event.reason
         adoption.take_missed(self.state, process, holding)
+        for instance in self.state.held_by(process.key):
+            if event.is_seen:
+                self.state.kept.lost(self.state.components[instance])
 
     def _end_unwanted(self, process: Process) -> bool:
         """End a slave that came when nobody waited for it any more."""
@@ -325,6 +400,7 @@ class Core:
             if (process.is_wanted or process.verdict) and not process.is_guest:
                 self.state.drop_connectors(instance)
                 self.state.update(instance, zombie=process.reason, trouble="")
+                self._tasks.begin(note_loss(self.state, instance), RESTORE_S)
             else:
                 self.state.forget(instance)
 
@@ -372,9 +448,12 @@ class Core:
 
     # the end
 
-    def _stop(self) -> None:
+    def _stop(self, is_kept: bool) -> None:
         if not self._is_stopping:
             self._is_stopping = True
+            if not is_kept:
+                self._keeping.clear()
+                self._out.append(Forget())
             self._tasks.cancel(Refused(_STOPPING))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
 

@@ -51,6 +51,7 @@ def delete(state: State, action: act.Delete) -> Procedure:
     finally:
         state.ending.discard(instance)
     state.forget(instance)
+    state.kept.forget(instance)
     yield from retire(state, process)
     return Result(value=",".join(others))
 
@@ -118,6 +119,8 @@ def end_slave(state: State, action: act.EndSlave) -> Procedure:
             raise Unreachable(f"{process.unfit}; rtexit --force ends it")
         for instance in reversed(state.held_by(process.key)):
             yield from delete(state, act.Delete(instance))
+    for instance in state.held_by(process.key):
+        state.kept.forget(instance)
     yield from end_slaves([process], grace_s(state))
     if process.is_alive:
         raise Unreachable(f"slave {process.name} has not ended, though it was killed")

@@ -5,7 +5,7 @@ Processes are named by a key: a number that is never used twice, whatever their 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,8 @@ from rtkit.property.exchange import Reply
 
 Message = Mapping[str, Any]
 Answer = Callable[[Reply], None]
+Row = tuple[str, str, str | None]
+"""A wish as it is kept: kind, name and value; without a value it is to go."""
 
 OWN_PROCESS = 0
 """Key of the manager's own process."""
@@ -53,9 +55,43 @@ class OperationAsked:
 
 @dataclass(frozen=True, slots=True)
 class StopAsked:
-    """A client or a signal wants the manager to end; if it is urgent, without any grace."""
+    """A client or a signal wants the manager to end; if it is urgent, without any grace.
+
+    What is wished for is kept only where it is not a user who wants that.
+    """
 
     is_urgent: bool = False
+    is_kept: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Remembered:
+    """What an earlier manager kept, before anybody says what lives.
+
+    Attributes:
+        rows: Of the store.
+        boot: Which run of the machine this is: in another one, nobody died by himself.
+        remark: What is to be told of the store; mostly empty.
+    """
+
+    rows: Sequence[Row]
+    boot: str = ""
+    remark: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RestoreAsked:
+    """All that lives has said so: what is wished and missing is to be made again."""
+
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What was to be kept is on the disk; or why it is not."""
+
+    number: int
+    why: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,12 +141,16 @@ class SlaveFound:
 
 @dataclass(frozen=True, slots=True)
 class SlaveMissed:
-    """A slave ended while no manager ran; what it held is from its will."""
+    """A slave ended while no manager ran; what it held is from its will.
+
+    If nobody has seen how, all that ran with it was ended at once.
+    """
 
     pid: int
     name: str
     components: object
     reason: str
+    is_seen: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,6 +208,9 @@ Event = (
     | Listened
     | OperationAsked
     | StopAsked
+    | Remembered
+    | RestoreAsked
+    | Kept
     | SlaveForked
     | SlaveFailed
     | BirthsBarred
@@ -228,6 +271,19 @@ class Inspect:
 
 
 @dataclass(frozen=True, slots=True)
+class Keep:
+    """Write rows into the store, in one go; `Kept` tells when they are on the disk."""
+
+    number: int
+    rows: Sequence[Row]
+
+
+@dataclass(frozen=True, slots=True)
+class Forget:
+    """Remove the store at the end: nothing is wished any more."""
+
+
+@dataclass(frozen=True, slots=True)
 class AnswerClient:
     """Answer a request."""
 
@@ -261,6 +317,8 @@ Instruction = (
     | SendToHolder
     | SignalSlave
     | Inspect
+    | Keep
+    | Forget
     | AnswerClient
     | Publish
     | WakeAt

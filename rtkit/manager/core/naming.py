@@ -23,9 +23,11 @@ def unregister(state: State, action: act.Unregister) -> Procedure:
         return Result()
     left = tuple(each for each in facts.names if each != name)
     state.update(facts.instance, names=left)
+    state.kept.named(facts.instance, left)
     process = state.process_of(facts.instance)
     if facts.zombie and not left and facts.instance not in state.ending:
         state.forget(facts.instance)
+        state.kept.forget(facts.instance)
     elif process is not None and process.is_ready:
         yield Tell(process, remember(state, facts.instance))
     return Result()

@@ -158,6 +158,15 @@ def _fork(state: State, argument: str) -> Procedure:
     return Result(value=process.name)
 
 
+def action(name: str, argument: str) -> act.Action:
+    """Return the action that an operation is; a tick for one that is none."""
+    if name == "create_component":
+        return act.Create(argument)
+    if name == "load_module":
+        return act.Load(argument.partition("?")[0])
+    return act.Tick("", "")
+
+
 def _add(managers: list[str], argument: str) -> Procedure:
     yield from ()
     if argument.strip() != argument or not argument or not argument.isprintable():

@@ -20,6 +20,7 @@ from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS, Message
 from rtkit.manager.core.naming import remember, unregister
+from rtkit.manager.core.noting import note
 from rtkit.manager.core.registration import late_names
 from rtkit.manager.core.state import Claim, Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
@@ -42,7 +43,13 @@ _OPERATIONS = {
 
 
 def procedure_for(action: Action, state: State) -> Procedure:
-    """Return the procedure of an action."""
+    """Do an action, and note what is wished from then on."""
+    result = yield from _steps(action, state)
+    note(state.kept, action)
+    return result
+
+
+def _steps(action: Action, state: State) -> Procedure:
     match action:
         case act.Load():
             return _load(state, action)
@@ -147,6 +154,7 @@ def _create(state: State, action: act.Create) -> Procedure:
     finally:
         state.claims.pop(instance, None)
     state.update(instance, create=str(made), process=process.name, names=names)
+    state.kept.made(instance, str(made), names, action.pattern)
     if names != claim.names:
         yield Tell(process, remember(state, instance))
     return Result(value=instance)

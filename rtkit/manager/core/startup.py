@@ -12,7 +12,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import Batch, results_from_text
 from rtkit.errors import RtkitError
-from rtkit.manager.core.events import BatchAsked
+from rtkit.manager.core.events import BatchAsked, RestoreAsked
 from rtkit.manager.core.preconnect import connector
 from rtkit.manager.core.state import State
 from rtkit.manager.settings import values
@@ -63,7 +63,7 @@ class StartUp:
     def __init__(
         self,
         state: State,
-        post: Callable[[BatchAsked], object],
+        post: Callable[[BatchAsked | RestoreAsked], object],
         done: Callable[[list[tuple[str, str]]], object],
     ) -> None:
         self._state = state
@@ -74,10 +74,21 @@ class StartUp:
             (key, plan, item) for key, plan in _PHASES for item in state.settings.items(key)
         ]
 
+    def restore(self) -> None:
+        """Have made again what an earlier manager kept, then begin."""
+        self._post(RestoreAsked(self._restored))
+
+    def _restored(self, reply: Reply) -> None:
+        for result in results_from_text(reply.value()):
+            self._fail("restore", result.value, result.why)
+        self.begin()
+
     def begin(self) -> None:
         """Do the next thing, or tell that nothing is left."""
         while self._steps:
             key, plan, item = self._steps.pop(0)
+            if f"{key}: {item}" in self._state.kept.begun:
+                continue  # done by an earlier manager, and perhaps undone by its user since
             try:
                 actions = plan(self._state, item)
             except RtkitError as error:
@@ -93,6 +104,7 @@ class StartUp:
         try:
             for result in results_from_text(reply.value()):
                 result.raise_for_error()
+            self._state.kept.begin(f"{key}: {item}")
         except RtkitError as error:
             self._fail(key, item, str(error))
         self.begin()

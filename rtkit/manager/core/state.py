@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.kept import Kept
 from rtkit.manager.settings.properties import Settings
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 
@@ -133,6 +134,9 @@ class State:
         slaves: Managers with processes of their own that are registered with this one.
         is_in_haste: It is to end without any grace.
         barred: Why no slave can be made at present; empty when they can.
+        kept: What users wished for, as it is kept for the next manager.
+        unkept: Why wishes cannot be kept at present; empty when they can.
+        remark: What is to be told of the store of an earlier manager; mostly empty.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
     """
@@ -161,6 +165,9 @@ class State:
     slaves: list[str] = field(default_factory=list)
     is_in_haste: bool = False
     barred: str = ""
+    kept: Kept = field(default_factory=Kept)
+    unkept: str = ""
+    remark: str = ""
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
@@ -176,8 +183,10 @@ class State:
             for name, text in process.stuck.items()
             if self.holders.get(name) != process.key
         ]
-        if self.barred and process.key == OWN_PROCESS:
-            told.insert(0, f"no slave can be started: {self.barred}")
+        if process.key == OWN_PROCESS:
+            told += [self.remark] if self.remark else []
+            told += [f"wishes cannot be recorded: {self.unkept}"] if self.unkept else []
+            told[:0] = [f"no slave can be started: {self.barred}"] if self.barred else []
         return "; ".join(told)
 
     def living_process(self, name: str) -> Process | None:

@@ -9,10 +9,12 @@ from __future__ import annotations
 import heapq
 import itertools
 import logging
+import math
 import signal
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Result
@@ -39,6 +41,7 @@ from rtkit.manager.core.wishes import (
     Procedure,
     Signal,
     Tell,
+    Together,
     Wait,
     Wish,
 )
@@ -120,7 +123,7 @@ class Tasks:
             if not self._expire():
                 break
         self._prune()
-        if self._deadlines:
+        if self._deadlines and self._deadlines[0][0] < math.inf:
             self._out.append(WakeAt(self._deadlines[0][0]))
 
     def new_process(self, name: str, pid: int = 0, *, trial_of: str = "") -> Process:
@@ -223,6 +226,9 @@ class Tasks:
                     if not _have_ended(wish):
                         self._wait(task, wish, -1, wish.timeout_s)
                         return
+                case Together():
+                    self._side_by_side(task, wish)
+                    return
 
     def _wait(self, task: _Task, wait: Wait, key: int, timeout_s: float | None = None) -> int:
         """Have a task wait for so long, or until its own time is up."""
@@ -239,6 +245,25 @@ class Tasks:
         key = ask.process.key
         number = self._wait(task, ask, key, ask.timeout_s or None)
         self._out.append(SendToHolder(key, {**ask.message, "call": number}))
+
+    def _side_by_side(self, task: _Task, wish: Together) -> None:
+        """Begin procedures, and go on with the task when each has ended; each has its time-out."""
+        results: list[Result | None] = [None] * len(wish.procedures)
+        left = len(results)
+        if not left:
+            self._ready.append(_Step(task, []))
+            return
+        number = self._wait(task, wish, -1, math.inf)
+
+        def done(index: int, result: Result) -> None:
+            nonlocal left
+            results[index] = result
+            left -= 1
+            if not left and number in self._waiting:
+                self._go_on(number, results)
+
+        for index, steps in enumerate(wish.procedures):
+            self.begin(steps, task.timeout_s, partial(done, index))
 
     def _needed(self, need: Need) -> Process | None:
         """Return a slave that lives, or is started now; None when none can be."""

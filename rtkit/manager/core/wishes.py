@@ -81,6 +81,13 @@ class Clock:
     """Ask for the time; receives monotonic seconds."""
 
 
-Wait = Need | Ask | AllEnded | Pause
+@dataclass(frozen=True, slots=True)
+class Together:
+    """Do these procedures side by side and wait until each has ended; receives their results."""
+
+    procedures: tuple[Procedure, ...]
+
+
+Wait = Need | Ask | AllEnded | Pause | Together
 Wish = Wait | Tell | Signal | Later | Clock
 Procedure = Generator[Wish, Any, Result]

@@ -101,7 +101,8 @@ class Absent:
             yield SlaveFound(pid, name, held, [], silence=silence)
         for pid, estate in self._dead.items():
             if estate.components:
-                yield SlaveMissed(pid, estate.name, estate.components, self._ends.get(pid, UNKNOWN))
+                why = self._ends.get(pid, UNKNOWN)
+                yield SlaveMissed(pid, estate.name, estate.components, why, why != UNKNOWN)
         self._is_settled = True
         self._dead.clear()
         self._ends.clear()

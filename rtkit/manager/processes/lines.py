@@ -193,6 +193,8 @@ class Lines:
             self._selector.unregister(foster)
             for key, pidfd in self._nursery.orphans():
                 self._watch(key, pidfd)
+            if self._settled is not None:  # who is to come back, nobody tells any more
+                self._nursery.look_for_absent()
         for event in events or ():
             self._handle(event)
         self.check_settled()

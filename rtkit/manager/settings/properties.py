@@ -139,6 +139,8 @@ timer.tick | 0.1 | number | - | nothing is polled
 sdo.service.provider.enabled_services | ALL | list | - | components have no SDO services
 sdo.service.consumer.enabled_services | ALL | list | - | components have no SDO services
 rtkit.start.strict | NO | boolean | start | YES: a failure while starting ends the manager
+rtkit.restore | YES | boolean | start
+    | NO: begins without what an earlier manager kept, which is put aside
 rtkit.allow_faults | NO | boolean | start | YES: RTKIT_FAULT is heeded by root's manager, too
 """
 _PATTERNS = (

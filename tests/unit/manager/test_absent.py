@@ -95,7 +95,7 @@ def test_one_that_died_is_told_once(slave: subprocess.Popen[str], when: str, why
         absent.ended(slave.pid, why)
     reason = why or "exit status unknown"
     (told,) = absent.settle({}, ())
-    assert told == SlaveMissed(slave.pid, "s", [{"instance": "A"}], reason)
+    assert told == SlaveMissed(slave.pid, "s", [{"instance": "A"}], reason, bool(why))
     absent.ended(slave.pid, "told too late")
     assert list(absent.settle({}, ())) == []
 

@@ -1,0 +1,158 @@
+"""Answers when wishes are kept: what was acknowledged is on the disk, what cannot be is taken back.
+
+While the store cannot be written nothing new is begun; what ends or rests something is done all
+the same, since a robot must be stopped whatever its disk is like.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action, Result
+from rtkit.errors import Refused, RtkitError
+from rtkit.manager.core.events import Instruction, Keep, Row
+from rtkit.manager.core.kept import COMPONENT, MODULE, WIRE
+from rtkit.manager.core.procedures import procedure_for
+from rtkit.manager.core.state import State
+from rtkit.manager.core.tasks import Tasks, failed
+from rtkit.manager.core.wishes import Procedure
+from rtkit.rtc.enums import Transition
+
+Tell = Callable[[list[Result]], object]
+_UNDO_S = 10.0
+"""How long it may take to take back what cannot be kept [s]."""
+
+
+class _Done(NamedTuple):
+    """Actions that were done, whose results are told once that is on the disk."""
+
+    actions: Sequence[Action]
+    results: list[Result]
+    tell: Tell
+
+
+class _Flight(NamedTuple):
+    """Rows that are being written, and what is waiting for them."""
+
+    rows: tuple[Row, ...]
+    done: list[_Done]
+    heard: list[Callable[[str], object]]
+
+
+class Keeping:
+    """What is on its way to the store; `out` collects what the shell is to do."""
+
+    def __init__(self, state: State, out: list[Instruction], tasks: Tasks) -> None:
+        self._state = state
+        self._out = out
+        self._tasks = tasks
+        self._number = 0
+        self._flights: dict[int, _Flight] = {}
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is on its way."""
+        return not self._flights
+
+    def finish(self, actions: Sequence[Action], results: list[Result], tell: Tell) -> None:
+        """Have results told when what they say is kept."""
+        if not any(result.ok for result in results):
+            tell(results)
+        elif self._state.kept.has_changed:
+            self._keep().done.append(_Done(actions, results, tell))
+        elif self._flights:  # perhaps with what another batch was waiting for
+            self._flights[self._number].done.append(_Done(actions, results, tell))
+        else:
+            tell(results)
+
+    def admit(self, actions: Sequence[Action], go_on: Callable[[str], object]) -> None:
+        """Call `go_on` with why actions cannot be begun; with an empty text when they can."""
+        if self._state.unkept and not all(map(_is_ending, actions)):
+            self._keep().heard.append(go_on)
+        else:
+            go_on("")
+
+    def kept(self, number: int, why: str) -> None:
+        """Take the word of the store."""
+        flight = self._flights.pop(number)
+        self._state.unkept = why
+        if why:
+            self._state.kept.not_kept(flight.rows)
+        else:
+            self._state.kept.is_kept(flight.rows)
+        for heard in flight.heard:
+            heard(why)
+        for done in flight.done:
+            if why:
+                self._take_back(done, why)
+            else:
+                done.tell(done.results)
+
+    def run(self) -> None:
+        """Have kept what came of itself, once nothing is under way."""
+        kept = self._state.kept
+        if kept.has_changed and self._tasks.is_idle and not (self._state.unkept or self._flights):
+            self._keep()
+
+    def clear(self) -> None:
+        """Have nothing wished any more."""
+        self._state.kept.clear()
+        if self._state.kept.has_changed:
+            self._keep()
+
+    def _keep(self) -> _Flight:
+        self._number += 1
+        flight = self._flights[self._number] = _Flight(self._state.kept.changes(), [], [])
+        self._out.append(Keep(self._number, flight.rows))
+        return flight
+
+    def _take_back(self, done: _Done, why: str) -> None:
+        def tell(_result: Result) -> None:
+            done.tell(done.results)
+
+        self._tasks.begin(_undo(self._state, done, why), _UNDO_S, tell)
+
+
+def unkept(why: str) -> str:
+    """Return what to tell of a change that is refused because it cannot be kept."""
+    return f"what is wished cannot be recorded: {why}"
+
+
+def _is_ending(action: Action) -> bool:
+    """Whether an action ends or rests something."""
+    if isinstance(action, act.ChangeState):
+        return action.transition is not Transition.ACTIVATE
+    return isinstance(action, (act.Delete, act.EndSlave, act.Unregister, act.Disconnect, act.Tick))
+
+
+def _undo(state: State, done: _Done, why: str) -> Procedure:
+    """Take back what was made and cannot be kept, the last first; tell what stays all the same."""
+    for index in reversed(range(len(done.results))):
+        result = done.results[index]
+        if not result.ok or isinstance(done.actions[index], act.Tick):
+            continue
+        back = _opposite(state, done.actions[index], result)
+        stays = "done all the same, but "
+        if back is not None:
+            try:
+                yield from procedure_for(back, state)
+                stays = ""
+            except RtkitError as error:
+                stays = f"done, not taken back ({error}), and "
+        done.results[index] = failed(Refused(stays + unkept(why)))
+    return Result()
+
+
+def _opposite(state: State, action: Action, result: Result) -> Action | None:
+    """Return what takes back something that was made just now; None for what stays."""
+    is_stored = state.kept.is_stored
+    match action:
+        case act.Create() if not is_stored(COMPONENT, result.value):
+            return act.Delete(result.value)
+        case act.Connect(wire) if not is_stored(WIRE, wire.connector_id):
+            return act.Disconnect(wire.connector_id)
+        case act.Load(path) if not is_stored(MODULE, path):
+            return act.Unload(path)
+    return None

@@ -1,0 +1,1 @@
+"""The store of wishes on disk, and the thread that writes it."""

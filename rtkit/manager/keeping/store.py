@@ -1,0 +1,265 @@
+"""The file of wishes: one table of rows, each change on the disk before it counts.
+
+SQLite with a write-ahead log that is synced at each commit: a kill or a loss of power at any moment
+leaves the rows before a commit or those after it. What cannot be read is kept aside, never deleted.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import NamedTuple
+
+from rtkit import fault
+from rtkit.errors import Refused
+from rtkit.link import places
+
+Row = tuple[str, str, str | None]
+"""Kind, name and value; without a value the row goes."""
+
+APPLICATION = 0x72746B77
+VERSION = 1
+_BUSY_S = 1.0
+_ASIDE = 99
+_BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+_DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
+_TABLE = """
+create table kept (
+    seq integer primary key,
+    kind text not null,
+    name text not null,
+    value text not null,
+    unique (kind, name)
+)
+"""
+_PUT = """
+insert into kept (kind, name, value) values (?, ?, ?)
+on conflict (kind, name) do update set value = excluded.value
+"""
+
+
+class StoreFailed(Exception):
+    """Nothing was written; the text says why, and where."""
+
+
+class _Damaged(Exception):
+    """What is there is no store, or not a whole one."""
+
+
+class Found(NamedTuple):
+    """What a store held at its opening, and what is to be told of that."""
+
+    rows: list[Row]
+    told: str = ""
+
+
+class Store:
+    """The store at a path; it is made when the first row is written, or by `prepare`.
+
+    Only one thread may use it at a time.
+    """
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        self._db: sqlite3.Connection | None = None
+
+    def find(self) -> Found:
+        """Return the rows that are there.
+
+        Raises:
+            Refused: Another process uses the file, or a newer rtkit has written it.
+        """
+        try:
+            return Found(self._open())
+        except _Damaged as error:
+            return Found([], f"{self.set_aside('damaged')} ({error})")
+        except sqlite3.OperationalError as error:
+            if _code(error) in _BUSY:
+                raise Refused(f"another process uses the store of wishes: {self._path}") from error
+            return self._find_in_copy(error)
+
+    def prepare(self) -> None:
+        """Have a store to write to.
+
+        Raises:
+            StoreFailed: It cannot be made.
+        """
+        try:
+            self._connected()
+        except (OSError, sqlite3.Error, _Damaged) as error:
+            raise StoreFailed(self._failure(error)) from error
+
+    def write(self, rows: Iterable[Row]) -> None:
+        """Write rows, all or none; they are on the disk when this returns.
+
+        Raises:
+            StoreFailed: They are not.
+        """
+        try:
+            db = self._connected()
+            fault.point("manager.recording")
+            db.execute("begin immediate")
+            try:
+                for kind, name, value in rows:
+                    if value is None:
+                        db.execute("delete from kept where kind = ? and name = ?", (kind, name))
+                    else:
+                        db.execute(_PUT, (kind, name, value))
+                db.execute(f"pragma user_version = {VERSION}")  # so that something is written
+                db.execute("commit")
+            except BaseException:
+                with suppress(sqlite3.Error):  # it has rolled back by itself
+                    db.execute("rollback")
+                raise
+            fault.point("manager.recorded")
+        except (OSError, sqlite3.Error, _Damaged) as error:
+            self.close()
+            raise StoreFailed(self._failure(error)) from error
+
+    def forget(self) -> None:
+        """Remove the store with all that it says: nothing is wished any more."""
+        if self._db is not None:
+            with suppress(sqlite3.Error):  # what cannot be emptied is removed all the same
+                self._db.execute("delete from kept")
+        self.close()
+        remove(self._path)
+
+    def close(self) -> None:
+        """Let go of the file; it is opened again when it is used again."""
+        db, self._db = self._db, None
+        if db is not None:
+            with suppress(sqlite3.Error):  # all that was acknowledged is in its log
+                db.close()
+
+    def _failure(self, error: BaseException) -> str:
+        why = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        return f"{why} ({self._path})"
+
+    def _connected(self) -> sqlite3.Connection:
+        if self._db is not None and not os.path.exists(self._path):
+            self.close()
+            raise FileNotFoundError(0, "the file was removed")
+        if self._db is None and not os.path.exists(self._path):
+            self._make()
+        if self._db is None:
+            self._open()
+        assert self._db is not None
+        return self._db
+
+    def _make(self) -> None:
+        """Make an empty store, whole or not at all: under another name first."""
+        draft = f"{self._path}.new"
+        remove(draft)
+        db = sqlite3.connect(draft, isolation_level=None)
+        try:
+            db.execute("pragma synchronous = off")  # it is synced once, at the end
+            db.execute(f"pragma application_id = {APPLICATION}")
+            db.execute(f"pragma user_version = {VERSION}")
+            db.execute(_TABLE)
+            db.execute("pragma journal_mode = wal")
+        finally:
+            db.close()
+        os.chmod(draft, 0o600)
+        _sync(draft, os.O_RDWR)
+        os.rename(draft, self._path)
+        _sync(os.path.dirname(self._path), os.O_RDONLY)
+
+    def _open(self) -> list[Row]:
+        if not os.path.lexists(self._path):
+            return []
+        db = sqlite3.connect(
+            self._path, timeout=_BUSY_S, isolation_level=None, check_same_thread=False
+        )
+        try:
+            rows = _read(db, self._path)
+        except BaseException:
+            db.close()
+            raise
+        self._db = db
+        return rows
+
+    def set_aside(self, what: str) -> str:
+        """Give a file that is not to be used another name, with what it is; return what to tell."""
+        for number in range(1, _ASIDE + 1):
+            aside = f"{self._path}.{what}-{number}"
+            if number == _ASIDE or not os.path.lexists(aside):
+                break
+        try:
+            os.rename(self._path, aside)
+            for suffix in ("-wal", "-shm"):
+                with suppress(FileNotFoundError):
+                    os.rename(self._path + suffix, aside + suffix)
+        except OSError as error:
+            return f"the {what} store of wishes stays: {self._failure(error)}"
+        return f"the {what} store of wishes is kept aside: {aside}"
+
+    def _find_in_copy(self, why: sqlite3.Error) -> Found:
+        """Read what cannot be written, or not where it is."""
+        told = f"the store of wishes cannot be written: {self._failure(why)}"
+        with tempfile.TemporaryDirectory(dir=places.runtime_dir()) as folder:
+            copy = os.path.join(folder, "copy")
+            try:
+                for suffix in ("", "-wal"):
+                    if not suffix or os.path.exists(self._path + suffix):
+                        shutil.copyfile(self._path + suffix, copy + suffix)
+                db = sqlite3.connect(copy, isolation_level=None)
+                try:
+                    return Found(_read(db, self._path), told)
+                finally:
+                    db.close()
+            except (OSError, sqlite3.Error, _Damaged) as error:
+                return Found([], f"{told}, nor read: {error}")
+
+
+def _read(db: sqlite3.Connection, path: str) -> list[Row]:
+    """Return the rows of a store that is whole, and have it written safely from now on.
+
+    Raises:
+        Refused: A newer rtkit has written it.
+    """
+    try:
+        db.execute("pragma locking_mode = exclusive")
+        (application,) = db.execute("pragma application_id").fetchone()
+        (version,) = db.execute("pragma user_version").fetchone()
+        if application != APPLICATION:
+            empty = " (it is empty)" if not os.path.getsize(path) else ""
+            raise _Damaged(f"not a store of wishes{empty}")
+        if version > VERSION:
+            raise Refused(f"a newer rtkit wrote the store of wishes (version {version}): {path}")
+        if version != VERSION:
+            raise _Damaged(f"version {version} of its form")
+        (found,) = db.execute("pragma quick_check(1)").fetchone()
+        if found != "ok":
+            raise _Damaged(found.strip().splitlines()[-1])
+        db.execute("pragma synchronous = full")
+        return db.execute("select kind, name, value from kept order by seq").fetchall()
+    except sqlite3.DatabaseError as error:
+        if _code(error) in _DAMAGED:
+            raise _Damaged(str(error)) from error
+        raise
+
+
+def remove(path: str) -> bool:
+    """Remove a store that nobody uses; return whether there was one."""
+    is_there = os.path.lexists(path)
+    for suffix in ("", "-wal", "-shm", "-journal"):
+        with suppress(FileNotFoundError):
+            os.unlink(path + suffix)
+    return is_there
+
+
+def _code(error: sqlite3.Error) -> int:
+    """Return the primary code of an error, 0 if it has none."""
+    return int(getattr(error, "sqlite_errorcode", 0)) & 0xFF
+
+
+def _sync(path: str, flags: int) -> None:
+    descriptor = os.open(path, flags | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,202 @@
+"""The store on disk: what was written is read again, and what is no store is put aside."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sqlite3
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rtkit.errors import Refused
+from rtkit.manager.keeping.keeper import Keeper
+from rtkit.manager.keeping.store import APPLICATION, VERSION, Store, StoreFailed, remove
+
+ROWS = [("component", f"C{n}", f'{{"create":"{"x" * 300}"}}') for n in range(60)]
+
+
+@pytest.fixture
+def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Where a store with rows lies, as a manager that was killed leaves it."""
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path))
+    draft = str(tmp_path / "draft")
+    store = Store(draft)
+    store.write(ROWS)
+    path = tmp_path / "m.wishes"
+    for suffix in ("", "-wal"):
+        shutil.copyfile(draft + suffix, f"{path}{suffix}")
+    store.forget()
+    return str(path)
+
+
+def alter(path: str, *statements: str) -> None:
+    with sqlite3.connect(path) as db:
+        for statement in statements:
+            db.execute(statement)
+    db.close()
+
+
+def cut(path: str, keep: int) -> None:
+    os.truncate(path, keep)
+
+
+def spoil(path: str, start: int, end: int) -> None:
+    with open(path, "r+b") as file:
+        file.seek(start)
+        file.write(os.urandom(end - start))
+
+
+def merged(path: str) -> str:
+    """Have all in the main file, nothing in the log."""
+    store = Store(path)
+    assert store.find().rows == ROWS
+    store.close()
+    assert not os.path.exists(f"{path}-wal")
+    return path
+
+
+DAMAGES: dict[str, Callable[[str], object]] = {
+    "emptied": lambda path: (merged(path), cut(path, 0)),
+    "emptied with its log": lambda path: (cut(path, 0), cut(f"{path}-wal", 0)),
+    "truncated": lambda path: cut(merged(path), 9000),
+    "cut in its first page": lambda path: cut(merged(path), 700),
+    "rubbish": lambda path: Path(merged(path)).write_text("rubbish\n" * 500),
+    "flipped head": lambda path: spoil(merged(path), 0, 64),
+    "flipped pages": lambda path: spoil(merged(path), 4096, 16384),
+    "somebody else's": lambda path: alter(path, "pragma application_id = 7"),
+    "an older form": lambda path: alter(path, "pragma user_version = 0"),
+    "another table": lambda path: alter(path, "drop table kept", "create table kept (x)"),
+    "no table": lambda path: alter(path, "drop table kept"),
+}
+
+
+def test_rows_come_back_in_their_order_and_changed(path: str) -> None:
+    store = Store(path)
+    assert store.find() == (ROWS, "")
+    store.write([("component", "C3", "new"), ("component", "C0", None), ("wire", "w", "1")])
+    store.close()
+    expected = [("component", "C3", "new") if row[1] == "C3" else row for row in ROWS[1:]]
+    assert Store(path).find().rows == [*expected, ("wire", "w", "1")]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_what_is_no_store_is_put_aside_and_another_one_begun(path: str, damage: str) -> None:
+    DAMAGES[damage](path)
+    store = Store(path)
+    rows, told = store.find()
+    assert rows == []
+    assert told.startswith(f"the damaged store of wishes is kept aside: {path}.damaged-1 (")
+    assert os.path.exists(f"{path}.damaged-1")
+    store.write(ROWS)
+    store.close()
+    assert Store(path).find() == (ROWS, "")
+
+
+def test_several_are_put_aside_under_several_names(path: str) -> None:
+    os.unlink(f"{path}-wal")
+    for number in (1, 2, 3):
+        Path(path).write_text("rubbish")
+        assert f"damaged-{number}" in Store(path).find().told
+
+
+def test_one_of_a_newer_rtkit_is_left_as_it_is(path: str) -> None:
+    alter(path, f"pragma user_version = {VERSION + 1}")
+    before = Path(path).read_bytes()
+    with pytest.raises(Refused, match=rf"a newer rtkit wrote .* \(version {VERSION + 1}\)"):
+        Store(path).find()
+    assert Path(path).read_bytes() == before
+
+
+def test_one_that_another_process_uses_is_left_as_it_is(path: str) -> None:
+    other = sqlite3.connect(path, isolation_level=None)
+    other.execute("begin exclusive")
+    try:
+        with pytest.raises(Refused, match="another process uses the store"):
+            Store(path).find()
+    finally:
+        other.close()
+    assert Store(path).find().rows == ROWS
+
+
+def test_one_that_cannot_be_written_is_read_and_told(
+    path: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on a disk that is mounted for reading only."""
+    connect = sqlite3.connect
+
+    def refuse(file: str, *args: object, **options: object) -> sqlite3.Connection:
+        if file == path:
+            error = sqlite3.OperationalError("unable to open database file")
+            error.sqlite_errorcode = sqlite3.SQLITE_CANTOPEN
+            raise error
+        return connect(file, *args, **options)  # type: ignore[call-overload, no-any-return]
+
+    monkeypatch.setattr(sqlite3, "connect", refuse)
+    store = Store(path)
+    rows, told = store.find()
+    assert rows == ROWS
+    assert told == f"the store of wishes cannot be written: unable to open database file ({path})"
+    with pytest.raises(StoreFailed, match="unable to open"):
+        store.write([("wire", "w", "1")])
+    monkeypatch.undo()
+    store.write([("wire", "w", "1")])
+    store.close()
+    assert len(Store(path).find().rows) == len(ROWS) + 1
+
+
+def test_a_write_is_done_whole_or_not_at_all(path: str) -> None:
+    store = Store(path)
+    with pytest.raises(StoreFailed, match="NOT NULL"):
+        store.write([("wire", "w", "1"), ("wire", None, "2")])  # type: ignore[list-item]
+    assert store.find().rows == ROWS
+    store.close()
+
+
+def test_a_store_that_is_removed_under_way_is_told(path: str) -> None:
+    store = Store(path)
+    store.find()
+    os.unlink(path)
+    with pytest.raises(StoreFailed, match="the file was removed"):
+        store.write([("wire", "w", "1")])
+
+
+def test_what_is_forgotten_leaves_nothing(path: str) -> None:
+    store = Store(path)
+    store.find()
+    store.forget()
+    assert os.listdir(os.path.dirname(path)) == []
+    assert not remove(path)
+
+
+def test_a_store_is_one_by_what_is_written_in_it(tmp_path: Path) -> None:
+    path = tmp_path / "m.wishes"
+    store = Store(str(path))
+    store.prepare()
+    store.close()
+    assert path.stat().st_mode & 0o777 == 0o600
+    with sqlite3.connect(path) as db:
+        assert db.execute("pragma application_id").fetchone() == (APPLICATION,)
+        assert db.execute("pragma journal_mode").fetchone() == ("wal",)
+    db.close()
+
+
+def test_the_keeper_tells_what_is_on_the_disk_and_what_is_not(tmp_path: Path) -> None:
+    path = tmp_path / "m.wishes"
+    keeper = Keeper(str(path))
+    assert keeper.find() == ([], "")
+    told: list[tuple[int, str]] = []
+    keeper.heard = lambda number, why: told.append((number, why))
+    keeper.keep(1, ROWS[:1])
+    keeper.keep(2, ROWS[1:])
+    keeper.keep(3, [("wire", None, "2")])  # type: ignore[list-item]
+    keeper.close()
+    assert [number for number, _ in told] == [1, 2, 3]
+    assert all("NOT NULL" in why for number, why in told if number == 3)
+    heir = Keeper(str(path))
+    rows, remark = heir.find()
+    assert (rows, remark) == (ROWS if not told[1][1] else [], "")
+    heir.forget()
+    heir.close()
+    assert not path.exists()
