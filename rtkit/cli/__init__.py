@@ -33,6 +33,7 @@ COMMANDS: dict[str, str] = {
     "plan": "rtplan",
     "print": "rtprint",
     "profile": "rtprofile",
+    "proxy": "rtproxy",
     "pwd": "rtpwd",
     "reset": "rtreset",
     "resurrect": "rtresurrect",

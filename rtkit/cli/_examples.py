@@ -195,6 +195,15 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprofile doc Motor.xml -o Motor.html", "A page about a component, in one file."),
         ("rtprofile graph robot.xml -o robot.svg", "A picture of a system."),
     ),
+    "rtproxy": (
+        ("rtproxy robots/arm tcp:4711", "Only to be read, by who knows the user's secret."),
+        ("rtproxy robots/arm unix:arm.sock --allow-set 'angle*'", "Some of it may be set."),
+        (
+            "rtproxy tcp:localhost:4711/robots/arm far/arm --prefix left",
+            "From a TCP door back into the tree, all names below left.",
+        ),
+        ("rtproxy /localhost/Motor0.rtc tcp:4712 --allow-set state", "A component."),
+    ),
     "rtpwd": (("rtpwd", "Print where relative paths start from."),),
     "rtreset": (("rtreset /localhost/Robot0.rtc", "Bring a component out of Error."),),
     "rtresurrect": (

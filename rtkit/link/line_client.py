@@ -164,6 +164,10 @@ class LineClient(Closing):
         poll.register(self._end, select.POLLIN)
         return bool(poll.poll(None if wait_s is None else max(0, wait_s) * 1000))
 
+    def detach(self) -> socket.socket:
+        """Give the connection away, with no request under way; this is of no use any more."""
+        return self._end
+
     def close(self) -> None:
         """End the connection."""
         self._end.close()

@@ -66,7 +66,7 @@ class PropertyDoor:
         """Send an event to a listener; nobody is waited for."""
         attributes = f"{write_attributes(event)};name={event.name}"
         encoding = _BYTES if isinstance(event.payload, bytes) else None
-        key = f"{self._key}/@e/{ear}"
+        key = ear_key(self._key, ear)
         self._session.put(key, event.payload, attachment=attributes, encoding=encoding)
 
     def close(self) -> None:
@@ -120,6 +120,57 @@ def _payload(payload: zenoh.ZBytes | None) -> Payload | None:
         return payload.to_bytes()
 
 
+def selector_of(service_key: str, target: str) -> str:
+    """Return what is asked for a target.
+
+    Raises:
+        PropertyError: No key can be made of it.
+    """
+    asked = parse_target(target)
+    parameters = target.partition("?")[2].replace("&", ";")
+    key = keys.of_target(service_key, asked.name)
+    return f"{key}?{parameters}" if parameters else key
+
+
+def for_ear(selector: str, ear: str) -> str:
+    """Return what is asked so that it is about one listener."""
+    return f"{selector}{';' if '?' in selector else '?'}{_EAR}={ear}"
+
+
+def ear_key(service_key: str, ear: str) -> str:
+    """Return the key on which events are sent to a listener."""
+    return f"{service_key}/@e/{ear}"
+
+
+def answer_of(reply: zenoh.Reply, timeout_s: float) -> Answer:
+    """Return the answer that a reply carries.
+
+    Raises:
+        Unreachable: It says that there was none in time.
+    """
+    if reply.ok is not None:
+        return Answer(_content(reply.ok))
+    error = reply.err
+    if error is None or error.encoding != ERROR_ENCODING:
+        raise Unreachable(f"no answer within {timeout_s:g} s")
+    code, _, message = error.payload.to_string().partition(" ")
+    return Answer(message, code)
+
+
+def event_of(sample: zenoh.Sample) -> Event:
+    """Return the event that a sample carries."""
+    attachment = sample.attachment
+    text = "" if attachment is None else attachment.to_string()
+    head, _, name = text.partition(";name=")
+    return read_event(name, _content(sample), head)
+
+
+def _content(sample: zenoh.Sample) -> Payload:
+    if sample.encoding == _BYTES:
+        return sample.payload.to_bytes()
+    return sample.payload.to_string()
+
+
 class PropertyClient:
     """Asks one service over a session that others may use too.
 
@@ -142,16 +193,13 @@ class PropertyClient:
         selector = self._selectors.get(target)
         if selector is None:
             try:
-                asked = parse_target(target)
+                selector = selector_of(self._key, target)
             except PropertyError as error:
                 return Answer(str(error), error.code)  # no key can be made of it
-            parameters = target.partition("?")[2].replace("&", ";")
-            key = keys.of_target(self._key, asked.name)
-            selector = f"{key}?{parameters}" if parameters else key
             if len(target) < _SHORT and len(self._selectors) < _MOST_KNOWN:
                 self._selectors[target] = selector
         if ear:
-            selector += f"{';' if '?' in selector else '?'}{_EAR}={ear}"
+            selector = for_ear(selector, ear)
         replies = self._session.get(
             selector,
             payload=payload,
@@ -160,20 +208,8 @@ class PropertyClient:
             consolidation=zenoh.ConsolidationMode.NONE,
         )
         for reply in replies:
-            if reply.ok is not None:
-                sample = reply.ok
-                is_bytes = sample.encoding == _BYTES
-                return Answer(sample.payload.to_bytes() if is_bytes else sample.payload.to_string())
-            if reply.err is not None:
-                return self._error(reply.err)
+            return answer_of(reply, self._timeout_s)
         raise Unreachable("nobody answers for it")
-
-    def _error(self, error: zenoh.ReplyError) -> Answer:
-        text = error.payload.to_string()
-        if error.encoding != ERROR_ENCODING:
-            raise Unreachable(f"no answer within {self._timeout_s:g} s")
-        code, _, message = text.partition(" ")
-        return Answer(message, code)
 
     @contextmanager
     def listen(self, target: str) -> Iterator[Ear]:
@@ -184,7 +220,7 @@ class PropertyClient:
         """
         name, mark, tail = target.partition("?")
         ear = Ear(self, f"{name}.listen{mark}{tail}", tail)
-        key = f"{self._key}/@e/{ear.id}"
+        key = ear_key(self._key, ear.id)
         handler = zenoh.handlers.Callback(ear.receive, indirect=False)
         subscriber = self._session.declare_subscriber(key, handler)
         try:
@@ -210,12 +246,7 @@ class Ear:
 
     def receive(self, sample: zenoh.Sample) -> None:
         """Take what arrived; on a thread of the transport."""
-        attachment = sample.attachment
-        text = "" if attachment is None else attachment.to_string()
-        head, _, name = text.partition(";name=")
-        is_bytes = sample.encoding == _BYTES
-        payload = sample.payload.to_bytes() if is_bytes else sample.payload.to_string()
-        event = read_event(name, payload, head)
+        event = event_of(sample)
         with self._arrived:
             mark = (event.revision, event.time, event.code)
             if mark == self._last:

@@ -15,7 +15,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.extensions import get_extension, set_extension
 from rtkit.property.functional import Function
 from rtkit.property.listeners import Listeners
-from rtkit.property.messages import DONE, Answer, Ask, Payload, failed
+from rtkit.property.messages import DONE, Answer, Ask, Caller, Payload, failed
 from rtkit.property.naming import Target, parse_target
 from rtkit.property.node import Node
 from rtkit.property.once import Once
@@ -232,6 +232,26 @@ class Service:
         if outcome is not None:
             answer(outcome)
         return None
+
+    @property
+    def is_polled(self) -> bool:
+        """Whether something that is listened to is to be read anew from time to time."""
+        listeners = self.listeners
+        return listeners.is_any and bool(listeners.of_names or listeners.computed())
+
+    def poll(self) -> None:
+        """Read anew what is computed and listened to."""
+        self.listeners.poll()
+        if self.on_names is not None and self.listeners.of_names:
+            self.on_names()
+
+    def tick(self) -> None:
+        """End the leases that are over."""
+        self.listeners.tick()
+
+    def forget(self, caller: Caller) -> None:
+        """Send nothing any more to who is gone."""
+        self.listeners.end_caller(caller)
 
     def find(self, name: str) -> Place:
         """Return what a name stands for, looking once more when there is no such name.

@@ -18,9 +18,9 @@ from rtkit.property.messages import Answer, Ask, Caller, Event
 from rtkit.property.order import InOrder
 
 if TYPE_CHECKING:
-    from rtkit.property.service import Service
     from rtkit.serving.host import End, Host
     from rtkit.serving.login import Login
+    from rtkit.serving.owner import Owner
 
 _PIECE = 1 << 16
 _HIGH = 1 << 18
@@ -121,7 +121,7 @@ class Connection(Caller):
             self._send()
         return True
 
-    def _plain_reply(self, service: Service, data: bytes) -> bytes | None:
+    def _plain_reply(self, service: Owner, data: bytes) -> bytes | None:
         """Return the reply to such a line, None if it is none."""
         if data[:4] == b"GET ":
             name = data[4:-1].decode("latin-1")
@@ -251,7 +251,7 @@ class Connection(Caller):
         self._host.unregister(self._end, self)
         self._end.close()
         for service in self._host.services.values():
-            service.listeners.end_caller(self)
+            service.forget(self)
 
 
 def peer(end: socket.socket) -> str:

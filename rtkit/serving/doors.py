@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
+import stat
 import time
 
 from rtkit.errors import Refused, Unreachable
@@ -75,16 +76,30 @@ def _turn_away(client: socket.socket, why: str) -> None:
 
 
 def open_unix(host: Host, service: str) -> str:
-    """Open the unix socket of a service; return its path.
+    """Open the unix socket of a service, where commands find it by its name; return its path.
 
     Raises:
         Refused: A service of that name runs, or the path does not do.
     """
     places.make_private(places.runtime_dir())
-    path = places.check_socket_length(places.service_socket(service))
+    path = places.service_socket(service)
     if is_answering(path):
         raise Refused(f"a service named {service!r} is running already")
+    return open_unix_at(host, service, path)
+
+
+def open_unix_at(host: Host, service: str, path: str) -> str:
+    """Open a unix socket, for the same user; return its path.
+
+    Raises:
+        Refused: Somebody listens there, something else is there, or the path does not do.
+    """
+    places.check_socket_length(path)
+    if is_answering(path):
+        raise Refused(f"somebody listens there already: {path}")
     with contextlib.suppress(FileNotFoundError):
+        if not stat.S_ISSOCK(os.lstat(path).st_mode):
+            raise Refused(f"exists and is no socket: {path}")
         os.unlink(path)
     end = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
     try:

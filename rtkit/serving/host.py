@@ -16,7 +16,7 @@ from typing import Protocol
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import Finished, Work
-from rtkit.property.service import Service
+from rtkit.serving.owner import Owner
 
 POLL_S = 0.02
 """How often what is computed is read anew while somebody listens to it."""
@@ -74,7 +74,7 @@ class Host:
     """
 
     def __init__(self) -> None:
-        self.services: dict[str, Service] = {}
+        self.services: dict[str, Owner] = {}
         self.lock = threading.Lock()
         self._epoll = select.epoll()
         self._wake, self._waker = socket.socketpair()
@@ -97,7 +97,7 @@ class Host:
         """Begin to serve, on a thread of its own."""
         self._thread.start()
 
-    def add(self, service: Service) -> None:
+    def add(self, service: Owner) -> None:
         """Serve a service.
 
         Raises:
@@ -205,7 +205,7 @@ class Host:
     def _tidy(self, now: float) -> float | None:
         """Send, poll, end leases; return how long there is nothing to do [s]."""
         times = []
-        if any(each.listeners.is_any for each in self.services.values()) and self._poll(now):
+        if self._poll(now):
             times.append(self._poll_at)
         if self._dirty:
             times += self._flush(now)
@@ -231,17 +231,16 @@ class Host:
         for tenant in list(self._tenants.values()):
             tenant.check(now)
         for service in self.services.values():
-            service.listeners.tick()
+            service.tick()
 
     def _poll(self, now: float) -> bool:
-        listened = [each for each in self.services.values() if each.listeners.is_any]
-        if listened and now >= self._poll_at:
+        """Read anew what is computed, when it is time to; return whether there is any."""
+        polled = [each for each in self.services.values() if each.is_polled]
+        if polled and now >= self._poll_at:
             self._poll_at = now + POLL_S
-            for service in listened:
-                service.listeners.poll()
-                if service.on_names is not None and service.listeners.of_names:
-                    service.on_names()
-        return any(each.listeners.computed() or each.listeners.of_names for each in listened)
+            for service in polled:
+                service.poll()
+        return bool(polled)
 
     def close(self) -> None:
         """Serve nothing any more, and forget all connections."""

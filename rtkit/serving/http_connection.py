@@ -402,7 +402,7 @@ class HttpConnection(Caller):
         self._host.unregister(self._end, self)
         self._end.close()
         for service in self._host.services.values():
-            service.listeners.end_caller(self)
+            service.forget(self)
 
 
 def _page(uri: str) -> Response:

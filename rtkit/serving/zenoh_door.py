@@ -14,14 +14,14 @@ from rtkit.link.zenoh import open_listener, unix_endpoint
 from rtkit.property.codes import PropertyError
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Caller, Event
-from rtkit.property.service import Service
 from rtkit.serving.host import Host
+from rtkit.serving.owner import Owner
 
 _MOST_EARS = 1024
 _RETRY = '{"period_init_ms": 500, "period_max_ms": 5000, "period_increase_factor": 2}'
 
 
-def open_zenoh(host: Host, service: Service) -> None:
+def open_zenoh(host: Host, service: Owner) -> None:
     """Answer queries for a service, on a socket of its own and through the manager of this host.
 
     Raises:
@@ -50,7 +50,7 @@ class Desk:
         send: Sends an event to a listener.
     """
 
-    def __init__(self, host: Host, service: Service) -> None:
+    def __init__(self, host: Host, service: Owner) -> None:
         self.send: Callable[[str, Event], None] = lambda ear, event: None
         self._host = host
         self._service = service

@@ -9,23 +9,18 @@ import socket
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
 
 import pytest
 from conformance import Door, check_answers, check_events, subject
+from propertydoors import BOUND_S, Lines, Zenoh
 
 from rtkit.errors import Refused, RtkitError, Unreachable
-from rtkit.link import keys, places, secret
-from rtkit.link.http_client import HttpClient, connect_http
+from rtkit.link import places, secret
+from rtkit.link.http_client import connect_http
 from rtkit.link.line_client import LineClient, connect_tcp, connect_unix, listening
-from rtkit.link.properties import PropertyClient
-from rtkit.link.zenoh import open_client, unix_endpoint
-from rtkit.property.messages import Event
 from rtkit.property.service import Service
 from rtkit.serving import connection, login
 from rtkit.serving.serve import Served, serve
-
-BOUND_S = 30.0
 
 
 @pytest.fixture
@@ -49,38 +44,6 @@ def service() -> Service:
 def served(place: str, service: Service) -> Iterator[Served]:
     with serve(service, "robot", port=0, http=0) as served:
         yield served
-
-
-class Lines:
-    """Lines or HTTP; each who listens has a client of its own."""
-
-    def __init__(self, connect: Callable[[], LineClient | HttpClient]) -> None:
-        self._connect = connect
-        self._client = connect()
-        self.ask = self._client.ask
-        self.close = self._client.close
-
-    def listen(self, target: str) -> AbstractContextManager[Iterator[Event]]:
-        return listening(self._connect(), target)
-
-
-class Zenoh:
-    """Queries on a session of its own."""
-
-    def __init__(self) -> None:
-        path = places.service_key_socket("robot")
-        self._session = open_client(unix_endpoint(path), BOUND_S)
-        key = keys.property_service(os.uname().nodename, "robot")
-        self._client = PropertyClient(self._session, key, BOUND_S)
-        self.ask = self._client.ask
-
-    @contextmanager
-    def listen(self, target: str) -> Iterator[Iterator[Event]]:
-        with self._client.listen(target) as ear:
-            yield iter(ear)
-
-    def close(self) -> None:
-        self._session.close()  # type: ignore[no-untyped-call]
 
 
 def _unix(served: Served) -> Lines:

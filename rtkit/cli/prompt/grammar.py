@@ -41,6 +41,7 @@ ARGUMENTS: dict[str, tuple[str, ...]] = {
     "rtprint": ("out-port",),
     "rtprofile from": ("module",),
     "rtprofile new": ("component-or-system",),
+    "rtproxy": ("live", "live"),
     "rtpwd": (),
     "rtreset": ("faulty",),
     "rtserve": ("module", ""),

@@ -66,7 +66,7 @@ ELSEWHERE = {
 
 WITHOUT = {
     "rtact", "rtapply", "rtcomp", "rtcon", "rtdeact", "rtdel", "rtdis", "rtexit", "rtinject",
-    "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
+    "rtproxy", "rtreset", "rtresurrect", "rtserve", "rtset", "rtstart", "rtstop",
     "rtteardown",  # change, and tell nothing
     "rtcwd",  # prints what a shell is to evaluate
     "rtprofile",  # its words have it

@@ -1,0 +1,57 @@
+"""``rtproxy``: live properties behind another door, on another wire."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli import _out
+from rtkit.cli._app import App, command, working_directory
+
+
+@command("rtproxy", is_local=True)
+@click.option("--prefix", default="", metavar="NAME", help="Put this in front of all names.")
+@click.option("--allow-set", multiple=True, metavar="GLOB",
+              help="Names that may be set, actions that may be started (repeatable).")  # fmt: skip
+@click.argument("source", metavar="FROM")
+@click.argument("target", metavar="TO")
+def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target: str) -> None:
+    """Open another door, on another wire, to live properties.
+
+    FROM is a service or component: a path of the tree, unix:PATH, tcp:HOST:PORT/SERVICE or
+    zenoh:SERVICE. TO is what is opened: a name for the tree, unix:PATH or tcp:PORT. When the door
+    is open it is printed where.
+
+    Values, errors and events pass as they are; nothing can be set unless --allow-set says so. While
+    FROM is away requests are answered no-service and listeners hear that their values are stale;
+    they hear on when it is back.
+    """
+    import signal
+    import sys
+    import threading
+
+    from rtkit.proxy.bridge import bridge
+
+    def say(why: str) -> None:
+        print(f"rtproxy: {source}: {f'gone: {why}' if why else 'back'}", file=sys.stderr)
+
+    ended = threading.Event()
+    signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
+    with bridge(
+        source,
+        target,
+        prefix=prefix,
+        allow_set=allow_set,
+        cwd=working_directory(),
+        timeout_s=app.timeout_s,
+        said=say,
+        on_refusal=_log_refusal,
+    ) as opened:
+        _out.write([opened.address])
+        sys.stdout.flush()
+        ended.wait()
+
+
+def _log_refusal(identity: str, method: str, target: str) -> None:
+    from logging import getLogger
+
+    getLogger("rtkit.properties").warning("denied: %s %s by %r", method, target, identity)

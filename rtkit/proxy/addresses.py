@@ -1,0 +1,207 @@
+"""What an address stands for: at one side of a proxy an owner to ask, at the other a door to open.
+
+An address is ``SCHEME:REST``, or a path of the tree. Each scheme is a row of `SOURCES` or `DOORS`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from rtkit.errors import Malformed, Refused
+from rtkit.link import places
+from rtkit.property.codes import PropertyError
+from rtkit.property.naming import canonical_segment, escape
+from rtkit.proxy.calls import CallContact
+from rtkit.proxy.contact import Contact, Wire
+from rtkit.proxy.lines import LineContact
+from rtkit.serving.host import Host
+from rtkit.serving.owner import Owner
+from rtkit.tree.properties import End
+
+_HERE = ("", "localhost", "127.0.0.1")
+
+
+class Setting(NamedTuple):
+    """What addresses are read in.
+
+    Attributes:
+        cwd: Working directory in the tree.
+        timeout_s: Bound on each attempt to connect [s].
+    """
+
+    host: Host
+    cwd: str
+    timeout_s: float
+
+
+class Source(NamedTuple):
+    """An owner to ask.
+
+    Attributes:
+        wire: Makes connections to it.
+        name: What it is called, where the other side asks for a name.
+    """
+
+    wire: Wire
+    name: str
+
+
+def source_of(address: str, setting: Setting) -> Source:
+    """Return the owner that an address stands for.
+
+    Raises:
+        RtkitError: It is no address, or it has to be asked for its name and cannot be reached.
+    """
+    scheme, mark, rest = address.partition(":")
+    if not mark or "/" in scheme:
+        return _in_tree(address, setting)
+    if scheme not in SOURCES:
+        raise Malformed(f"not a way to a service: {address} (there is {_known(SOURCES)})")
+    return SOURCES[scheme](rest, setting)
+
+
+def open_door(address: str, owner: Owner, setting: Setting) -> str:
+    """Open the door that an address stands for, on the loop; return where it is.
+
+    Raises:
+        RtkitError: It is no address, or the door cannot be opened.
+    """
+    scheme, mark, rest = address.partition(":")
+    if not mark or "/" in scheme:
+        return _named(address, owner, setting)
+    if scheme not in DOORS:
+        raise Malformed(f"not a door: {address} (there is {_known(DOORS)})")
+    setting.host.add(owner)
+    return DOORS[scheme](rest, owner, setting)
+
+
+def _known(table: Mapping[str, object]) -> str:
+    return " ".join([*(f"{scheme}:" for scheme in table), "and paths of the tree"])
+
+
+# Owners
+
+
+def _in_tree(path: str, setting: Setting) -> Source:
+    from rtkit.tree.live_place import open_live, split
+    from rtkit.tree.properties import parse
+
+    place = parse(path, setting.cwd, places.services(), os.uname().nodename)
+    if place.service and not place.name:
+        return _unix(places.service_socket(place.service), setting)._replace(name=place.service)
+    node, name = split(path, setting.cwd)
+    if node and not name:
+        called = _calls(lambda: open_live(node, setting.timeout_s), setting.host)
+        return Source(called, escape(node.rpartition("/")[2].rpartition(".")[0]))
+    known = " ".join(places.services()) or "none"
+    raise PropertyError("no-service", f"no service: {path} (there is {known})")
+
+
+def _unix(path: str, setting: Setting) -> Source:
+    from rtkit.link.line_client import connect_unix
+
+    def connect() -> Contact:
+        return LineContact(setting.host, connect_unix(path, setting.timeout_s).detach())
+
+    return Source(connect, escape(path.rpartition("/")[2].partition(".")[0]) or "service")
+
+
+def _tcp(address: str, setting: Setting) -> Source:
+    from rtkit.link.line_client import connect_tcp
+
+    place, _, service = address.partition("/")
+    host, port = _host_and_port(place)
+
+    def connect() -> Contact:
+        end = connect_tcp(host, port, setting.timeout_s).detach()
+        return LineContact(setting.host, end, service)
+
+    if not service:
+        with connect_tcp(host, port, setting.timeout_s) as door:
+            known = str(door.ask("door/services").value()).strip("()").split()
+        if len(known) != 1:
+            told = " ".join(known) or "none"
+            raise Refused(f"which service? tcp:{place}/NAME (there is {told})")
+        service = known[0]
+    return Source(connect, service)
+
+
+def _zenoh(name: str, setting: Setting) -> Source:
+    from rtkit.link import keys
+    from rtkit.link.zenoh import open_client, unix_endpoint
+    from rtkit.proxy.queries import QueryContact
+
+    service = _service(name.removeprefix("/localhost/"))
+    path = places.check_socket_length(places.service_key_socket(service))
+    key = keys.property_service(os.uname().nodename, service)
+
+    def connect() -> Contact:
+        session = open_client(unix_endpoint(path), setting.timeout_s)
+        return QueryContact(setting.host, session, key)
+
+    return Source(connect, service)
+
+
+def _calls(another: Callable[[], End], host: Host) -> Wire:
+    return lambda: CallContact(host, another(), another)
+
+
+SOURCES: dict[str, Callable[[str, Setting], Source]] = {
+    "unix": _unix,
+    "tcp": _tcp,
+    "zenoh": _zenoh,
+}
+
+
+# Doors
+
+
+def _named(path: str, owner: Owner, setting: Setting) -> str:
+    from rtkit.serving.doors import open_unix
+    from rtkit.serving.zenoh_door import open_zenoh
+
+    owner.name = _service(path.removeprefix("/localhost/"))
+    setting.host.add(owner)
+    open_unix(setting.host, owner.name)
+    open_zenoh(setting.host, owner)
+    return f"/localhost/{owner.name}"
+
+
+def _unix_door(path: str, owner: Owner, setting: Setting) -> str:
+    from rtkit.serving.doors import open_unix_at
+
+    if not path:
+        raise Malformed("not a door: unix: (unix:PATH)")
+    return f"unix:{open_unix_at(setting.host, owner.name, path)}"
+
+
+def _tcp_door(address: str, owner: Owner, setting: Setting) -> str:
+    from rtkit.serving.doors import open_tcp
+
+    host, port = _host_and_port(address)
+    if host not in _HERE:
+        raise Refused(f"doors are opened on this host only: tcp:{address}")
+    return f"tcp:localhost:{open_tcp(setting.host, owner.name, port)}"
+
+
+DOORS: dict[str, Callable[[str, Owner, Setting], str]] = {
+    "unix": _unix_door,
+    "tcp": _tcp_door,
+    "zenoh": _named,
+}
+
+
+def _host_and_port(address: str) -> tuple[str, int]:
+    host, _, port = address.rpartition(":")
+    if not port.isdecimal() or int(port) > 65535:
+        raise Malformed(f"not HOST:PORT: {address}")
+    return host or "localhost", int(port)
+
+
+def _service(name: str) -> str:
+    try:
+        return "/".join(map(canonical_segment, name.split("/")))
+    except PropertyError:
+        raise Malformed(f"not a name of a service: {name!r}") from None

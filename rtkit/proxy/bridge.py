@@ -1,0 +1,134 @@
+"""A proxy as a whole: the way to an owner, a relay of it, and the door that is opened for it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+
+from rtkit.closing import Closing
+from rtkit.errors import Malformed, Unreachable
+from rtkit.property.codes import PropertyError
+from rtkit.proxy.addresses import Setting, open_door, source_of
+from rtkit.proxy.names import Allowed, Names
+from rtkit.proxy.relay import ITSELF, Relay
+from rtkit.serving.host import Host
+
+
+class Bridge(Closing):
+    """A proxy that runs; close it, or use it as a context.
+
+    Attributes:
+        address: Where its door is.
+    """
+
+    def __init__(self, host: Host, address: str) -> None:
+        self._host = host
+        self.address = address
+
+    def close(self) -> None:
+        """End it: the door is closed, whoever waits is told."""
+        self._host.close()
+
+
+class _Word:
+    """What is said about the owner: only when it comes and goes, and from the first time on."""
+
+    def __init__(self, said: Callable[[str], None]) -> None:
+        self._said = said
+        self._told: bool | str | None = None
+        self.why = ""
+        self.is_known = threading.Event()
+
+    def __call__(self, why: str) -> None:
+        # Why it cannot be reached may change with each attempt; that it is a loop is news.
+        news: bool | str = why if why == ITSELF else not why
+        if self._told is None:
+            self.why = why
+            self.is_known.set()
+        elif self._told != news and not (isinstance(self._told, str) and news is False):
+            self._said(why)
+        else:
+            return
+        self._told = news
+
+
+def bridge(
+    source: str,
+    target: str,
+    *,
+    prefix: str = "",
+    allow_set: Sequence[str] = (),
+    cwd: str = "/",
+    timeout_s: float = 5.0,
+    said: Callable[[str], None] = lambda why: None,
+    on_refusal: Callable[[str, str, str], object] | None = None,
+) -> Bridge:
+    """Open a door behind which the properties of another service are.
+
+    Args:
+        source: Its address.
+        target: Address of the door.
+        prefix: Put in front of all names.
+        allow_set: Patterns of the names that may be set; actions are started by that too.
+        cwd: Working directory in the tree, for paths.
+        timeout_s: Bound on each attempt to connect [s].
+        said: Called, on the loop, with why when the owner goes, with nothing when it is back.
+        on_refusal: Hears of each request that was denied: who, method, target.
+
+    Raises:
+        RtkitError: An address is none; the owner cannot be reached, or is this proxy itself; the
+            door cannot be opened.
+    """
+    host = Host()
+    setting = Setting(host, cwd, timeout_s)
+    word = _Word(said)
+    try:
+        names = _names(prefix)
+        found = source_of(source, setting)
+        relay = Relay(host, found.wire, names=names, allowed=Allowed(allow_set), said=word)
+        relay.name, relay.on_refusal = found.name, on_refusal
+        host.at_end(lambda: _locked(host, relay.uplink.close))
+        host.start()
+        relay.uplink.start()
+        if not word.is_known.wait(2 * timeout_s):
+            raise Unreachable(f"no answer within {2 * timeout_s:g} s: {source}")
+        if word.why:
+            raise PropertyError("no-service", f"{source}: {word.why}")
+        address = _on_loop(host, lambda: open_door(target, relay, setting))
+    except BaseException:
+        host.close()
+        raise
+    return Bridge(host, address)
+
+
+def _names(prefix: str) -> Names:
+    try:
+        return Names(prefix)
+    except PropertyError:
+        raise Malformed(f"not a name to put in front: {prefix!r}") from None
+
+
+def _locked(host: Host, work: Callable[[], None]) -> None:
+    with host.lock:
+        work()
+
+
+def _on_loop(host: Host, work: Callable[[], str]) -> str:
+    """Have the loop do something, and wait for it."""
+    done = threading.Event()
+    results: list[str] = []
+    failures: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(work())
+        except Exception as error:
+            failures.append(error)
+        finally:
+            done.set()
+
+    host.post(run)
+    done.wait()
+    if failures:
+        raise failures[0]
+    return results[0]

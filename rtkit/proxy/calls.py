@@ -1,0 +1,160 @@
+"""A connection of a proxy to an owner that only has calls which wait: threads make them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from queue import SimpleQueue
+
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.property.codes import code_of
+from rtkit.property.messages import DONE, Answer, Payload
+from rtkit.proxy.contact import Answering, Gone, Hearing
+from rtkit.proxy.mailbox import Mailbox
+from rtkit.serving.host import Host
+from rtkit.tree.properties import End
+
+_LOOK_S = 1.0
+"""How long an event is waited for, until is looked whether it is still wanted [s]."""
+
+_Call = tuple[str, Payload | None, Answering]
+
+
+class CallContact:
+    """Connections of which each waits for one thing.
+
+    Args:
+        end: For requests, which are made one after the other.
+        another: Makes one more, for listening.
+    """
+
+    def __init__(self, host: Host, end: End, another: Callable[[], End]) -> None:
+        self._host = host
+        self._end = end
+        self._another = another
+        self._calls: SimpleQueue[_Call | None] = SimpleQueue()
+        self._waiting: dict[int, Answering] = {}
+        self._number = 0
+        self._listening: dict[str, threading.Event] = {}
+        self._is_open = True
+        self._gone: Gone = lambda why: None
+
+    def start(self, gone: Gone) -> None:
+        """See `Contact.start`."""
+        self._gone = gone
+        threading.Thread(target=self._work, name="calls", daemon=True).start()
+
+    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+        """See `Contact.ask`."""
+        if not self._is_open:
+            answer(Answer("the connection has ended", "no-service"))
+            return
+        self._number += 1
+        number = self._number
+        self._waiting[number] = answer
+        self._calls.put((target, payload, lambda reply: self._answered(number, reply)))
+
+    def has_room(self, name: str) -> bool:
+        """See `Contact.has_room`."""
+        return name not in self._listening
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """See `Contact.listen`."""
+        is_over = self._listening[name] = threading.Event()
+        target = f"{name}?{wish}" if wish else name
+        mailbox = Mailbox(self._host, wish, lambda event: None if is_over.is_set() else hear(event))
+
+        def answered(reply: Answer) -> None:
+            if reply.error:
+                self._listening.pop(name, None)
+            answer(reply)
+
+        def work() -> None:
+            try:
+                end = self._another()
+            except RtkitError as error:
+                reply = _failure(error)
+                self._host.post(lambda: answered(reply))
+                return
+            try:
+                self._hear(end, target, is_over, mailbox, answered)
+            finally:
+                end.close()
+
+        threading.Thread(target=work, name="listening", daemon=True).start()
+
+    def _hear(
+        self,
+        end: End,
+        target: str,
+        is_over: threading.Event,
+        mailbox: Mailbox,
+        answered: Answering,
+    ) -> None:
+        try:
+            end.listen(target)
+        except RtkitError as error:
+            reply = _failure(error)
+            self._host.post(lambda: answered(reply))
+            return
+        self._host.post(lambda: answered(DONE))
+        try:
+            while not is_over.is_set():
+                event = end.event(_LOOK_S)
+                if event is not None:
+                    mailbox.put(event)
+        except RtkitError as error:
+            why = str(error)
+            if not is_over.is_set():
+                self._host.post(lambda: self._fail(why))
+
+    def leave(self, name: str) -> None:
+        """See `Contact.leave`."""
+        is_over = self._listening.pop(name, None)
+        if is_over is not None:
+            is_over.set()
+
+    def check(self, now: float) -> None:
+        """See `Contact.check`: each call has a bound of its own."""
+
+    def close(self) -> None:
+        """See `Contact.close`."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        self._calls.put(None)
+        for is_over in self._listening.values():
+            is_over.set()
+        self._listening.clear()
+        waiting, self._waiting = self._waiting, {}
+        for answer in waiting.values():
+            answer(Answer("the connection has ended", "no-service"))
+
+    def _work(self) -> None:
+        """Make the calls, one after the other."""
+        while (call := self._calls.get()) is not None:
+            target, payload, answered = call
+            try:
+                reply = self._end.ask(target, payload)
+            except RtkitError as error:
+                reply = _failure(error)
+                if isinstance(error, Unreachable) and reply.error != "timeout":
+                    why = str(error)
+                    self._host.post(lambda why=why: self._fail(why))  # type: ignore[misc]
+            self._host.post(lambda answered=answered, reply=reply: answered(reply))  # type: ignore[misc]
+        self._end.close()
+
+    def _answered(self, number: int, reply: Answer) -> None:
+        answer = self._waiting.pop(number, None)
+        if answer is not None:
+            answer(reply)
+
+    def _fail(self, why: str) -> None:
+        if self._is_open:
+            self.close()
+            self._gone(why)
+
+
+def _failure(error: RtkitError) -> Answer:
+    is_late = isinstance(error, Unreachable) and str(error).startswith("no answer within")
+    return Answer(str(error), "timeout" if is_late else code_of(error))

@@ -1,0 +1,60 @@
+"""A connection to the owner that a proxy stands for, and how one is made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from rtkit.property.messages import Answer, Event, Payload
+
+Answering = Callable[[Answer], object]
+Hearing = Callable[[Event], object]
+Gone = Callable[[str], object]
+
+STATUS = "~proxy.status"
+"""What every proxy answers itself; asked of whoever says nothing, to hear that it lives."""
+
+
+class Contact(Protocol):
+    """A connection to an owner, used by the loop only; whatever it calls is called there."""
+
+    def start(self, gone: Gone) -> None:
+        """Begin; `gone` hears, once, that it has ended and why."""
+        ...
+
+    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+        """GET, or SET; `answer` is called exactly once, also when the connection ends.
+
+        What is asked one after the other arrives in that order. By the id a repetition is known;
+        it is empty for nothing.
+        """
+        ...
+
+    def has_room(self, name: str) -> bool:
+        """Whether it can listen to this beside what it listens to."""
+        ...
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """Listen to a property, with the parameters `wish`."""
+        ...
+
+    def leave(self, name: str) -> None:
+        """Listen to a property no longer."""
+        ...
+
+    def check(self, now: float) -> None:
+        """Look whether the far side has been silent for too long [s, of a monotonic clock]."""
+        ...
+
+    def close(self) -> None:
+        """End it; whoever waits for an answer is told."""
+        ...
+
+
+Wire = Callable[[], Contact]
+"""Makes a connection. It may take its time, on a thread of its own, and raises `RtkitError`."""
+
+
+def slot(name: str) -> str:
+    """Return by what events of a property are known: of inner names the listing is told."""
+    return "" if name == "properties" else name.removesuffix(".properties")

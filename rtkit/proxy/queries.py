@@ -1,0 +1,204 @@
+"""A connection of a proxy to its owner over zenoh: queries, and a key for each listening."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import threading
+import uuid
+from collections.abc import Callable
+from time import monotonic
+from typing import NamedTuple
+
+import zenoh
+
+from rtkit.errors import Unreachable
+from rtkit.link.properties import (
+    LEASE_S,
+    answer_of,
+    ear_key,
+    event_of,
+    for_ear,
+    selector_of,
+)
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer, Event, Payload
+from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing
+from rtkit.proxy.mailbox import Mailbox
+from rtkit.serving.host import Host
+
+_REQUEST_S = 3600.0
+"""How long an answer may take; that somebody lives is found out in another way [s]."""
+_PROBE_S = 2.0
+_PROBE_EVERY_S = 1.0
+_HAS_ID = re.compile(r"[?&]id(?:=|&|$)")
+_NOBODY = "nobody answers for it"
+
+
+class _Ear(NamedTuple):
+    target: str
+    id: str
+    subscriber: zenoh.Subscriber[None]
+    renewed_at: list[float]
+
+
+class QueryContact:
+    """A session to the owner, used by nobody else.
+
+    Args:
+        service_key: Of the owner.
+    """
+
+    def __init__(self, host: Host, session: zenoh.Session, service_key: str) -> None:
+        self._host = host
+        self._session = session
+        self._key = service_key
+        self._ears: dict[str, _Ear] = {}
+        self._waiting: dict[int, Answering] = {}
+        self._number = 0
+        self._probed_at = monotonic()
+        self._is_probing = False
+        self._is_open = True
+        self._gone: Gone = lambda why: None
+
+    def start(self, gone: Gone) -> None:
+        """See `Contact.start`."""
+        self._gone = gone
+
+    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+        """See `Contact.ask`."""
+        if id and payload is not None and not _HAS_ID.search(target):
+            target += f"{'&' if '?' in target else '?'}id={_word(id)}"
+        self._query(target, payload, "", _REQUEST_S, answer)
+
+    def has_room(self, name: str) -> bool:
+        """See `Contact.has_room`: each listening has a key of its own."""
+        return name not in self._ears
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """See `Contact.listen`."""
+        id = uuid.uuid4().hex
+        mailbox = Mailbox(self._host, wish, lambda event: self._hear(id, hear, event))
+        handler = zenoh.handlers.Callback(_receiver(mailbox), indirect=False)
+        subscriber = self._session.declare_subscriber(ear_key(self._key, id), handler)
+        target = f"{name}.listen".lstrip(".") + (f"?{wish}" if wish else "")
+        self._ears[name] = _Ear(target, id, subscriber, [monotonic()])
+
+        def answered(reply: Answer) -> None:
+            if reply.error:
+                self._take_off(name)
+            answer(reply)
+
+        self._query(target, "self", id, _REQUEST_S, answered)
+
+    def leave(self, name: str) -> None:
+        """See `Contact.leave`."""
+        ear = self._take_off(name)
+        if ear is not None:
+            target = f"{ear.target.partition('?')[0]}?remove"
+            self._query(target, "self", ear.id, _PROBE_S, lambda _: None)
+
+    def check(self, now: float) -> None:
+        """See `Contact.check`: ask for a sign of life, and renew what has a lease."""
+        for ear in self._ears.values():
+            if now - ear.renewed_at[0] > LEASE_S / 3:
+                ear.renewed_at[0] = now
+                self._query(ear.target, "self", ear.id, _PROBE_S, lambda _: None)
+        if not self._is_probing and now - self._probed_at > _PROBE_EVERY_S:
+            self._is_probing, self._probed_at = True, now
+            self._query(STATUS, None, "", _PROBE_S, self._probed)
+
+    def close(self) -> None:
+        """See `Contact.close`."""
+        if self._is_open:
+            self._end(Answer("the connection has ended", "no-service"))
+            self._session.close()  # type: ignore[no-untyped-call]
+
+    # Its own
+
+    def _probed(self, reply: Answer) -> None:
+        self._is_probing = False
+        if reply.error in ("timeout", "no-service") and self._is_open:
+            why = str(reply.payload)
+            self._end(Answer(why, reply.error))
+            # It waits for the far side, which is not there: not on the loop.
+            threading.Thread(target=self._session.close, name="closing", daemon=True).start()
+            self._gone(why)
+
+    def _query(
+        self, target: str, payload: Payload | None, ear: str, timeout_s: float, answer: Answering
+    ) -> None:
+        """Ask; the answer comes on the loop."""
+        if not self._is_open:
+            answer(Answer("the connection has ended", "no-service"))
+            return
+        try:
+            selector = selector_of(self._key, target)
+        except PropertyError as error:
+            answer(Answer(str(error), error.code))
+            return
+        self._number += 1
+        number = self._number
+        self._waiting[number] = answer
+        replies: list[Answer] = []
+
+        def receive(reply: zenoh.Reply) -> None:
+            try:
+                replies.append(answer_of(reply, timeout_s))
+            except Unreachable as error:
+                replies.append(Answer(str(error), "timeout"))
+
+        def ended() -> None:
+            reply = replies[0] if replies else Answer(_NOBODY, "no-service")
+            self._host.post(lambda: self._answered(number, reply))
+
+        self._session.get(
+            for_ear(selector, ear) if ear else selector,
+            payload=payload,
+            timeout=timeout_s,
+            handler=zenoh.handlers.Callback(receive, ended, indirect=False),
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+
+    def _answered(self, number: int, reply: Answer) -> None:
+        answer = self._waiting.pop(number, None)
+        if answer is not None:
+            answer(reply)
+
+    def _hear(self, id: str, hear: Hearing, event: Event) -> None:
+        if any(each.id == id for each in self._ears.values()):
+            hear(event)
+
+    def _take_off(self, name: str) -> _Ear | None:
+        ear = self._ears.pop(name, None)
+        if ear is not None:
+            ear.subscriber.undeclare()  # type: ignore[no-untyped-call]
+        return ear
+
+    def _end(self, reply: Answer) -> None:
+        self._is_open = False
+        for name in list(self._ears):
+            self._take_off(name)
+        waiting, self._waiting = self._waiting, {}
+        for answer in waiting.values():
+            answer(reply)
+
+
+def _receiver(mailbox: Mailbox) -> Callable[[zenoh.Sample], None]:
+    last: tuple[int, float, str] | None = None
+
+    def receive(sample: zenoh.Sample) -> None:
+        """Take what arrived; on a thread of the transport."""
+        nonlocal last
+        event = event_of(sample)
+        mark = (event.revision, event.time, event.code)
+        if mark != last:  # else it was sent again, in case it had been lost
+            last = mark
+            mailbox.put(event)
+
+    return receive
+
+
+def _word(id: str) -> str:
+    """Return an id as a value that is a word."""
+    return f"i{hashlib.blake2b(id.encode(), digest_size=12).hexdigest()}"

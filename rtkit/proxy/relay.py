@@ -1,0 +1,248 @@
+"""A service that owns nothing: it asks another one, whose answers and events it hands on.
+
+Nothing here understands a value; but names pass through `Names`, and what may be set is decided
+here. What begins with ``~proxy`` it answers itself: whom it stands for, and whether that is there.
+"""
+
+from __future__ import annotations
+
+import itertools
+import uuid
+from collections.abc import Callable
+from time import monotonic
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer, Ask, Caller
+from rtkit.property.naming import Target, parse_target, write_parameters
+from rtkit.property.reading import read
+from rtkit.property.values import Value
+from rtkit.proxy.contact import STATUS, Contact, Wire
+from rtkit.proxy.listenings import Listenings
+from rtkit.proxy.names import Allowed, Names
+from rtkit.proxy.uplink import Uplink
+from rtkit.serving.host import Host
+
+MOST_HOPS = 8
+_ROUTE = "~proxy.route"
+_LISTEN = "listen"
+ITSELF = "that would be a proxy of itself"
+
+
+class Relay:
+    """Stands for the owner of properties; an `Owner` to the doors.
+
+    Args:
+        said: Called with why whenever the owner is gone, and with nothing when it is back.
+
+    Attributes:
+        name: Under which it is found.
+        on_refusal: Hears of each request that was denied: who, method, target.
+    """
+
+    def __init__(
+        self,
+        host: Host,
+        wire: Wire,
+        *,
+        names: Names,
+        allowed: Allowed,
+        said: Callable[[str], None],
+    ) -> None:
+        self.name = ""
+        self.on_refusal: Callable[[str, str, str], object] | None = None
+        self._names = names
+        self._is_allowed = allowed
+        self._said = said
+        self._id = f"p{uuid.uuid4().hex[:12]}"
+        self._count = itertools.count(1)
+        self._numbers: dict[Caller, int] = {}
+        self.uplink = Uplink(host, wire, self._judge, self._came, self._went)
+        self._listenings = Listenings(self.uplink, names.outward, monotonic)
+
+    # What the loop does
+
+    @property
+    def is_polled(self) -> bool:
+        """See `Owner.is_polled`: the owner does that."""
+        return False
+
+    def poll(self) -> None:
+        """See `Owner.poll`."""
+
+    def kept(self, name: str) -> bytes | None:
+        """See `Owner.kept`: nothing is."""
+        return None
+
+    def is_plain(self, name: str) -> bool:
+        """See `Owner.is_plain`: it takes a while."""
+        return False
+
+    def is_text(self, name: str) -> bool:
+        """See `Owner.is_text`: only the owner knows."""
+        return False
+
+    def revision(self, name: str) -> int | None:
+        """See `Owner.revision`: only the owner knows."""
+        return None
+
+    def tick(self) -> None:
+        """See `Owner.tick`."""
+        self._listenings.tick()
+        self.uplink.check(monotonic())
+
+    def forget(self, caller: Caller) -> None:
+        """See `Owner.forget`."""
+        self._numbers.pop(caller, None)
+        self._listenings.forget(caller)
+
+    # Requests
+
+    def handle(self, ask: Ask) -> None:
+        """See `Owner.handle`."""
+        try:
+            target = parse_target(ask.target)
+            if target.service and target.service != self.name:
+                raise PropertyError("no-service", f"no such service: {target.service}")
+            self._take(target, ask)
+        except PropertyError as error:
+            ask.answer(Answer(str(error), error.code))
+
+    def _take(self, target: Target, ask: Ask) -> None:
+        name = target.name
+        if name in (STATUS, _ROUTE):
+            self._answer_own(target, ask)
+            return
+        above = self._names.above(name)
+        if above is not None:
+            self._answer_above(above, target, ask)
+            return
+        name = self._names.inward(name)
+        listened = _listened(name)
+        if listened is not None:
+            self._check_caller("SET", target.name, ask.caller)
+        if listened is not None and ask.payload is not None:
+            self._listen(listened, target, ask)
+            return
+        self._check_caller("GET" if ask.payload is None else "SET", target.name, ask.caller)
+        if ask.payload is not None and not self._is_allowed(target.name):
+            self._refuse("SET", target.name, ask.caller, "the proxy lets nobody set it")
+        self._forward(name, target.parameters, ask)
+
+    def _forward(self, name: str, parameters: dict[str, str | None], ask: Ask) -> None:
+        text = f"{name}?{write_parameters(parameters)}" if parameters else name
+        id = ""
+        if ask.id and ask.payload is not None:
+            number = self._numbers.get(ask.caller) or next(self._count)
+            self._numbers[ask.caller] = number
+            id = f"{self._id}.{number}.{ask.id}"
+        self.uplink.ask(text, ask.payload, id, ask.answer)
+
+    def _check_caller(self, method: str, name: str, caller: Caller) -> None:
+        if not caller.may(method, name):
+            self._refuse(method, name, caller, f"by {caller.identity or 'who is not known'}")
+
+    def _refuse(self, method: str, name: str, caller: Caller, why: str) -> None:
+        if self.on_refusal is not None:
+            self.on_refusal(caller.identity, method, name)
+        raise PropertyError("denied", f"{method} of {name}: {why}")
+
+    def _listen(self, name: str, target: Target, ask: Ask) -> None:
+        payload = ask.payload
+        ref = payload if isinstance(payload, str) else (payload or b"").decode("utf-8", "replace")
+        if ref.strip() != "self":
+            raise PropertyError("denied", f"events go to self only, not to {ref[:80]}")
+        given = dict(target.parameters)
+        removed = given.pop("remove", "false")
+        if removed is None or _is_true(removed):
+            self._listenings.remove(name, ask.caller, ask.answer)
+        else:
+            self._listenings.begin(name, given, ask.caller, ask.answer)
+
+    # What it answers itself
+
+    def _answer_own(self, target: Target, ask: Ask) -> None:
+        if ask.payload is not None:
+            raise PropertyError("read-only", f"cannot be set: {target.name}")
+        if target.name == STATUS:
+            ask.answer(Answer("up" if self.uplink.is_up else "down"))
+            return
+        text = target.parameters.get("hops") or "0"
+        hops = int(text) if text.isdecimal() else MOST_HOPS
+        if hops >= MOST_HOPS:
+            raise PropertyError("conflict", f"more than {MOST_HOPS} proxies, one after the other")
+
+        def answered(reply: Answer) -> None:
+            if reply.error == "conflict":
+                ask.answer(reply)
+            else:
+                rest = "" if reply.error else f" {str(reply.payload).strip('()')}"
+                ask.answer(Answer(f"({self._id}{rest})"))
+
+        self.uplink.ask(f"{_ROUTE}?hops={hops + 1}", None, "", answered)
+
+    def _judge(self, contact: Contact, judged: Callable[[str], None]) -> None:
+        """Find out whether a connection leads back to here."""
+
+        def answered(reply: Answer) -> None:
+            if reply.error == "conflict":
+                judged(str(reply.payload))
+            elif not reply.error and self._id in str(reply.payload).strip("()").split():
+                judged(ITSELF)
+            elif reply.error in ("no-service", "timeout"):
+                judged(str(reply.payload))
+            else:
+                judged("")
+
+        contact.ask(f"{_ROUTE}?hops=1", None, "", answered)
+
+    def _answer_above(self, place: str, target: Target, ask: Ask) -> None:
+        """Answer for the inner names that only the prefix makes."""
+        self._check_caller("GET" if ask.payload is None else "SET", target.name, ask.caller)
+        if ask.payload is not None:
+            raise PropertyError("read-only", f"cannot be set: {target.name}")
+        options = {
+            key: True if text is None else read(text) for key, text in target.parameters.items()
+        }
+        if not options:
+            ask.answer(Answer(self._names.listed(place)))
+            return
+        unknown = options.keys() - {"all", "depth", "match", "names", "values", "meta"}
+        if unknown:
+            raise PropertyError("bad-parameter", f"properties has no parameter {min(unknown)}")
+
+        def answered(reply: Answer) -> None:
+            if not reply.error:
+                try:
+                    told = self._names.widened(place, str(reply.payload), options)
+                    reply = Answer(told)
+                except PropertyError as error:
+                    reply = Answer(str(error), error.code)
+            ask.answer(reply)
+
+        more = "".join(f"&{key}" for key in ("values", "meta") if _is(options.get(key)))
+        self.uplink.ask(f"properties?all{more}", None, "", answered)
+
+    # The connection
+
+    def _came(self) -> None:
+        self._said("")
+        self._listenings.came()
+
+    def _went(self, why: str) -> None:
+        self._listenings.went()
+        self._said(why)
+
+
+def _listened(name: str) -> str | None:
+    """Return the property of which the listeners are meant, None if it is something else."""
+    if name == _LISTEN:
+        return ""
+    return name.removesuffix(f".{_LISTEN}") if name.endswith(f".{_LISTEN}") else None
+
+
+def _is(value: Value | None) -> bool:
+    return value not in (None, False, 0)
+
+
+def _is_true(text: str) -> bool:
+    return _is(read(text))

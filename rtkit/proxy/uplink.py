@@ -1,0 +1,196 @@
+"""The way to the owner: made, lost, made again; and the connections that it consists of.
+
+One connection carries the requests and what is listened to; another one is made where somebody
+wishes to listen to a property in another way. When one of them ends, all are made anew.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from rtkit.errors import RtkitError
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer, Payload
+from rtkit.proxy.contact import Answering, Contact, Wire
+from rtkit.serving.host import Host
+
+_FIRST_PAUSE_S = 0.05
+_LONGEST_PAUSE_S = 2.0
+_MOST_CONTACTS = 64
+_MOST_WAITING = 1 << 16
+"""Requests that the owner has not answered."""
+
+Placed = Callable[[Contact | PropertyError], None]
+Judging = Callable[[Contact, Callable[[str], None]], None]
+
+
+class Uplink:
+    """Connections to one owner; used on the loop of the host only.
+
+    Args:
+        wire: Makes a connection.
+        judge: Looks at a new connection and calls with why it cannot be used, empty if it can.
+        came: Called when the owner can be reached.
+        went: Called with why it no longer can, or cannot be to begin with.
+    """
+
+    def __init__(
+        self,
+        host: Host,
+        wire: Wire,
+        judge: Judging,
+        came: Callable[[], None],
+        went: Callable[[str], None],
+    ) -> None:
+        self._host = host
+        self._wire = wire
+        self._judge = judge
+        self._came = came
+        self._went = went
+        self._contacts: list[Contact] = []
+        self._wanted: list[tuple[str, Placed]] = []
+        self._waiting = 0
+        self._pause_s = _FIRST_PAUSE_S
+        self._is_closed = threading.Event()
+        self._round = 0
+        self._is_up = False
+        self.why = "not connected yet"
+
+    @property
+    def is_up(self) -> bool:
+        """Whether the owner can be reached."""
+        return self._is_up
+
+    def start(self) -> None:
+        """Begin to connect; from any thread."""
+        self._dial(self._connected, 0.0)
+
+    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+        """GET, or SET, and be told what came of it."""
+        if not self._is_up:
+            answer(Answer(self.why, "no-service"))
+            return
+        if self._waiting >= _MOST_WAITING:
+            answer(Answer(f"{_MOST_WAITING} requests are not answered", "busy"))
+            return
+        self._waiting += 1
+
+        def answered(reply: Answer) -> None:
+            self._waiting -= 1
+            answer(reply)
+
+        self._contacts[0].ask(target, payload, id, answered)
+
+    def place(self, name: str, placed: Placed) -> None:
+        """Give a connection on which a property can be listened to, now or later."""
+        if not self._is_up:
+            placed(PropertyError("no-service", self.why))
+            return
+        for contact in self._contacts:
+            if contact.has_room(name):
+                placed(contact)
+                return
+        if len(self._contacts) >= _MOST_CONTACTS:
+            told = f"{_MOST_CONTACTS} connections listen in different ways"
+            placed(PropertyError("denied", told))
+            return
+        self._wanted.append((name, placed))
+        if len(self._wanted) == 1:
+            self._dial(self._widened, 0.0)
+
+    def check(self, now: float) -> None:
+        """Look whether the owner has been silent for too long."""
+        for contact in list(self._contacts):
+            contact.check(now)
+
+    def close(self) -> None:
+        """Be connected no longer."""
+        self._is_closed.set()
+        self._lose("the proxy has ended", is_last=True)
+
+    # Connecting
+
+    def _dial(self, done: Callable[[int, Contact | RtkitError], None], pause_s: float) -> None:
+        """Make a connection on a thread of its own, after a pause."""
+        number = self._round
+
+        def work() -> None:
+            if self._is_closed.wait(pause_s):
+                return
+            made: Contact | RtkitError
+            try:
+                made = self._wire()
+            except RtkitError as error:
+                made = error
+            self._host.post(lambda: done(number, made))
+
+        threading.Thread(target=work, name="connecting", daemon=True).start()
+
+    def _connected(self, number: int, made: Contact | RtkitError) -> None:
+        if self._is_old(number, made):
+            return
+        if isinstance(made, RtkitError):
+            self._failed(str(made))
+            return
+        self._take(made)
+
+        def judged(why: str) -> None:
+            if number != self._round:
+                return
+            if why:
+                self._lose(why)
+                return
+            self._is_up, self._pause_s = True, _FIRST_PAUSE_S
+            self._came()
+
+        self._judge(made, judged)
+
+    def _widened(self, number: int, made: Contact | RtkitError) -> None:
+        if self._is_old(number, made):
+            return
+        wanted, self._wanted = self._wanted, []
+        if isinstance(made, RtkitError):
+            for _, placed in wanted:
+                placed(PropertyError("no-service", str(made)))
+            return
+        self._take(made)
+        for name, placed in wanted:
+            self.place(name, placed)
+
+    def _is_old(self, number: int, made: Contact | RtkitError) -> bool:
+        """Whether a connection comes too late."""
+        if number == self._round and not self._is_closed.is_set():
+            return False
+        if not isinstance(made, RtkitError):
+            made.close()
+        return True
+
+    def _take(self, contact: Contact) -> None:
+        number = self._round
+        self._contacts.append(contact)
+
+        def gone(why: str) -> None:
+            if number == self._round:
+                self._lose(why)
+
+        contact.start(gone)
+
+    def _failed(self, why: str) -> None:
+        self.why = why
+        self._went(why)
+        self._dial(self._connected, self._pause_s)
+        self._pause_s = min(self._pause_s * 2, _LONGEST_PAUSE_S)
+
+    def _lose(self, why: str, *, is_last: bool = False) -> None:
+        """End all connections, tell it, and begin to connect anew."""
+        self._round += 1
+        self._is_up, self.why = False, why
+        contacts, self._contacts = self._contacts, []
+        for contact in contacts:
+            contact.close()
+        wanted, self._wanted = self._wanted, []
+        for _, placed in wanted:
+            placed(PropertyError("no-service", why))
+        if not is_last:
+            self._failed(why)

@@ -1,0 +1,417 @@
+"""Behind proxies everything is as it is at the owner, whatever the wires; and what proxies add."""
+
+from __future__ import annotations
+
+import gc
+import os
+import shutil
+import socket
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from queue import SimpleQueue
+
+import pytest
+from conformance import Door, check_answers, check_events, subject
+from propertydoors import BOUND_S, Lines, Zenoh
+
+from rtkit.errors import Refused, RtkitError
+from rtkit.link.line_client import connect_tcp, connect_unix
+from rtkit.property.functional import Function
+from rtkit.property.messages import Event
+from rtkit.property.service import Service
+from rtkit.property.spec import Spec
+from rtkit.property.types import parse_type
+from rtkit.proxy import lines
+from rtkit.proxy.bridge import bridge
+from rtkit.proxy.relay import Relay
+from rtkit.serving.serve import Served, serve
+
+CHAINS = (
+    ("unix", "tcp"),
+    ("tcp", "zenoh"),
+    ("zenoh", "unix"),
+    ("zenoh", "tcp", "unix"),
+    ("unix", "zenoh", "tcp"),
+    ("tcp", "unix", "zenoh"),
+    ("zenoh", "zenoh", "zenoh"),
+)
+"""Wires from the owner to the client; between each two of them is a proxy."""
+
+
+@pytest.fixture
+def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    folder = tempfile.mkdtemp(prefix="rtk")
+    for name in ("run", "state"):
+        os.mkdir(f"{folder}/{name}", 0o700)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
+    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
+    yield folder
+    assert os.listdir(f"{folder}/run") == []
+    shutil.rmtree(folder)
+
+
+@pytest.fixture
+def service() -> Service:
+    return subject()
+
+
+@pytest.fixture
+def served(place: str, service: Service) -> Iterator[Served]:
+    with serve(service, "robot", port=0) as served:
+        yield served
+
+
+@pytest.fixture
+def ends() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+def owner(served: Served, wire: str) -> str:
+    """Return the address of the owner on a wire."""
+    return {
+        "unix": f"unix:{served.socket}",
+        "tcp": f"tcp:localhost:{served.port}",
+        "zenoh": "zenoh:robot",
+    }[wire]
+
+
+def chain(served: Served, place: str, wires: tuple[str, ...], ends: ExitStack) -> Door:
+    """Put proxies between the owner and a client, which is returned."""
+    address = owner(served, wires[0])
+    for number, wire in enumerate(wires[1:], 1):
+        target = {
+            "unix": f"unix:{place}/{number}.sock",
+            "tcp": "tcp:localhost:0",
+            "zenoh": f"zenoh:p{number}",
+        }[wire]
+        opened = ends.enter_context(bridge(address, target, allow_set=["*"]))
+        address = f"zenoh:p{number}" if wire == "zenoh" else opened.address
+    door = client(address)
+    ends.callback(door.close)
+    return door
+
+
+def client(address: str) -> Lines | Zenoh:
+    scheme, _, rest = address.partition(":")
+    if scheme == "zenoh":
+        return Zenoh(rest)
+    if scheme == "unix":
+        return Lines(lambda: connect_unix(rest, BOUND_S))
+    host, _, port = rest.partition(":")
+    return Lines(lambda: connect_tcp(host, int(port), BOUND_S))
+
+
+@pytest.fixture(params=CHAINS, ids="-".join)
+def door(
+    request: pytest.FixtureRequest, served: Served, place: str, ends: ExitStack
+) -> Iterator[Door]:
+    yield chain(served, place, request.param, ends)
+    ends.close()
+
+
+def test_requests(door: Door) -> None:
+    check_answers(door)
+
+
+def test_events(door: Door, served: Served, service: Service) -> None:
+    check_events(door, service, served.owned)
+
+
+def test_a_slow_listener_sees_the_latest_value(door: Door, served: Served) -> None:
+    with door.listen("count") as slow, door.listen("count?queue=10000&initial=0") as all_of_them:
+        assert next(slow).payload == "7"
+
+        def change() -> None:
+            for value in range(1000, 3000):
+                served.service.update("count", value)
+            served.service.update("count", -1)
+
+        served.owned(change)
+        heard = [next(all_of_them)]
+        while heard[-1].payload != "-1":
+            heard.append(next(all_of_them))
+        assert len(heard) + sum(each.dropped for each in heard) == 2001
+        taken = [next(slow).payload]
+        while taken[-1] != "-1":
+            taken.append(next(slow).payload)
+        assert len(taken) < 100, "what is older than the latest was not kept for it"
+
+
+class Proxied:
+    """A proxy over unix sockets, clients of it, and what it says."""
+
+    def __init__(self, served: Served, place: str, ends: ExitStack) -> None:
+        self.said: SimpleQueue[str] = SimpleQueue()
+        self.refused: list[tuple[str, str, str]] = []
+        self._served, self._place, self._ends = served, place, ends
+
+    def open(self, *, prefix: str = "", allow_set: tuple[str, ...] = ("*",)) -> Lines:
+        path = f"{self._place}/p.sock"
+        self._ends.enter_context(
+            bridge(
+                f"unix:{self._served.socket}",
+                f"unix:{path}",
+                prefix=prefix,
+                allow_set=allow_set,
+                said=self.said.put,
+                on_refusal=lambda *what: self.refused.append(what),
+            )
+        )
+        return self.another()
+
+    def another(self) -> Lines:
+        made = Lines(lambda: connect_unix(f"{self._place}/p.sock", BOUND_S))
+        self._ends.callback(made.close)
+        return made
+
+
+@pytest.fixture
+def proxied(served: Served, place: str, ends: ExitStack) -> Proxied:
+    return Proxied(served, place, ends)
+
+
+def test_listeners_that_wish_the_same_share_one_at_the_owner(
+    proxied: Proxied, served: Served, service: Service, ends: ExitStack
+) -> None:
+    door = proxied.open()
+    streams = [ends.enter_context(door.listen("count")) for _ in range(5)]
+    streams += [ends.enter_context(door.listen("count?queue=9")) for _ in range(5)]
+    assert [next(each).payload for each in streams] == ["7"] * 10
+    assert len(service.listeners._all) == 2
+    served.owned(lambda: service.update("count", 8))
+    assert [next(each).payload for each in streams] == ["8"] * 10
+    late = ends.enter_context(door.listen("count"))
+    assert next(late).payload == "8"
+    assert len(service.listeners._all) == 2
+    ends.close()
+    with connect_unix(served.socket, BOUND_S) as direct:
+        assert direct.ask("count.listen", "self").error == ""
+        served.owned(lambda: None)
+    await_that(served, lambda: not service.listeners._all)
+
+
+def await_that(served: Served, holds: Callable[[], bool]) -> None:
+    """Wait, turn by turn of the owner's loop, until something holds."""
+    for _ in range(100_000):
+        if holds():
+            return
+        served.owned(lambda: None)
+    raise AssertionError("it does not come to hold")
+
+
+def test_nothing_is_set_unless_it_is_allowed(proxied: Proxied) -> None:
+    door = proxied.open(allow_set=("arm.*", "count", "p*"))
+    allowed = [
+        ("count", "8"),
+        ("c%6funt", "9"),
+        ("arm.angle", "4"),
+        ("arm.properties", "((angle 5))"),
+    ]
+    for name, value in allowed:
+        assert door.ask(name, value).error == "", name
+    denied = [
+        ("speed", "0.5"),
+        ("arm", "3"),
+        ("properties", "((count 1))"),
+        ("location.x", "1"),
+        ("double", "2"),
+        ("count.listen", "tcp://elsewhere/x"),
+    ]
+    for name, value in denied:
+        assert door.ask(name, value).error == "denied", name
+    assert [each[2] for each in proxied.refused] == [each[0] for each in denied[:-1]]
+    assert door.ask("properties?names=(count%20arm.angle)&values").payload == (
+        "((count 9) (arm.angle 5))")  # fmt: skip
+
+
+def test_a_prefix_is_put_in_front_of_all_names(
+    proxied: Proxied, served: Served, service: Service
+) -> None:
+    door = proxied.open(prefix="left.hand")
+    below = {
+        "left.hand.speed": "0.25",
+        "left.hand.arm.properties": "(angle joint)",
+        "properties": "(left)",
+        "left": "(hand)",
+        "left.properties": "(hand)",
+        "properties?depth=2": "(left left.hand)",
+        "left.properties?depth=2&match=*.a*": "(hand.any hand.arm hand.a%20b)",
+        "properties?names=(left.hand.count)&values": "((left.hand.count 7))",
+        "left.hand.properties?names=(count)&values": "((count 7))",
+    }
+    for name, value in below.items():
+        assert door.ask(name).payload == value, name
+    assert door.ask("left.hand").payload == door.ask("left.hand.properties").payload
+    told = str(door.ask("properties?all&meta").payload)
+    assert told.startswith("((left) (left.hand) (left.hand.speed <meta><type>number</type>")
+    for name in ("speed", "left.speed", "left.handspeed", "right.hand.speed"):
+        assert door.ask(name).error == "unknown", name
+    assert door.ask("left.properties?nonsense").error == "bad-parameter"
+    assert door.ask("left", "1").error == "read-only"
+    assert door.ask("left.hand.count", "8").error == ""
+    with door.listen("left.hand.count") as events, door.listen("left.hand.properties") as names:
+        assert next(events)[:2] == ("left.hand.count", "8")
+        assert next(names).name == "left.hand.properties"
+        served.owned(lambda: service.update("count", 9))
+        assert next(events)[:2] == ("left.hand.count", "9")
+
+
+def test_the_owner_goes_and_comes_back(place: str, ends: ExitStack) -> None:
+    said: SimpleQueue[str] = SimpleQueue()
+    first = subject()
+    served = serve(first, "robot", is_on_zenoh=False)
+    for source, target, hear in (("robot", "unix:p.sock", said.put), ("unix:p.sock", "p2", print)):
+        ends.enter_context(
+            bridge(
+                source.replace("unix:", f"unix:{place}/"),
+                target.replace("unix:", f"unix:{place}/"),
+                allow_set=["*"],
+                said=hear,
+            )
+        )
+    door = Lines(lambda: connect_unix(f"{place}/run/p2.ps", BOUND_S))
+    ends.callback(door.close)
+    events = ends.enter_context(door.listen("count?queue=100"))
+    changes = ends.enter_context(door.listen("mode?initial=0"))
+    gripper = ends.enter_context(door.listen("arm.angle"))
+    assert (next(events).payload, next(gripper).payload) == ("7", "3")
+    served.close()
+    assert said.get(timeout=BOUND_S) == "the connection has ended"
+    stale = next(events)
+    assert (stale.payload, stale.quality) == ("7", "stale")
+    assert next(gripper).quality == "stale"
+    answer = door.ask("count")
+    assert answer.error == "no-service"
+    assert answer.payload
+    assert door.ask("speed.listen", "self").error == "no-service"
+    second = subject()
+    second.update("count", 8)
+    second.remove("arm.angle")
+    with serve(second, "robot", is_on_zenoh=False) as again:
+        assert said.get(timeout=BOUND_S) == ""
+        back = next(events)
+        assert (back.payload, back.quality) == ("8", "good")
+        assert next(changes).payload == "idle"
+        assert next(gripper).code == "unknown"
+        again.owned(lambda: second.update("count", 9))
+        assert next(events).payload == "9"
+        assert door.ask("count").payload == "9"
+        ends.close()
+
+
+def test_an_owner_that_does_not_answer_is_given_up(
+    proxied: Proxied, served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lines, "SILENT_S", 0.3)
+    monkeypatch.setattr(lines, "DEAD_S", 0.6)
+    door = proxied.open()
+    with door.listen("count") as events:
+        assert next(events).payload == "7"
+        is_held, go = threading.Event(), threading.Event()
+
+        def hold() -> None:
+            is_held.set()
+            go.wait(BOUND_S)
+
+        holder = threading.Thread(target=served.owned, args=(hold,))
+        holder.start()
+        assert is_held.wait(BOUND_S)
+        assert door.ask("count").error == "timeout"
+        assert next(events).quality == "stale"
+        assert "no answer" in proxied.said.get(timeout=BOUND_S)
+        go.set()
+        holder.join()
+        assert proxied.said.get(timeout=BOUND_S) == ""
+        assert next(events).quality == "good"
+
+
+def test_what_waits_at_the_owner_delays_nobody(
+    proxied: Proxied, served: Served, service: Service
+) -> None:
+    go = threading.Event()
+
+    def wait() -> int:
+        go.wait(BOUND_S)
+        return 3
+
+    kind = Spec(parse_type("element"), is_functional=True)
+    function = Function(wait, run=served._host.run_on_thread)
+    served.owned(lambda: service.add("slow", function=function, spec=kind))
+    door = proxied.open()
+    with socket.socket(socket.AF_UNIX) as end:
+        end.settimeout(BOUND_S)
+        end.connect(door._client._end.getpeername())
+        end.sendall(b"#1 SET slow?echo \n#2 GET count\nSET count 8\nGET count\n#3 GET slow.state\n")
+        replies = end.makefile()
+        assert [replies.readline() for _ in range(4)] == [
+            "#2 = 7\n", "=\n", "= 8\n", "#3 = running\n"]  # fmt: skip
+        go.set()
+        assert replies.readline() == '#1 = <call state="done"><result>3</result></call>\n'
+        replies.close()
+
+
+@pytest.mark.parametrize("wires", [("unix", "tcp", "unix"), ("zenoh", "unix")], ids="-".join)
+def test_a_request_that_is_repeated_with_its_id_acts_once(
+    wires: tuple[str, ...], served: Served, service: Service, place: str, ends: ExitStack
+) -> None:
+    acted: list[int] = []
+    kind = Spec(parse_type("element"), is_functional=True)
+    service.add("act", function=Function(lambda: acted.append(1)), spec=kind)
+    door = chain(served, place, wires, ends)
+    assert isinstance(door, Lines)
+    for _ in range(2):
+        with socket.socket(socket.AF_UNIX) as end:
+            end.settimeout(BOUND_S)
+            end.connect(door._client._end.getpeername())
+            for _ in range(2):
+                end.sendall(b"#a SET act \n")
+                assert end.recv(100) == b"#a =\n"
+    assert len(acted) == 2, "once for each connection"
+    ends.close()
+
+
+def test_a_proxy_of_itself_is_refused(served: Served, place: str, ends: ExitStack) -> None:
+    path = f"unix:{place}/"
+    with pytest.raises(RtkitError, match="cannot reach"):
+        bridge(f"{path}a.sock", f"{path}a.sock")
+    said: SimpleQueue[str] = SimpleQueue()
+    bystander = ends.enter_context(bridge("robot", f"{path}b.sock"))
+    ends.enter_context(bridge(f"{path}b.sock", f"{path}a.sock", said=said.put))
+    with pytest.raises(Refused, match="somebody listens there"):
+        bridge("robot", f"{path}a.sock")
+    bystander.close()
+    assert "ended" in said.get(timeout=BOUND_S)
+    ends.enter_context(bridge(f"{path}a.sock", f"{path}b.sock"))
+    assert said.get(timeout=BOUND_S) == "that would be a proxy of itself"
+    with connect_unix(f"{place}/b.sock", BOUND_S) as client:
+        assert client.ask("count").error == "no-service"
+    ends.close()
+
+
+def test_very_long_chains_are_refused(served: Served, place: str, ends: ExitStack) -> None:
+    address = f"unix:{served.socket}"
+    for number in range(8):
+        target = f"unix:{place}/{number}.sock"
+        address = ends.enter_context(bridge(address, target)).address
+    with pytest.raises(RtkitError, match="more than 8 proxies"):
+        bridge(address, f"unix:{place}/last.sock")
+    with connect_unix(f"{place}/7.sock", BOUND_S) as client:
+        assert client.ask("count").payload == "7"
+    ends.close()
+
+
+def test_clients_that_come_and_go_leave_nothing(proxied: Proxied, served: Served) -> None:
+    proxied.open()
+    opened: list[Event] = []
+    for _ in range(50):
+        door = proxied.another()
+        with door.listen("count?queue=3") as events, door.listen("speed?every=0.01") as others:
+            opened += [next(events), next(others)]
+        door.close()
+    await_that(served, lambda: not served.service.listeners._all)
+    assert len(opened) == 100
+    (relay,) = [each for each in gc.get_objects() if isinstance(each, Relay) and each.uplink.is_up]
+    assert (relay._listenings._all, relay._listenings._of, relay._numbers) == (set(), {}, {})

@@ -1,0 +1,48 @@
+"""Clients of the doors of property services, as the table of conformance wants them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+
+from rtkit.link import keys, places
+from rtkit.link.http_client import HttpClient
+from rtkit.link.line_client import LineClient, listening
+from rtkit.link.properties import PropertyClient
+from rtkit.link.zenoh import open_client, unix_endpoint
+from rtkit.property.messages import Event
+
+BOUND_S = 30.0
+
+
+class Lines:
+    """Lines or HTTP; each who listens has a client of its own."""
+
+    def __init__(self, connect: Callable[[], LineClient | HttpClient]) -> None:
+        self._connect = connect
+        self._client = connect()
+        self.ask = self._client.ask
+        self.close = self._client.close
+
+    def listen(self, target: str) -> AbstractContextManager[Iterator[Event]]:
+        return listening(self._connect(), target)
+
+
+class Zenoh:
+    """Queries on a session of its own."""
+
+    def __init__(self, service: str = "robot") -> None:
+        path = places.service_key_socket(service)
+        self._session = open_client(unix_endpoint(path), BOUND_S)
+        key = keys.property_service(os.uname().nodename, service)
+        self._client = PropertyClient(self._session, key, BOUND_S)
+        self.ask = self._client.ask
+
+    @contextmanager
+    def listen(self, target: str) -> Iterator[Iterator[Event]]:
+        with self._client.listen(target) as ear:
+            yield iter(ear)
+
+    def close(self) -> None:
+        self._session.close()  # type: ignore[no-untyped-call]
