@@ -33,6 +33,7 @@ ROUNDS = 21
 WARM_UP = 3
 _START_S = 20.0
 _PATIENCE_S = 30.0
+_IN_MEMORY = "/dev/shm"
 
 # Where byte code is not kept, each command and each slave would compile what it imports anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -166,12 +167,24 @@ def command(name: str) -> str:
 
 @contextmanager
 def folders(*module_paths: str) -> Iterator[str]:
-    """Have runtime and state folders of our own, which go with everything in them; one above."""
-    with tempfile.TemporaryDirectory(prefix="rtb") as base:
-        os.environ["RTKIT_RUNTIME_DIR"] = os.path.join(base, "r")
+    """Have runtime and state folders of our own, which go with everything in them.
+
+    The first is in memory, as the runtime folder of a login session is; the second, with logs, lies
+    on disk in a folder that is yielded.
+    """
+    with (
+        tempfile.TemporaryDirectory(prefix="rtb") as base,
+        tempfile.TemporaryDirectory(prefix="rtb", dir=_memory()) as memory,
+    ):
+        os.environ["RTKIT_RUNTIME_DIR"] = os.path.join(memory, "r")
         os.environ["RTKIT_STATE_DIR"] = os.path.join(base, "s")
         os.environ["RTKIT_MODULE_PATH"] = os.pathsep.join(module_paths)
         yield base
+
+
+def _memory() -> str | None:
+    """Return a folder in memory; None where there is none."""
+    return _IN_MEMORY if os.access(_IN_MEMORY, os.W_OK) else None
 
 
 def start_manager(*, has_door: bool = False) -> int:

@@ -36,6 +36,8 @@ COUNT = 100
 _SETTLE_S = 1.0
 _WINDOW_S = 10.0
 _WINDOWS = 3
+_LEAST_SHARE = 0.0001
+"""Of a core [%]: one wake-up in a window, so that a floor that had none still is a floor."""
 _FORKS_ARE = "resting forks of a Python process that has the same modules"
 _STOPPED_ARE = "TERM to as many resting forks of a Python process, until they are waited for"
 _IDLE_IS = "a bare Python process with the two zenoh sessions of a manager, which have no traffic"
@@ -88,7 +90,7 @@ def _idle() -> Lines:
             time.sleep(_WINDOW_S)
             after = processor_s(ours), processor_s([sessions])
             shares = [(b - a) / _WINDOW_S * 100 for a, b in zip(before, after, strict=True)]
-            pairs.append((shares[0], shares[1]))
+            pairs.append((shares[0], max(shares[1], _LEAST_SHARE)))
         what = f"{COUNT} idle slaves, their manager and its zygote: processor"
         yield Row(what, "% of a core", *medians(pairs), 2.0, False, _IDLE_IS)
 

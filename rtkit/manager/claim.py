@@ -19,7 +19,7 @@ from rtkit.manager.processes.wire import peer_of
 _DYING_MS = 1000
 """How long a manager that was killed may still be heard after its lock is free."""
 
-_OF_SLAVES = ("beats", "stack", "held", "held.new")
+_OF_SLAVES = ("beats", "held", "held.new", "rehearsal")
 _KINDS = (*_OF_SLAVES, "data", "zygote")
 """What processes of a manager lay into the runtime folder, named ``<manager>.<pid>.<kind>``."""
 

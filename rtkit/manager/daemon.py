@@ -270,12 +270,11 @@ def _holder(
 ) -> Holder:
     """Return what holds the components of the manager's own process."""
     from rtkit.link.streams import Streams, remove_socket
-    from rtkit.manager.holding.beats import Beats
+    from rtkit.manager.holding.beats import Beats, beats_path
     from rtkit.manager.holding.connect import Wires
     from rtkit.manager.holding.holder import Holder
     from rtkit.manager.holding.process_settings import add_log_files, configure
     from rtkit.manager.modules.loader import Loader
-    from rtkit.manager.processes.watchman import beats_path
 
     loader = Loader(configuring.load_paths(state), imports_untried=False)
     configure(configuring.message(state), loader)

@@ -596,3 +596,21 @@ def test_what_a_component_does_is_counted(process: Process) -> None:
         assert time.monotonic() < deadline
     assert not context.has_work
     assert context.ticks >= told.contexts[0].ticks
+
+
+def test_one_that_rests_is_deleted_without_a_thread(
+    process: Process, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    process.create("A")
+    process.change("A", "activate")
+    process.change("A", "deactivate")
+    pacer = process.holder._pacers["A", "0"]
+    until = time.monotonic() + PATIENCE_S
+    while not pacer.is_resting:
+        assert time.monotonic() < until
+    begun: list[str] = []
+    monkeypatch.setattr(pacer, "_run", lambda: begun.append("A"))
+    process.ok("delete", instance="A")
+    assert begun == []
+    last = [name for instance, name in process.calls if instance == "A"]
+    assert last[-3:] == ["on_deactivated", "on_shutdown", "on_finalize"]

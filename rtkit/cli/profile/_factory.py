@@ -42,8 +42,8 @@ def component_class(typed: str, wanted: str) -> Offer:
     folders = [".", *os.environ.get("RTKIT_MODULE_PATH", "").split(os.pathsep)]
     place = os.path.abspath(path) if "/" in path or os.path.isfile(path) else path
     search = Search([each for each in folders if each] + [resource("examples", "basic")])
-    file, source, told = search.read(place)
-    offer_neighbours(file)
+    file, real, source, told = search.read(place)
+    offer_neighbours(real)
     module = import_file(file, source)
     init = name or told or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
     found = getattr(module, init, None)

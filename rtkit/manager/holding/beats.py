@@ -1,7 +1,9 @@
 """Heartbeats: which callback each execution context of a process is in, and since when.
 
 The thread that drives a context writes its own slot, in memory that the manager reads: a callback
-that holds the interpreter lock, or loops for ever, is seen from outside all the same.
+that holds the interpreter lock, or loops for ever, is seen from outside all the same. Behind that
+memory, in the same file, is room for stacks (see `rtkit.manager.processes.stacks`): one file a
+process is created sooner than two.
 """
 
 from __future__ import annotations
@@ -40,6 +42,13 @@ _STRIDE = 128
 _FIRST = 128
 _SLOTS = 1024
 _SIZE = _FIRST + _SLOTS * _STRIDE
+STACKS_AT = _SIZE
+"""Where in the file stacks begin [byte]."""
+
+
+def beats_path(pattern: str, pid: int) -> str:
+    """Return where a process keeps its heartbeats; `pattern` is that of its data socket."""
+    return pattern.replace("%p", str(pid)).removesuffix(".data") + ".beats"
 
 
 class Beat(NamedTuple):
@@ -68,19 +77,20 @@ class Beats:
             self._memory = mmap.mmap(descriptor, _SIZE)
         finally:
             os.close(descriptor)
-        self._free = list(range(_SLOTS - 1, -1, -1))
+        self._free: list[int] = []
         self._used = 0
         self._lock = threading.Lock()
 
     def slot(self) -> Slot | None:
         """Return a slot for one execution context; None when all are taken."""
         with self._lock:
-            if not self._free:
+            if self._free:
+                return Slot(self._memory, self._free.pop())
+            if self._used == _SLOTS:
                 return None
-            index = self._free.pop()
-            self._used = max(self._used, index + 1)
+            self._used += 1
             _HEADER.pack_into(self._memory, 0, self._used)
-            return Slot(self._memory, index)
+            return Slot(self._memory, self._used - 1)
 
     def release(self, slot: Slot) -> None:
         """Take a slot back."""

@@ -12,7 +12,7 @@ from rtkit.component.period import check_rate
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core.events import Message
 from rtkit.manager.holding.host import LATER, Host, Operations, answer_code
-from rtkit.rtc.enums import ReturnCode, Transition
+from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
 
 class Contexts:
@@ -112,15 +112,27 @@ class Contexts:
         self._host.post(lambda: answer_code(self._host, message, code, why))
 
 
-def release(component: Component, rested: Callable[[], object]) -> int:
+def release(
+    component: Component,
+    is_resting: Callable[[ExecutionContext], bool],
+    rested: Callable[[], object],
+) -> int:
     """Have every context deactivate a component, and let it go if it is not its own.
 
-    `rested` is called by each of them, on its own thread; returns how many will.
+    Args:
+        component: The one that is to end.
+        is_resting: Whether a context of its own has no thread at work, nor a reason for one.
+        rested: Called by each context that had something to do, on its own thread.
+
+    Returns:
+        How many those are.
     """
     count = 0
     for context in component.participations:
         if context.owner != component.instance:
             context.submit(partial(_let_go, context, component, rested))
+        elif is_resting(context) and context.state_of(component) is not LifeCycleState.ACTIVE:
+            continue  # which saves a thread
         elif context.is_running:
             context.request(component, Transition.DEACTIVATE, lambda _code, _why: rested())
         else:

@@ -35,9 +35,10 @@ class Will:
         self._path = path
         self._first = _line({"slave": name})
         self._lines: dict[str, bytes] = {}
-        self._told = self._size = 0
+        self._told = 0
+        self._size = len(self._first)
         self._is_failing = False
-        self._rewrite()
+        self._write(path, self._first, os.O_CREAT | os.O_TRUNC)
 
     def keep(self, instance: str, facts: Mapping[str, Any]) -> None:
         """Write down a component as it is now."""

@@ -330,9 +330,12 @@ class Holder:
             if not waiting:
                 self._deleted(component.instance)
 
-        waiting = release(component, lambda: self.post(rested))
+        waiting = release(component, self._is_resting, lambda: self.post(rested))
         if not waiting:
             self._deleted(component.instance)
+
+    def _is_resting(self, context: ExecutionContext) -> bool:
+        return self._pacers[context.owner, context.id].is_resting
 
     def _deleted(self, instance: str) -> None:
         try:

@@ -51,6 +51,12 @@ class Pacer:
             if self._thread is None and not self._is_closed:
                 self._thread = start_thread(self._run, self._name)
 
+    @property
+    def is_resting(self) -> bool:
+        """Whether nothing is done, and nothing was asked for."""
+        with self._lock:
+            return self._thread is None and not self._alarm.is_set()
+
     def work(self) -> Work:
         """Return what was done so far; the longest cycle is that since the last call."""
         longest_ns, self._longest_ns = self._longest_ns, 0

@@ -95,12 +95,12 @@ class Loader:
         known = self._modules.get(path)
         if known is not None:
             return known
-        file, source, told = self._search.read(path)
+        file, real, source, told = self._search.read(path)
         fingerprint = zlib.crc32(source)
         if not self._imports_untried and self.tried.get(path) != fingerprint:
             raise UntriedModule(path, init)
         name = init or told or f"{os.path.basename(file).partition('.')[0]}Init"
-        offer_neighbours(file)
+        offer_neighbours(real)
         module = import_file(file, source)
         types = self.factories.register_all(_initialise(module, name, path))
         profile = self._modules[path] = ModuleProfile(path, name, types)
@@ -165,9 +165,9 @@ class Loader:
         return any(profile.type_name == type_name for profile in self.factories.types)
 
 
-def offer_neighbours(file: str) -> None:
+def offer_neighbours(real: str) -> None:
     """Let a module import what lies beside it, behind everything that has its name already."""
-    folder = os.path.dirname(os.path.realpath(file))
+    folder = os.path.dirname(real)
     if folder not in sys.path:
         sys.path.append(folder)
 

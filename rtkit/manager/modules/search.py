@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.modules.installed import installed
-from rtkit.manager.settings.reading import read_private
+from rtkit.manager.settings.reading import find_private
 
 SUFFIX = ".py"
 
@@ -21,10 +21,12 @@ class Source(NamedTuple):
     """A module as it was read.
 
     Attributes:
+        real: Where the file is, without links.
         init: Name of its init function where its package says one; else empty.
     """
 
     file: str
+    real: str
     text: bytes
     init: str = ""
 
@@ -55,10 +57,10 @@ class Search:
         if not file or not os.path.isfile(file):
             looked = f"looked in {', '.join(self.folders)} and among installed packages"
             raise NotFound(f"no module {path} ({looked})")
-        real = os.path.realpath(file)
+        text, real = find_private(file)
         if folder and not _is_inside(real, os.path.realpath(folder)):
             raise Refused(f"module {path} is a link that leaves the load path {folder}")
-        return Source(file, read_private(real), init)
+        return Source(file, real, text, init)
 
     def has(self, path: str) -> bool:
         """Whether there is a module of that name."""

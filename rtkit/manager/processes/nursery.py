@@ -31,7 +31,13 @@ NOBODY: Mapping[int, Estate] = {}
 _NO_ZYGOTE = 0
 """In place of the pid of a zygote that has ended."""
 _SWEEP_S = 0.1
-"""How long ended slaves are gathered: each look through all processes costs milliseconds [s]."""
+"""For how long nobody else ends before what ended slaves left behind is looked for [s].
+
+Each look through all processes costs milliseconds: those that end one after the other share one.
+"""
+
+_SWEEP_WITHIN_S = 1.0
+"""When it is looked for at the latest [s]."""
 
 _log = logging.getLogger(__name__)
 _PR_SET_CHILD_SUBREAPER = 36
@@ -65,6 +71,7 @@ class Nursery:
         self._adopted: set[int] = set()
         self._guests: set[int] = set()
         self._over: set[int] = set()
+        self._over_since = 0.0
         self._is_all_ours = True
         self._zygotes: set[int] = set()
         self._parents: dict[int, int] = {}
@@ -329,8 +336,10 @@ class Nursery:
         return ev.SlaveEnded(key, why)
 
     def _sweep_soon(self) -> None:
-        if self._over and self.sweep_at is None:
-            self.sweep_at = time.monotonic() + _SWEEP_S
+        if self._over:
+            now = time.monotonic()
+            self._over_since = now if self.sweep_at is None else self._over_since
+            self.sweep_at = min(now + _SWEEP_S, self._over_since + _SWEEP_WITHIN_S)
 
     def _remove_files(self, pid: int) -> None:
         """Remove what a process that was killed could not remove itself."""

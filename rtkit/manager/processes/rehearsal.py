@@ -17,15 +17,13 @@ from typing import Any
 
 from rtkit.link.streams import Streams
 from rtkit.manager.core.events import Message
-from rtkit.manager.holding.beats import Beats
+from rtkit.manager.holding.beats import Beats, beats_path
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.estate import Will, estate_path
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.logs.logs import Log, begin
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact
-from rtkit.manager.processes.stacks import stack_path
-from rtkit.manager.processes.watchman import beats_path
 from rtkit.manager.processes.wire import Channel
 
 _FOLDER = os.path.dirname(os.path.abspath(__file__))
@@ -57,7 +55,7 @@ def rehearse(log: Log, settings: Any) -> None:
     """
     pattern, pid = settings["data"], os.getpid()
     place = pattern.replace("%p", str(pid))
-    paths = [place, beats_path(pattern, pid), stack_path(pattern, pid)]
+    paths = [place, beats_path(pattern, pid), f"{place.removesuffix('.data')}.rehearsal"]
     paths.append(estate_path(pattern, pid))
     modules, search_path = set(sys.modules), list(sys.path)
     with contextlib.ExitStack() as stack, log.lent("rehearsal", paths[2]):

@@ -4,6 +4,8 @@ A slave that is asked over its line writes them itself, on the thread that hears
 has the interpreter lock then, so no frame changes while it is looked at. Only one that does not
 answer is sent a signal, because something holds that lock, and so no frame changes either. A signal
 at other times could crash the slave: its handler walks frames that other threads are just leaving.
+
+They are written behind the heartbeats of the process (see `rtkit.manager.holding.beats`).
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ import signal
 import sys
 import sysconfig
 from types import FrameType
+
+from rtkit.manager.holding.beats import STACKS_AT, beats_path
 
 STACK_SIGNAL = signal.SIGUSR1
 """At which a slave writes its stacks, whoever holds the interpreter lock."""
@@ -33,15 +37,34 @@ _DEPTH = 100
 """How many frames of a thread are written, innermost first: as many as `faulthandler` writes."""
 
 
-def stack_path(pattern: str, pid: int) -> str:
-    """Return where a process writes its stacks; `pattern` is that of its data socket."""
-    return pattern.replace("%p", str(pid)).removesuffix(".data") + ".stack"
-
-
 def open_stacks(pattern: str, pid: int) -> int:
-    """Return a descriptor to write stacks to, of a file that may be emptied at any time."""
-    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
-    return os.open(stack_path(pattern, pid), flags, 0o600)
+    """Return a descriptor to write stacks to; what is there already may go at any time.
+
+    Args:
+        pattern: Of the data sockets of processes.
+        pid: Of the process, which has heartbeats.
+    """
+    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
+    return os.open(beats_path(pattern, pid), flags, 0o600)
+
+
+def forget_stacks(pattern: str, pid: int) -> None:
+    """Drop what a process has written.
+
+    Raises:
+        OSError: It has no heartbeats any more.
+    """
+    os.truncate(beats_path(pattern, pid), STACKS_AT)
+
+
+def read_stacks(pattern: str, pid: int) -> str:
+    """Return what a process has written since that was dropped last; "" if it cannot be read."""
+    try:
+        with open(beats_path(pattern, pid), "rb") as file:
+            file.seek(STACKS_AT)
+            return file.read().decode("utf-8", "replace")
+    except OSError:
+        return ""
 
 
 def write_stacks(descriptor: int) -> None:

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
-from rtkit.manager.holding.beats import Beat, BeatReader
-from rtkit.manager.processes.stacks import place_of, stack_path
+from rtkit.manager.holding.beats import Beat, BeatReader, beats_path
+from rtkit.manager.processes.stacks import forget_stacks, place_of, read_stacks
 from rtkit.rtc.create import parse_create
 
 POLL_S = 0.025
@@ -28,11 +28,6 @@ _ASKED_POLLS = 4
 """How many of them it has to answer who asks; then it is sent a signal."""
 
 Told = CallbackStuck | ProcessInspected
-
-
-def beats_path(pattern: str, pid: int) -> str:
-    """Return where a process keeps its heartbeats; `pattern` is that of its data socket."""
-    return pattern.replace("%p", str(pid)).removesuffix(".data") + ".beats"
 
 
 DEADLINE_KEY = "exec_cxt.callback_deadline"
@@ -53,9 +48,8 @@ def callback_deadline_s(create: str) -> float:
 
 def remove_traces(pattern: str, pid: int) -> None:
     """Remove what a process wrote to be watched by."""
-    for path in (beats_path(pattern, pid), stack_path(pattern, pid)):
-        with contextlib.suppress(FileNotFoundError):
-            os.unlink(path)
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(beats_path(pattern, pid))
 
 
 @dataclass(slots=True)
@@ -83,7 +77,7 @@ class Watchman:
     that has been entered since. So idle processes cost a look a second, not forty.
 
     Args:
-        pattern: Of the processes' data sockets; heartbeats and stacks lie beside them.
+        pattern: Of the processes' data sockets; heartbeats lie beside them.
         deadline_s: Returns how long a callback of an instance may take [s].
         shortest_s: Returns the least of all those [s].
         ask_for_stack: Asks a process to write its stacks; then, if it does not, with `is_urgent`,
@@ -102,30 +96,31 @@ class Watchman:
         self._shortest_s = shortest_s
         self._ask_for_stack = ask_for_stack
         self._watched: dict[int, _Watched] = {}
+        self._look_at_ns = 0
 
     def watch(self, key: int, pid: int) -> None:
         """Begin to watch a process; one without heartbeats is let be."""
         with contextlib.suppress(OSError):
             self._watched[key] = _Watched(pid, BeatReader(beats_path(self._pattern, pid)), {})
+            self._look_at_ns = 0
 
     def forget(self, key: int) -> None:
-        """Watch a process that ended no longer, and remove what it wrote."""
+        """Watch a process that ended no longer."""
         watched = self._watched.pop(key, None)
-        if watched is None:
-            return
-        watched.reader.close()
-        remove_traces(self._pattern, watched.pid)
+        if watched is not None:
+            watched.reader.close()
 
     @property
     def look_at(self) -> float:
-        """When the next `poll` has something to do, monotonic [s]."""
-        return min((each.due_ns for each in self._watched.values()), default=0) / 1e9
+        """When the next `poll` has something to do, or would have if nothing ended [s]."""
+        return self._look_at_ns / 1e9
 
     def hasten(self, key: int) -> None:
         """Look at a process soon, because its components change."""
         watched = self._watched.get(key)
         if watched is not None:
             watched.due_ns = min(watched.due_ns, time.monotonic_ns() + _POLL_NS)
+            self._look_at_ns = min(self._look_at_ns, watched.due_ns)
 
     def inspect(self, key: int, age_s: float) -> Iterator[Told]:
         """Yield what has been under way in a process for longer than that [s].
@@ -138,6 +133,7 @@ class Watchman:
             return
         watched.age_s = age_s if watched.age_s is None else min(age_s, watched.age_s)
         yield from self._poll(key, watched, time.monotonic_ns(), self._shortest_s())
+        self._look_at_ns = self._earliest_ns()
 
     def poll(self) -> Iterator[Told]:
         """Yield what got stuck since the last poll, then its line, and what goes on again."""
@@ -146,6 +142,10 @@ class Watchman:
         for key, watched in self._watched.items():
             if watched.due_ns <= soon_ns:
                 yield from self._poll(key, watched, now_ns, shortest_s)
+        self._look_at_ns = self._earliest_ns()
+
+    def _earliest_ns(self) -> int:
+        return min((each.due_ns for each in self._watched.values()), default=0)
 
     def _poll(self, key: int, watched: _Watched, now_ns: int, shortest_s: float) -> Iterator[Told]:
         if watched.stack_polls:
@@ -165,7 +165,7 @@ class Watchman:
             yield CallbackStuck(key, beat.instance, _text(beat, now_ns, ""))
         if fresh:
             with contextlib.suppress(OSError):
-                os.truncate(stack_path(self._pattern, watched.pid), 0)
+                forget_stacks(self._pattern, watched.pid)
                 self._ask_for_stack(key, False)
                 watched.stack_polls = _STACK_POLLS
         if watched.age_s is not None and not watched.stack_polls:
@@ -192,12 +192,7 @@ class Watchman:
 
     def _lines(self, key: int, watched: _Watched, now_ns: int) -> Iterator[Told]:
         """Yield the lines of what is stuck, when the stack is written that names them."""
-        path = stack_path(self._pattern, watched.pid)
-        try:
-            with open(path, encoding="utf-8", errors="replace") as file:
-                stacks = file.read()
-        except OSError:
-            stacks = ""
+        stacks = read_stacks(self._pattern, watched.pid)
         places = {each: place_of(stacks, beat.thread) for each, beat in watched.stuck.items()}
         watched.stack_polls = 0 if all(places.values()) else watched.stack_polls - 1
         if watched.stack_polls == _STACK_POLLS - _ASKED_POLLS and not stacks:

@@ -24,6 +24,7 @@ from typing import Any, NoReturn
 from rtkit import fault
 from rtkit.manager.core.events import Message
 from rtkit.manager.logs.logs import Log, share_log
+from rtkit.manager.processes.packing import fill_gaps
 from rtkit.manager.processes.rehearsal import rehearse
 from rtkit.manager.processes.slave import Slave
 from rtkit.manager.processes.wire import Channel
@@ -60,6 +61,7 @@ class Zygote:
         self._listener: socket.socket | None = None
         self._children: dict[int, str] = {}
         self._reports: list[Message] = []
+        self._filling: list[bytes] = []
         self._selector = selectors.DefaultSelector()
         self._wake, self._wake_write = os.pipe()
         for descriptor in (self._wake, self._wake_write):
@@ -76,6 +78,7 @@ class Zygote:
         self._tell({"ready": os.getpid()})
         later: list[Callable[[], object]] = [self._rehearse] * _REHEARSALS
         later += [partial(importlib.import_module, name) for name in _AT_LEISURE]
+        later.insert(0, self._pack)  # last of all
         while self._channel is not None or self._children:
             ready = self._selector.select(0 if later else None)
             if not ready and later:
@@ -84,6 +87,9 @@ class Zygote:
             for key, _ in ready:
                 key.data()
         self._unlisten()
+
+    def _pack(self) -> None:
+        self._filling = fill_gaps()
 
     def _rehearse(self) -> None:
         try:

@@ -4,14 +4,27 @@ from __future__ import annotations
 
 import os
 import stat
+from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
 
 _LARGEST = 16 * 1024 * 1024
 
 
+class Private(NamedTuple):
+    """A file that was read, and where it was when it was: all links led there."""
+
+    data: bytes
+    real: str
+
+
 def read_private(path: str, *, must_be_ours: bool = False) -> bytes:
-    """Return the content of a file; what is checked is what is read.
+    """Return the content of a file, as `find_private` does."""
+    return find_private(path, must_be_ours=must_be_ours).data
+
+
+def find_private(path: str, *, must_be_ours: bool = False) -> Private:
+    """Return the content of a file, and its place; what is checked is what is read.
 
     Args:
         path: The file; symbolic links are followed.
@@ -23,27 +36,25 @@ def read_private(path: str, *, must_be_ours: bool = False) -> bytes:
     """
     if "\0" in path:
         raise Refused(f"not a file: {path!r}")
-    real = os.path.realpath(path)
-    descriptor = _open(path, real)
+    descriptor = _open(path)
     try:
         status = os.fstat(descriptor)
-        if os.readlink(f"/proc/self/fd/{descriptor}") != real:
-            raise Refused(f"file changed its place while it was opened: {path}")
+        real = os.readlink(f"/proc/self/fd/{descriptor}")
         _check_file(status, path)
         is_shared = check_folders(real, path)
         if (must_be_ours or is_shared) and status.st_uid not in (os.getuid(), 0):
             raise Refused(f"file belongs to another user, refused: {path}")
         with os.fdopen(os.dup(descriptor), "rb") as file:
-            return file.read(_LARGEST)
+            return Private(file.read(_LARGEST), real)
     except OSError as error:
         raise Refused(f"cannot read {path}: {error.strerror}") from error
     finally:
         os.close(descriptor)
 
 
-def _open(path: str, real: str) -> int:
+def _open(path: str) -> int:
     try:
-        return os.open(real, os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK)
+        return os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
     except FileNotFoundError:
         raise NotFound(f"no such file: {path}") from None
     except OSError as error:
