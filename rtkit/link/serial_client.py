@@ -57,7 +57,7 @@ class SerialClient(Closing):
         self._last_id = int.from_bytes(os.urandom(4), "big")
         self._inbox = Inbox()
         self._usual_s = _PATIENCE_S / _TIMES_USUAL
-        self._seen: dict[str, tuple[int, float, str]] = {}
+        self._seen: dict[str, tuple[int, float, str, Payload]] = {}
         self._leases: dict[str, float] = {}
 
     @property
@@ -80,9 +80,8 @@ class SerialClient(Closing):
         deadline = monotonic() + self._timeout_s
         self._exchange(HELLO + b"\n", "", deadline, may_repeat=True)
         id = self._next_id()
-        self._send(write_request("door/hello", None, id), deadline)
-        first = self._next_reply(id, deadline)
-        self._has_ids = first is not None and first[0] == id
+        hello = write_request("door/hello", None, id)
+        self._has_ids = self._exchange(hello, id, deadline, may_repeat=True).error != "syntax"
         self._drain(_QUIET_S)
 
     def _knows_checks(self) -> bool:
@@ -96,7 +95,8 @@ class SerialClient(Closing):
             while (told := self._receive(until)) is not None:
                 if not isinstance(told, bytes):
                     return True
-                if told.startswith((b"! ", f"#{id} ".encode())):
+                is_plain = told.startswith((b"! ", f"#{id} ".encode()))
+                if is_plain and not told.startswith(b"! checksum"):
                     plain += 1
                     break
             if plain == _ALIKE and self._address.has_checks is None:
@@ -229,7 +229,7 @@ class SerialClient(Closing):
                 self._keep(Event(name, "", time.time(), 0, "bad", 0, answer.error))
 
     def _keep(self, event: Event) -> None:
-        mark = (event.revision, event.time, event.code)
+        mark = (event.revision, event.time, event.code, event.payload)
         if (event.revision or event.time) and self._seen.get(event.name) == mark:
             return
         self._seen[event.name] = mark

@@ -6,22 +6,19 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
-from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
 from conformance import ROWS, check_answers, check_events, subject
+from oneline import BOUND_S, OneLine
 from serialkit import Cable, noise
 
 from rtkit.errors import Malformed, Refused, Unreachable
-from rtkit.link.serial_client import SerialClient, connect_serial
+from rtkit.link.serial_client import connect_serial
 from rtkit.link.serial_line import read_address
-from rtkit.property.messages import Answer, Event, Payload
 from rtkit.property.service import Service
 from rtkit.serving.serve import Served, serve
-
-BOUND_S = 30.0
 
 
 @pytest.fixture
@@ -42,34 +39,6 @@ def serving(cable: Cable, service: Service, *settable: str) -> Iterator[Served]:
     given = {"serial": cable.far, "settable": settable, "is_on_zenoh": False}
     with serve(service, "robot", **given) as served:  # type: ignore[arg-type]
         yield served
-
-
-class OneLine:
-    """One client for all that is asked and listened to, since there is one line."""
-
-    def __init__(self, client: SerialClient) -> None:
-        self._client = client
-        self._kept: dict[str, deque[Event]] = {}
-
-    def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        return self._client.ask(target, payload)
-
-    @contextmanager
-    def listen(self, target: str) -> Iterator[Iterator[Event]]:
-        name = target.partition("?")[0]
-        kept = self._kept[name] = deque()
-        self._client.listen(target)
-
-        def events() -> Iterator[Event]:
-            while True:
-                while not kept:
-                    event = self._client.event(BOUND_S)
-                    assert event is not None, f"no event of {name}"
-                    self._kept[event.name].append(event)
-                yield kept.popleft()
-
-        yield events()
-        self.ask(f"{name}.listen?remove", "self")
 
 
 @pytest.mark.parametrize("check", ["1", "0"])

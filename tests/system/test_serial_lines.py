@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
+import subprocess
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from serialkit import Cable
 
+EMBEDDED = Path(__file__).parents[2] / "examples" / "embedded"
 MODULE = """
 class Arm:
     def __init__(self):
@@ -59,3 +63,30 @@ def test_an_object_is_served_and_asked_over_a_serial_line(shell: Any, cable: Cab
         assert outcome.err == f"{line.split()[0]}: {told}\n"
     serving.send_signal(signal.SIGTERM)
     assert serving.communicate(timeout=30)[1] == ("denied: SET name by ''\n")
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+def test_the_small_device_is_asked_as_its_readme_says(shell: Any) -> None:
+    for path in (*EMBEDDED.glob("*.[ch]"), EMBEDDED / "Makefile"):
+        shutil.copy(path, shell.folder)
+    subprocess.run(["make", "-s"], cwd=shell.folder, check=True, timeout=60)
+    line = [str(shell.folder / "device"), "--pty"]
+    device = subprocess.Popen(line, stdout=subprocess.PIPE, text=True)
+    try:
+        assert device.stdout is not None
+        _ask(shell, f"--at serial:{device.stdout.readline().strip()}")
+    finally:
+        device.kill()
+        device.communicate()
+
+
+def _ask(shell: Any, at: str) -> None:
+    names = shell.ok(f"rtget {at} properties")
+    assert names.startswith("(speed location colour mode ")
+    assert shell.ok(f"rtset {at} --echo speed 0.5") == "0.5\n"
+    assert shell.ok(f"rtget {at} speed arm") == "0.5\n(angle joint)\n"
+    outcome = shell.run(f"rtset {at} speed 2")
+    assert (outcome.status, outcome.out) == (1, "")
+    assert outcome.err == "rtset: speed: bad-value: of another type, or out of range\n"
+    uptimes = shell.ok(f"rtlisten {at} -n 3 uptime").split()
+    assert len(set(uptimes)) == 3

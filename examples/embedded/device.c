@@ -1,0 +1,210 @@
+/* A small device that is none: its serial line is stdin and stdout, or a terminal of its own.
+
+   device         speaks on stdin and stdout
+   device --pty   makes a terminal, prints its name, and speaks there
+
+   What it has is the part of the conformance suite's subject that small devices are asked for. */
+
+#define _XOPEN_SOURCE 600
+
+#include "ps_line.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <termios.h>
+#include <time.h>
+#include <unistd.h>
+
+#define POLL_MS 5
+
+static uint32_t milliseconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint32_t)((uint64_t)now.tv_sec * 1000u + (uint64_t)now.tv_nsec / 1000000u);
+}
+
+/* What it knows */
+
+static int32_t speed = 250, count = 7, angle = 3, joint = 500, clamped = 5, blank = 1;
+static int32_t location[6] = {1000, 2000, 0, 0, 0, 500}, colour[3] = {1, 0, 0};
+static uint8_t mode, is_on = 1, fussy;
+static char name[24] = "rover", label[24] = "two words";
+static const char *const MODES[] = {"idle", "drive"}, *const FLAGS[] = {"false", "true"};
+static const char *const TASTES[] = {"even", "odd", "gone"};
+
+static enum ps_code get_vector(const struct ps_property *property, struct ps_text *value)
+{
+    const struct ps_number *first = property->of;
+    uint8_t size = first->decimals != 0 ? 6 : 3;
+    for (uint8_t i = 0; i < size; i++) {
+        ps_put(value, i == 0 ? "(" : " ");
+        ps_put_number(value, first->number[i], first->decimals);
+    }
+    ps_put(value, ")");
+    return PS_OK;
+}
+
+static enum ps_code get_text(const struct ps_property *property, struct ps_text *value)
+{
+    ps_put(value, property->of);
+    return PS_OK;
+}
+
+static enum ps_code get_uptime(const struct ps_property *property, struct ps_text *value)
+{
+    (void)property;
+    ps_put_number(value, (int32_t)(milliseconds() / 100u), 1);
+    return PS_OK;
+}
+
+static enum ps_code get_broken(const struct ps_property *property, struct ps_text *value)
+{
+    (void)property;
+    (void)value;
+    return PS_INTERNAL;
+}
+
+static enum ps_code set_clamped(const struct ps_property *property, const char *value)
+{
+    enum ps_code code = ps_set_number(property, value);
+    clamped = clamped > 10 ? 10 : clamped;
+    return code;
+}
+
+static enum ps_code set_fussy(const struct ps_property *property, const char *value)
+{
+    uint8_t taste = 0;
+    enum ps_code code = ps_take_word(value, TASTES, 3, &taste);
+    (void)property;
+    return code != PS_OK ? code : taste == 1 ? PS_BAD_VALUE : taste == 2 ? PS_INTERNAL : PS_OK;
+}
+
+static enum ps_code set_door_code(const struct ps_property *property, const char *value)
+{
+    static const char *const CODES[] = {"sesame"};
+    uint8_t ignored;
+    (void)property;
+    return ps_take_word(value, CODES, 1, &ignored);
+}
+
+#define ANY INT32_MIN + 1, INT32_MAX
+static const struct ps_number SPEED = {&speed, -1000, 1000, 3}, COUNT = {&count, ANY, 0},
+                              ANGLE = {&angle, ANY, 0}, JOINT = {&joint, ANY, 3},
+                              CLAMPED = {&clamped, ANY, 0}, BLANK = {&blank, ANY, 0};
+static const struct ps_number LOCATION[] = {
+    {&location[0], ANY, 3}, {&location[1], ANY, 3}, {&location[2], ANY, 3},
+    {&location[3], ANY, 3}, {&location[4], ANY, 3}, {&location[5], ANY, 3}};
+static const struct ps_number COLOUR[] = {
+    {&colour[0], 0, 255, 0}, {&colour[1], 0, 255, 0}, {&colour[2], 0, 255, 0}};
+static const struct ps_choice MODE = {&mode, MODES, 2}, IS_ON = {&is_on, FLAGS, 2},
+                              FUSSY = {&fussy, TASTES, 3};
+static const struct ps_string NAME = {name, sizeof name}, LABEL = {label, sizeof label};
+
+static const struct ps_property TABLE[] = {
+    {"speed", ps_get_number, ps_set_number, &SPEED},
+    {"location", get_vector, NULL, &LOCATION[0]},
+    {"location.x", ps_get_number, ps_set_number, &LOCATION[0]},
+    {"location.y", ps_get_number, ps_set_number, &LOCATION[1]},
+    {"location.z", ps_get_number, ps_set_number, &LOCATION[2]},
+    {"location.a", ps_get_number, ps_set_number, &LOCATION[3]},
+    {"location.b", ps_get_number, ps_set_number, &LOCATION[4]},
+    {"location.c", ps_get_number, ps_set_number, &LOCATION[5]},
+    {"colour", get_vector, NULL, &COLOUR[0]},
+    {"colour.r", ps_get_number, ps_set_number, &COLOUR[0]},
+    {"colour.g", ps_get_number, ps_set_number, &COLOUR[1]},
+    {"colour.b", ps_get_number, ps_set_number, &COLOUR[2]},
+    {"mode", ps_get_choice, ps_set_choice, &MODE},
+    {"name", ps_get_string, ps_set_string, &NAME},
+    {"label", ps_get_string, ps_set_string, &LABEL},
+    {"is_on", ps_get_choice, ps_set_choice, &IS_ON},
+    {"count", ps_get_number, ps_set_number, &COUNT},
+    {"notes", get_text, NULL, "plain (text"},
+    {"arm.angle", ps_get_number, ps_set_number, &ANGLE},
+    {"arm.joint.1", ps_get_number, ps_set_number, &JOINT},
+    {"image.jpg", get_text, NULL, "not a picture"},
+    {"a%20b", ps_get_number, ps_set_number, &BLANK},
+    {"serial", get_text, NULL, "X1"},
+    {"door_code", NULL, set_door_code, NULL},
+    {"broken", get_broken, NULL, NULL},
+    {"clamped", ps_get_number, set_clamped, &CLAMPED},
+    {"fussy", ps_get_choice, set_fussy, &FUSSY},
+    {"uptime", get_uptime, NULL, NULL},
+};
+
+/* Its line */
+
+static char waiting[512];
+static size_t waits;
+
+static void flush(int fd)
+{
+    const char *at = waiting;
+    while (waits != 0) {
+        ssize_t sent = write(fd, at, waits);
+        if (sent < 0)
+            exit(0); /* the far side has gone */
+        at += sent;
+        waits -= (size_t)sent;
+    }
+}
+
+static void send_byte(void *context, char byte)
+{
+    if (waits == sizeof waiting)
+        flush(*(const int *)context);
+    waiting[waits++] = byte;
+}
+
+static void make_raw(int fd)
+{
+    struct termios settings;
+    if (tcgetattr(fd, &settings) != 0)
+        return; /* no terminal */
+    settings.c_iflag = 0;
+    settings.c_oflag = 0;
+    settings.c_lflag = 0;
+    settings.c_cc[VMIN] = 1;
+    settings.c_cc[VTIME] = 0;
+    tcsetattr(fd, TCSANOW, &settings);
+}
+
+static int own_terminal(void)
+{
+    int fd = posix_openpt(O_RDWR | O_NOCTTY);
+    if (fd < 0 || grantpt(fd) != 0 || unlockpt(fd) != 0) {
+        perror("device: no terminal");
+        exit(1);
+    }
+    printf("%s\n", ptsname(fd));
+    fflush(stdout);
+    /* Held open, so that clients may come and go. */
+    make_raw(open(ptsname(fd), O_RDWR | O_NOCTTY));
+    return fd;
+}
+
+int main(int argc, char **argv)
+{
+    static struct ps ps;
+    bool is_own = argc > 1 && strcmp(argv[1], "--pty") == 0;
+    int in = is_own ? own_terminal() : STDIN_FILENO;
+    int out = is_own ? in : STDOUT_FILENO;
+    make_raw(in);
+    ps_init(&ps, TABLE, sizeof TABLE / sizeof TABLE[0], send_byte, &out);
+    for (;;) {
+        struct pollfd one = {in, POLLIN, 0};
+        char bytes[256];
+        if (poll(&one, 1, POLL_MS) > 0) {
+            ssize_t length = read(in, bytes, sizeof bytes);
+            if (length <= 0)
+                return 0;
+            for (ssize_t i = 0; i < length; i++)
+                ps_take(&ps, bytes[i]);
+        }
+        ps_poll(&ps, milliseconds());
+        flush(out);
+    }
+}

@@ -1,0 +1,131 @@
+"""The small device of the examples, in C, on a terminal: built, asked, listened to, fed rubbish."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from conformance import check_answers
+from oneline import BOUND_S, OneLine
+from serialkit import Cable, noise
+from small_profile import LEFT_OUT, check_small_events, small_rows
+
+from rtkit.link.serial_client import SerialClient, connect_serial
+
+EMBEDDED = Path(__file__).parents[2] / "examples" / "embedded"
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the example, built."""
+    folder = tmp_path_factory.mktemp("embedded")
+    for path in (*EMBEDDED.glob("*.[ch]"), EMBEDDED / "Makefile"):
+        shutil.copy(path, folder)
+    subprocess.run(["make", "-s", "device"], cwd=folder, check=True, timeout=BOUND_S * 2)
+    return folder
+
+
+@pytest.fixture
+def cable(tmp_path: Path) -> Iterator[Cable]:
+    cable = Cable(str(tmp_path))
+    yield cable
+    cable.close()
+
+
+@contextmanager
+def device(built: Path, cable: Cable) -> Iterator[subprocess.Popen[bytes]]:
+    end = os.open(cable.far, os.O_RDWR | os.O_NOCTTY)
+    process = subprocess.Popen([built / "device"], stdin=end, stdout=end)
+    os.close(end)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+Asked = Callable[[str], SerialClient]
+
+
+@pytest.fixture
+def ask(built: Path, cable: Cable) -> Iterator[Asked]:
+    """Connects to the device, which runs."""
+    with device(built, cable):
+        yield lambda check: connect_serial(f"serial:{cable.near}?check={check}", BOUND_S)
+
+
+@pytest.mark.parametrize("check", ["auto", "0"])
+def test_it_answers_as_far_as_its_profile_goes(ask: Asked, check: str) -> None:
+    with ask(check) as client:
+        assert client.has_checks is (check == "auto")
+        check_answers(OneLine(client), small_rows())
+
+
+@pytest.mark.parametrize("check", ["auto", "0"])
+def test_it_tells_events(ask: Asked, check: str) -> None:
+    with ask(check) as client:
+        check_small_events(OneLine(client))
+
+
+def test_it_answers_alike_where_lines_are_damaged(ask: Asked, cable: Cable) -> None:
+    cable.noise = noise(5, one_in=6)
+    rows = tuple(row for row in small_rows() if len(row[1] or "") < 1000)
+    with ask("1") as client:
+        check_answers(OneLine(client), rows)
+        client.listen("count?lease=60")
+        client.ask("count", "123").value()
+        assert client.ask("count").payload == "123"
+
+
+def test_each_thing_left_out_is_about_something_and_is_said() -> None:
+    assert len(small_rows()) > 65
+    told = (EMBEDDED / "README.md").read_text(encoding="utf-8")
+    for name in LEFT_OUT:
+        assert f"| {name} |" in told
+
+
+def test_a_device_that_restarts_is_listened_to_again(
+    built: Path, cable: Cable, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtkit.link.serial_client.LEASE_S", 0.6)
+    with device(built, cable):
+        client = connect_serial(cable.near, BOUND_S)
+        client.listen("count")
+        event = client.event(BOUND_S)
+        assert event is not None
+        client.ask("count", "8").value()
+        while (event := client.event(BOUND_S)) is not None and event.payload != "8":
+            pass
+    with device(built, cable), client:
+        event = client.event(BOUND_S)
+        assert event is not None
+        assert event.payload == "7"
+
+
+def test_its_size_is_as_the_readme_says(built: Path) -> None:
+    done = subprocess.run(
+        ["make", "-s", "size"], cwd=built, check=True, capture_output=True, text=True, timeout=60
+    )
+    found = [int(each) for each in re.findall(r"(\d+) bytes", done.stdout)]
+    told = (EMBEDDED / "README.md").read_text(encoding="utf-8")
+    stated = [int(each.replace(",", "")) for each in re.findall(r"([\d,]+) bytes", told)][:4]
+    # Compilers differ; what is said is to hold within a fifth.
+    assert len(found) == len(stated) == 4
+    for size, said in zip(found, stated, strict=True):
+        assert size <= said * 1.2, done.stdout
+
+
+def test_rubbish_breaks_nothing(built: Path) -> None:
+    """Of the sanitizers' own making: whatever they find ends it with a report."""
+    subprocess.run(["make", "-s", "fuzzer"], cwd=built, check=True, timeout=BOUND_S * 2)
+    count = os.environ.get("RTKIT_FUZZ", "20000")
+    done = subprocess.run([built / "fuzzer", "1", count], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-3000:]
