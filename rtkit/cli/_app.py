@@ -369,7 +369,7 @@ def _failed(command: click.Command, app: App, error: Exception) -> int:
         app.say(meant.get_usage(click.Context(meant, info_name=app.name)))
     if isinstance(error, click.ClickException):
         app.fail(error.format_message())
-        return error.exit_code
+        return 1 if _lacks_argument(error) else error.exit_code
     if isinstance(error, RtkitError):
         _show(app, error)
         return app.status(error)
@@ -380,6 +380,11 @@ def _failed(command: click.Command, app: App, error: Exception) -> int:
     hint = "" if app.is_verbose else "; -v shows where"
     app.fail(f"{type(error).__name__}: {error}; this is a bug in rtkit{hint}")
     return BUG_EXIT if app.has_exit_detail else 1
+
+
+def _lacks_argument(error: click.ClickException) -> bool:
+    """Whether what is wrong is the number of arguments, as with `WrongArguments`."""
+    return isinstance(error, click.MissingParameter) and isinstance(error.param, click.Argument)
 
 
 def _show(app: App, error: RtkitError) -> None:

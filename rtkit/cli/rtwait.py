@@ -107,17 +107,27 @@ def _goals(app: App, words: Sequence[str]) -> list[Goal]:
     goals: list[Goal] = []
     pending: list[Path] = []
     for word in words:
-        if word in WORDS:
+        state = word.casefold()
+        if state in WORDS:
             if not pending:
                 raise WrongArguments(f"No path before the state {word}.")
-            goals += [_goal(path, word) for path in pending]
+            goals += [_goal(path, state) for path in pending]
             pending = []
         else:
+            _check_path(word)
             pending.append(app.path(word))
     goals += [_goal(path, DATA if path.port else EXISTS) for path in pending]
     if not goals:
         raise WrongArguments("No component specified.")
     return goals
+
+
+def _check_path(word: str) -> None:
+    """Refuse what is rather a state that was mistyped than a path, which would never exist."""
+    from rtkit.rtc.nearest import did_you_mean
+
+    if not set(word) & set("/.:") and (meant := did_you_mean(word, WORDS)):
+        raise Malformed(f"neither a path nor a state: {word}{meant}")
 
 
 def _goal(path: Path, wanted: str) -> Goal:

@@ -191,8 +191,10 @@ class _Walk:
                 raise self._broken(error, is_begun) from error
 
     def _broken(self, error: Exception, is_begun: bool) -> Malformed:
-        what = "damaged recording" if is_begun else "no recording"
-        return Malformed(f"{what}: {self._path}: {' '.join(str(error).split())}")
+        if not is_begun:
+            what = "not MCAP" if os.path.getsize(self._path) else "it is empty"
+            return Malformed(f"no recording: {self._path}: {what}")
+        return Malformed(f"damaged recording: {self._path}: {' '.join(str(error).split())}")
 
     def _take(self, record: Any) -> None:
         from mcap import records

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit.errors import RtkitError, Unreachable
@@ -63,8 +64,8 @@ def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[No
             raise
         root = Node("", Kind.ROOT)
         root.add(Node(LOCAL, Kind.HOST, trouble=str(error)))
-        for address in servers():
-            root.add(_server(address, DEFAULT_TIMEOUT_S, is_deep=is_deep))
+        for node in _at_once(_of(_server, servers(), None, is_deep=is_deep)):
+            root.add(node)
         return root, os.uname().nodename
     root = build(listing)
     add_others(root, asked, path, is_deep=is_deep)
@@ -82,13 +83,50 @@ def add_others(root: Node, tree: Tree, path: Path, *, is_deep: bool) -> None:
         _add_services(local)
     if len(path.elements) > 1:
         return
+    asked: list[Callable[[], Node]] = []
     if not path.elements:
-        for address in servers():
-            root.add(_server(address, tree.timeout_s, is_deep=is_deep))
+        asked += _of(_server, servers(), tree, is_deep=is_deep)
+    far = len(asked)
     if local is not None and is_here:
-        for name in _others(tree.manager):
-            if name + MANAGER_SUFFIX not in local.children:
-                local.add(_neighbour(name, tree.timeout_s, is_deep=is_deep))
+        known = local.children
+        names = [name for name in _others(tree.manager) if name + MANAGER_SUFFIX not in known]
+        asked += _of(_neighbour, names, tree, is_deep=is_deep)
+    for number, node in enumerate(_at_once(asked)):
+        if number < far or local is None:
+            root.add(node)
+            continue
+        local.add(node)
+        if node.trouble and not path.elements:
+            local.trouble = "; ".join(filter(None, (local.trouble, node.trouble)))
+
+
+def _of(
+    ask: Callable[..., Node], names: Iterable[str], tree: Tree | None, *, is_deep: bool
+) -> list[Callable[[], Node]]:
+    """Return what asks each, as patient as the connection is that there is."""
+    return [
+        partial(ask, name, tree.timeout_s if tree else DEFAULT_TIMEOUT_S, is_deep=is_deep)
+        for name in names
+    ]
+
+
+def _at_once(asked: Sequence[Callable[[], Node]]) -> list[Node]:
+    """Ask all at the same time, so that one who does not answer costs no more than its time."""
+    if len(asked) < 2:
+        return [ask() for ask in asked]
+    from threading import Thread
+
+    answers: list[Node | None] = [None] * len(asked)
+
+    def ask_one(number: int) -> None:
+        answers[number] = asked[number]()
+
+    threads = [Thread(target=ask_one, args=(number,)) for number in range(len(asked))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return [node for node in answers if node is not None]
 
 
 def _add_services(host: Node) -> None:

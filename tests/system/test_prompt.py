@@ -24,9 +24,18 @@ STANDS_IN = {
     "zsh": "{0}() {{ printf 'got<%s>' \"$@\"; echo; }}",
     "fish": "function {0}; printf 'got<%s>' $argv; echo; end",
 }
-NAMES = ("rtls", "rtcat", "rtcon", "rtdis", "rtconf", "rtact", "rtresurrect")
+NAMES = (
+    "rtls", "rtcat", "rtcon", "rtdis", "rtconf", "rtact", "rtresurrect", "rtget", "rtset",
+    "rtlisten", "rtserve", "rtplan", "rtapply",
+)  # fmt: skip
 ODD = 'My "odd" $1 robot\'s'
 HOST = "/localhost/"
+ARM = """
+class Arm:
+    def __init__(self):
+        self.angle = 0.5
+        self.name = "left"
+"""
 
 LINES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("rtls /loc\t", (HOST,)),
@@ -43,6 +52,14 @@ LINES: tuple[tuple[str, tuple[str, ...]], ...] = (
     (f"rtconf {HOST}In.rtc g\t v\t", (f"{HOST}In.rtc", "get", "values")),
     (f"rtconf {HOST}In.rtc set values=\t", (f"{HOST}In.rtc", "set", "values=0")),
     (f"rtconf {HOST}In.rtc -s d\t", (f"{HOST}In.rtc", "-s", "default")),
+    (f"rtget {HOST}I\tsta\t", (f"{HOST}In.rtc.state",)),
+    ("rtlisten ar\tan\t arm.angle.me\t", ("arm.angle", "arm.angle.meta")),
+    (f"rtget localhost.l\t {HOST}ar\tna\t", ("localhost.load", f"{HOST}arm.name")),
+    (f"rtset {HOST}In.rtc.state I\t", (f"{HOST}In.rtc.state", "Inactive")),
+    ("rtset arm.name \t", ("arm.name", "left")),
+    ("rtserve ./arm.py\t --po\t", ("./arm.py:Arm", "--port")),
+    ("rtplan --det\t sys\t", ("--detailed-exitcode", "system.xml")),
+    ("rtapply -s I\t", ("-s", "Inactive")),
     ("rtresurrect sys\t", ("system.xml",)),
     ("rtresurrect so\tx", ("some where/x",)),
 )
@@ -76,6 +93,9 @@ def test_tab_in_real_shells(manager: Any) -> None:
     manager.ok(f"rtact {HOST}In.rtc")
     home = manager.folder / "home"
     (home / "some where").mkdir(parents=True)
+    (home / "arm.py").write_text(ARM)
+    serving = manager.open(f"rtserve {home}/arm.py:Arm arm")
+    serving.stdout.readline()
     for name in ("system.xml", "sys.txt"):
         (home / name).touch()
     environment = {
@@ -86,6 +106,8 @@ def test_tab_in_real_shells(manager: Any) -> None:
         "RTKIT_COMPLETION_TIMEOUT": "30",
     }
     with ExitStack() as stack:
+        stack.callback(lambda: manager.end_of(serving))
+        stack.callback(serving.terminate)
         terminals = {
             shell: stack.enter_context(begun(shell, environment, home)) for shell in SHELLS
         }

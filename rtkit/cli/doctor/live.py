@@ -99,7 +99,10 @@ def _silent(name: str, timeout_s: float, why: str = "") -> Diagnosis:
     pid = places.owner(name)
     text = why or f"manager {name!r} (pid {pid}) does not answer within {timeout_s:g} s"
     quoted = places.quoted(name)
-    cure = f"kill -9 {pid}, then rtmgr start {quoted}: slaves live on and are taken over"
+    cure = (
+        f"rtdoctor --timeout 10 waits longer; if it hangs: kill -9 {pid}, then rtmgr start"
+        f" {quoted}, which takes over the slaves that live on"
+    )
     return Diagnosis("managers", ERROR, text, cure if pid else f"rtmgr start {quoted}", name)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-_GOES_ON = ("/", ":", "=")
+_GOES_ON = ("/", ":", "=", ".")
 
 
 class Candidate(NamedTuple):

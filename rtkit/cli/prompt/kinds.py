@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 from collections.abc import Callable, Iterable
 
 from rtkit.cli._app import working_directory
@@ -10,7 +11,6 @@ from rtkit.cli.prompt.candidates import Candidate, Files, those
 from rtkit.cli.prompt.grammar import Asked
 from rtkit.cli.prompt.live import Live, instances_of
 from rtkit.cli.prompt.places import Wanted, in_state, living, paths, with_row
-from rtkit.errors import RtkitError
 from rtkit.rtc.names import parse_path
 from rtkit.tree.view import Kind, Node
 
@@ -25,8 +25,6 @@ _CONNECTOR_PROPERTIES = (
     "dataport.push_rate=",
     "dataport.subscription_type=",
 )
-_MOST_ASKED = 8
-_PATIENCE_S = 0.3
 _COMPOSITES = ("PeriodicECSharedComposite", "PeriodicStateSharedComposite", "GroupingComposite")
 
 
@@ -255,21 +253,35 @@ def _instances(asked: Asked, live: Live) -> Found:
     return those((row.instance for row in live.tree().listing().rows), asked.typed)
 
 
-def _live(asked: Asked, _live: Live) -> Found:
-    """Return services, and the properties of those of which the name is typed."""
-    from rtkit.link.line_client import connect_unix
-    from rtkit.link.places import service_socket, services
+def _live(asked: Asked, live: Live) -> Found:
+    from rtkit.cli.prompt.properties import targets
 
-    names = [name for name in services() if f"{name}.".startswith(asked.typed[: len(name) + 1])]
-    found = list(names)
-    for name in names[:_MOST_ASKED]:
-        try:
-            with connect_unix(service_socket(name), _PATIENCE_S) as client:
-                listed = client.ask("properties?all").value()
-        except RtkitError:
-            continue  # nobody is behind the socket: the next one may be asked
-        found += [f"{name}.{each}" for each in str(listed).strip("()").split()]
-    return those(found, asked.typed)
+    return targets(asked.typed, live)
+
+
+def _value(asked: Asked, _live: Live) -> Found:
+    from rtkit.cli.prompt.properties import values
+
+    return values(asked.arguments[0], asked.typed)
+
+
+def _classes(asked: Asked, _live: Live) -> Found | Files:
+    """Return what a file defines of which the name is typed up to the colon, else files."""
+    path, colon, _ = asked.typed.rpartition(":")
+    if not colon and os.path.isfile(os.path.expanduser(asked.typed)):
+        path = asked.typed
+    elif not colon:
+        return Files((".py",))
+    import ast
+
+    try:
+        with open(os.path.expanduser(path), encoding="utf-8") as file:
+            tree = ast.parse(file.read())
+    except (OSError, ValueError, SyntaxError):
+        return ()
+    kinds = (ast.ClassDef, ast.FunctionDef)
+    names = (each.name for each in tree.body if isinstance(each, kinds))
+    return those((f"{path}:{each}" for each in names if each[0] != "_"), asked.typed)
 
 
 _PORT = Wanted(with_row(lambda row: bool(row.ins + row.outs + row.services)), has_port=True)
@@ -277,6 +289,7 @@ _MAKERS: dict[str, Maker] = {
     "active": _changeable("Active"),
     "anything": _all(Wanted(lambda node: not node.is_directory, takes_folders=True)),
     "anything:": _all(Wanted(lambda node: not node.is_directory, True, None)),
+    "class": _classes,
     "component": _all(Wanted(living)),
     "component:": _all(Wanted(living, has_port=None)),
     "component-or-system": lambda asked, _: (
@@ -314,6 +327,7 @@ _MAKERS: dict[str, Maker] = {
     "property": _properties,
     "set": _sets,
     "type": _types,
+    "value": _value,
     "waited-for": _waited_for,
     "word": _words,
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import threading
 
 import pytest
 
@@ -12,6 +13,7 @@ from rtkit.errors import Unreachable
 from rtkit.rtc.names import parse_path
 from rtkit.tree import place
 from rtkit.tree.fake import fake_tree
+from rtkit.tree.view import Kind, Node
 
 
 @pytest.fixture
@@ -74,7 +76,7 @@ def test_servers_come_from_the_environment(running, monkeypatch):
 )
 def test_what_is_shown_beside(running, monkeypatch, path, shown):
     monkeypatch.setenv("RTKIT_SERVERS", "a:1")
-    root, _ = place.root_for(lambda: fake_tree(World()), parse_path(path), is_deep=False)
+    root, _ = place.root_for(lambda: fake_tree(World([])), parse_path(path), is_deep=False)
     assert list(root.children) == shown
     others = ["other.mgr", "third.mgr"] if path != "/localhost:2811" else []
     assert list(root.children["localhost"].children) == ["manager.mgr", *others]
@@ -133,3 +135,19 @@ def test_only_managers_that_hold_their_lock_run(running):
         os.waitpid(child, 0)
         os.close(descriptor)
     assert managers() == []
+
+
+def test_others_are_asked_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    both = threading.Barrier(2, timeout=30.0)
+
+    def connect(name: str, _timeout_s: float) -> None:
+        both.wait()
+        raise Unreachable(f"{name} is silent")
+
+    monkeypatch.setattr("rtkit.tree.place.connect", connect)
+    monkeypatch.setattr("rtkit.tree.place._others", lambda _manager: iter(["a", "b"]))
+    root = Node("", Kind.ROOT)
+    local = root.add(Node("localhost", Kind.HOST))
+    place.add_others(root, fake_tree(World()), parse_path("/"), is_deep=True)
+    assert local.trouble == "a is silent; b is silent"
+    assert [node.trouble for node in local.children.values()] == ["a is silent", "b is silent"]

@@ -23,7 +23,7 @@ _rtkit_complete() {
         name=${${word%/}##*/}${word##*[^/]}
         about="$name${about:+  -- $about}"
         case "$word" in
-            *[/:=]) open+=("$word"); open_told+=("$about") ;;
+            *[/:=.]) open+=("$word"); open_told+=("$about") ;;
             *) shut+=("$word"); shut_told+=("$about") ;;
         esac
     done
