@@ -40,6 +40,7 @@ COMMANDS: dict[str, str] = {
     "serve": "rtserve",
     "set": "rtset",
     "start": "rtstart",
+    "state": "rtstate",
     "stodot": "rtstodot",
     "stop": "rtstop",
     "teardown": "rtteardown",

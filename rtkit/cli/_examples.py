@@ -234,6 +234,12 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtstart --dry-run robot.xml", "Tell in which order, and what each waits for."),
         ("rtstart --plan robot.xml > robot.dot", "The same as a graph, for Graphviz."),
     ),
+    "rtstate": (
+        ("rtstate robot.xml", "Which state it is in, the way to each other, the events."),
+        ("rtstate --goto dock robot.xml", "Lead it there, by the cheapest plan."),
+        ("rtstate --event start robot.xml", "Lead it where this event leads."),
+        ("rtstate --follow robot.xml", "Lead it wherever its events lead, until Ctrl-C."),
+    ),
     "rtstodot": (
         ("rtstodot robot.xml > robot.dot", "The graph of a system; dot -Tsvg draws it."),
         ("rtcryo | rtstodot", "Of what is saved now; rtstodot --live shows states too."),

@@ -13,6 +13,7 @@ TOPICS: dict[str, str] = {
     "plans": "In which order rtstart and rtstop tell components.",
     "profiles": "Documents that describe components and systems.",
     "security": "Who can reach a manager, and what it runs.",
+    "states": "What a system is to be like in each of its states.",
     "statuses": "What the exit status of a command says.",
     "survival": "What is there again after a crash, and a loss of power.",
 }

@@ -37,6 +37,7 @@ SUMMARIES: dict[str, str] = {
     "serve": "Serve a Python object as live properties.",
     "set": "Set a live property.",
     "start": "Activate every component of an RTS profile.",
+    "state": "Show in which of its states a system is, or lead it to another.",
     "stodot": "Write the system of an RTS profile as a graph for Graphviz.",
     "stop": "Deactivate every component of an RTS profile.",
     "teardown": "Remove every connection of an RTS profile.",

@@ -20,10 +20,10 @@ from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.moves import Move
 from rtkit.deployment.planning.outlook import NOTHING_KNOWN, Outlook
 from rtkit.deployment.planning.plan import NO_RANKS, DeploymentPlan, make_plan
-from rtkit.deployment.planning.survey import Survey, survey
+from rtkit.deployment.planning.survey import NO_STATES, Survey, survey
 from rtkit.deployment.planning.telling import lines
 from rtkit.deployment.system import System
-from rtkit.errors import Refused, RtkitError
+from rtkit.errors import Impossible, Refused, RtkitError
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.tree.apply import Runner, Talk
 from rtkit.tree.client import Tree
@@ -44,6 +44,8 @@ class Goal:
         ranks: Components of lower numbers are activated before those of higher ones.
         parallel: Most actions that are under way at once; 0 for no bound.
         outlook: What is known of components that do not live yet.
+        states: In which single components are to be, instead of `state`.
+        absent: Components that are not to be there.
     """
 
     system: System
@@ -52,6 +54,8 @@ class Goal:
     costs: Costs = field(default_factory=Costs)
     parallel: int = 0
     outlook: Outlook = NOTHING_KNOWN
+    states: Mapping[str, LifeCycleState | None] = field(default_factory=lambda: NO_STATES)
+    absent: frozenset[str] = frozenset()
 
     def survey(self, snapshot: Snapshot, began: Snapshot | None = None) -> Survey:
         """Return what is wanted over what lives, with what lived when it `began`.
@@ -60,7 +64,25 @@ class Goal:
             Impossible: Something else lives where a required component belongs.
         """
         live = Live(snapshot, self.system)
-        return survey(self.system, live, self.state, self.costs.values, began, self.outlook)
+        return survey(
+            self.system,
+            live,
+            self.state,
+            self.costs.values,
+            began,
+            self.outlook,
+            self.states,
+            self.absent,
+        )
+
+    def holds(self, snapshot: Snapshot) -> bool:
+        """Whether all that is wished is so."""
+        try:
+            model = self.survey(snapshot).model
+        except Impossible:
+            return False
+        wished = [v for v in model.desired if not v.startswith("cfg:") or v[4:] in model.keys]
+        return all(model.allows(variable, model.now(variable)) for variable in wished)
 
     def plan(self, snapshot: Snapshot, began: Snapshot | None = None) -> DeploymentPlan:
         """Return the cheapest plan from what lives.

@@ -104,6 +104,16 @@ MADE = (
 )
 """What is there when the examples begin."""
 
+STATES = "".join(
+    f'<rtsExt:Properties rtsExt:name="rtkit.{name}" rtsExt:value="{value}"/>'
+    for name, value in (
+        ("states", "idle, dock"),
+        ("transitions", "idle -start-> dock; dock -start-> idle"),
+        ("state.idle", "*=Inactive"),
+        ("state.dock", "*=Inactive; Robot0=Active"),
+    )
+)
+
 LAST = ("rtcomp", "rtexit", "rtdel")
 """Commands whose examples leave others without what they need, in this order."""
 
@@ -135,6 +145,7 @@ BEFORE: dict[str, tuple[str, ...]] = {
     ),
     "rtresurrect robot.xml": SAVED,
     "rtstart robot.xml": SAVED,
+    "rtstate robot.xml": (*SAVED, "tell-states robot.xml"),
     "rtstodot robot.xml > robot.dot": SAVED,
     "rtteardown robot.xml": SAVED,
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr": (
@@ -178,6 +189,7 @@ ENDLESS = {
     "rtlog -f run.mcap Robot0.rtc:pose",
     "rtprint Robot0.rtc:pose",
     "rtprint --plot Robot0.rtc:pose",
+    "rtstate --follow robot.xml",
     "rttop",
     "rttop -s CPU% /localhost/manager.mgr",
     "rtserve simple_pid:PID pid -a 1 -a 0.1",
@@ -198,6 +210,7 @@ STATUS = {
     "rtplan --cost Motor0=1000 robot.xml": (0, 2),  # there is no Motor0 here
     "rtplan --detailed-exitcode robot.xml": (0, 2),
     "rtdoctor --strict --json": (0, 1),
+    "rtstate robot.xml": (0, 1),
 }
 """Examples that may end otherwise: what they look at is this machine, or was changed before."""
 
@@ -218,7 +231,7 @@ class World:
         status, text = 0, ""
         for part in line.split(" | "):
             words = shlex.split(part)
-            if words[0] in ("rm", "cp", "kill"):
+            if words[0] in ("rm", "cp", "kill", "tell-states"):
                 self._do(*words)
                 continue
             into = words[words.index(">") + 1] if ">" in words else ""
@@ -248,6 +261,10 @@ class World:
             waited = self.commands.run(["rtwait", "Robot0.rtc", "exists", "-t", "0.01"])
             while "zombie" not in waited["err"]:
                 waited = self.commands.run(["rtwait", "Robot0.rtc", "exists", "-t", "0.01"])
+        elif what == "tell-states":
+            text = (self.folder / names[0]).read_text()
+            end = "</rts:RtsProfile>"
+            (self.folder / names[0]).write_text(text.replace(end, STATES + end))
         elif what == "rm":
             (self.folder / names[0]).unlink(missing_ok=True)
         else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
@@ -33,16 +34,29 @@ class Prepared(NamedTuple):
     plan: DeploymentPlan
 
 
+class Begun(NamedTuple):
+    """What was read, what is wanted, what lives."""
+
+    document: Document
+    goal: Goal
+    snapshot: Snapshot
+
+
 def planning_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options that say what is planned."""
+    state = click.option(
+        "-s",
+        "--state",
+        type=click.Choice(STATES, case_sensitive=False),
+        default=STATES[0],
+        help="State that every component is to be in (default Active).",
+    )
+    return state(way_options(function))
+
+
+def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say by which way it is reached."""
     decorators = [
-        click.option(
-            "-s",
-            "--state",
-            type=click.Choice(STATES, case_sensitive=False),
-            default=STATES[0],
-            help="State that every component is to be in (default Active).",
-        ),
         click.option(
             "--cost",
             "costs",
@@ -90,9 +104,49 @@ def prepare(
     Raises:
         Impossible: There is no plan; names wishes that cannot hold together.
     """
+    from rtkit.deployment.planning.plan import make_plan
+    from rtkit.rtc.enums import LifeCycleState
+
+    _, goal, snapshot = begin(
+        app,
+        files,
+        is_dry=is_dry,
+        strict=strict,
+        mapped=mapped,
+        costs=costs,
+        basis=basis,
+        stand_in=stand_in,
+        transmit=transmit,
+        parallel=parallel,
+    )
+    goal = replace(goal, state=None if state == ANY else LifeCycleState(state))
+    survey = goal.survey(snapshot)
+    for note in survey.notes:
+        app.fail(note)
+    return Prepared(goal, snapshot, make_plan(survey.model, goal.ranks))
+
+
+def begin(
+    app: App,
+    files: tuple[str, ...],
+    *,
+    is_dry: bool,
+    strict: bool,
+    mapped: tuple[str, ...],
+    costs: tuple[str, ...],
+    basis: str,
+    stand_in: bool,
+    transmit: bool,
+    parallel: int = 0,
+) -> Begun:
+    """Read the profile and look at what lives; the goal is that all is active.
+
+    Raises:
+        InvalidDocument: The profile makes no sense.
+        Unreachable: No manager answers.
+    """
     from rtkit.cli.system.foresight import look_ahead
     from rtkit.cli.system.known_types import known_types
-    from rtkit.rtc.enums import LifeCycleState
     from rtkit.tree.applying import Goal
 
     document = read_document(app, files, strict=strict)
@@ -106,17 +160,11 @@ def prepare(
         mapped=mapped,
         known_types=None if stand_in else known_types(document.profile, snapshot),
     )
-    wished = None if state == ANY else LifeCycleState(state)
     ranks = _ranks(app, document, system)
     outlook = look_ahead(app, system, snapshot)
     table = settled_costs(app, costs, system, snapshot, is_measured=basis == MEASURED)
-    goal = Goal(system, wished, ranks, table, parallel, outlook)
-    from rtkit.deployment.planning.plan import make_plan
-
-    survey = goal.survey(snapshot)
-    for note in survey.notes:
-        app.fail(note)
-    return Prepared(goal, snapshot, make_plan(survey.model, ranks))
+    goal = Goal(system, ranks=ranks, costs=table, parallel=parallel, outlook=outlook)
+    return Begun(document, goal, snapshot)
 
 
 def settled_costs(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from rtkit.component.check import refusal
@@ -10,6 +10,7 @@ from rtkit.deployment.creation import is_loaded, split_module
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.live import Live, absence, context_of, mismatch
 from rtkit.deployment.planning.model import (
+    ABSENT,
     ACTIVE,
     ANY,
     DEFAULT_COSTS,
@@ -54,6 +55,8 @@ DEFAULT = "default"
 ACTIVE_SET = "@"
 """Stands for the active configuration set where a parameter is named."""
 
+NO_STATES: Mapping[str, LifeCycleState | None] = {}
+
 
 @dataclass(frozen=True)
 class Survey:
@@ -74,6 +77,8 @@ def survey(
     costs: Mapping[str, float] = DEFAULT_COSTS,
     began: Snapshot | None = None,
     outlook: Outlook = NOTHING_KNOWN,
+    states: Mapping[str, LifeCycleState | None] = NO_STATES,
+    absent: Collection[str] = (),
 ) -> Survey:
     """Return a wanted system over what lives as a model.
 
@@ -84,11 +89,14 @@ def survey(
         costs: Of commands.
         began: What lived when it began; who moves keeps connections and values of then.
         outlook: What is known of components that do not live yet.
+        states: In which single components are to be, instead of `state`.
+        absent: Components that are not to be there, by name.
 
     Raises:
         Impossible: Something else lives where a required component belongs.
     """
-    return _Surveying(system, live, state, costs, began or live.snapshot, outlook).run()
+    began = began or live.snapshot
+    return _Surveying(system, live, state, costs, began, outlook, states, absent).run()
 
 
 class _Surveying:
@@ -100,8 +108,12 @@ class _Surveying:
         costs: Mapping[str, float],
         began: Snapshot,
         outlook: Outlook,
+        states: Mapping[str, LifeCycleState | None],
+        absent: Collection[str],
     ) -> None:
         self._outlook = outlook
+        self._states = states
+        self._absent = frozenset(absent)
         self._began = began
         self._joined = {wire.connector_id: wire for wire in began.connectors}
         self._before = {facts.instance: facts for facts in began.components}
@@ -149,6 +161,10 @@ class _Surveying:
         entry = self._live_facts.entry(component.instance)
         facts = self._live_facts.at(component.instance)
         wrong = mismatch(component, facts) if facts is not None else ""
+        if component.instance in self._absent:
+            if facts is not None and not wrong:
+                self._leaving(component, facts)
+            return
         why_not = "" if facts is not None else self._why_not(component)
         if wrong or (why_not and not component.is_required):
             if wrong and component.is_required:
@@ -174,6 +190,14 @@ class _Surveying:
             self._live[f"cmp:{name}"] = place_name(self._manager, facts.process)
         self._parameters(component, facts)
         self._activity(component, facts)
+
+    def _leaving(self, component: WantedComponent, facts: ComponentFacts) -> None:
+        """Take in a component that lives and is to be ended."""
+        name = component.instance
+        self._units[name] = Unit(name)
+        self._live[f"cmp:{name}"] = place_name(self._manager, facts.process)
+        self._desired[f"cmp:{name}"] = ABSENT
+        self._live_state(component, facts)
 
     def _why_not(self, component: WantedComponent) -> str:
         """Return why a component that is not there cannot be made; empty when it can."""
@@ -287,14 +311,20 @@ class _Surveying:
 
     def _activity(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         variable = f"act:{component.instance}"
-        states = set(_states(component, facts)) if facts is not None else set()
-        is_wished = self._state is not None and bool(component.contexts)
+        state = self._states.get(component.instance, self._state)
+        is_wished = state is not None and bool(component.contexts)
         if facts is not None and is_wished and len(list(_states(component, facts))) == 0:
             self._notes.append(f"Component {component.path} has no execution context")
             is_wished = False
         if is_wished:
-            is_up = self._state is LifeCycleState.ACTIVE
+            is_up = state is LifeCycleState.ACTIVE
             self._desired[variable] = ACTIVE if is_up else INACTIVE
+        if facts is not None:
+            self._live_state(component, facts)
+
+    def _live_state(self, component: WantedComponent, facts: ComponentFacts) -> None:
+        variable = f"act:{component.instance}"
+        states = set(_states(component, facts))
         if LifeCycleState.ERROR in states:
             self._live[variable] = ERROR
         elif LifeCycleState.ACTIVE in states:
@@ -321,7 +351,8 @@ class _Surveying:
             return
         ends = tuple(end.instance for end in wire.ports)
         self._wires[id] = Wire(ends, why, self._wire_text(id, wire.ports))
-        self._desired[f"con:{id}"] = YES
+        if self._absent.isdisjoint(ends):
+            self._desired[f"con:{id}"] = YES
         for other in filter(None, (known, self._joined.get(id))):
             # Who is joined by it now, or was, has to do with it.
             for end in other.ports:
@@ -369,7 +400,8 @@ class _Surveying:
                 if name not in self._units:
                     self._bystander(name)
             self._wires[id] = Wire(tuple(names), "", self._wire_text(id, wire.ports))
-            self._desired[f"con:{id}"] = YES
+            if self._absent.isdisjoint(names):
+                self._desired[f"con:{id}"] = YES
             self._live[f"con:{id}"] = NO if self._live_facts.wire(id) is None else YES
 
     def _is_gone(self, name: str) -> bool:
@@ -392,7 +424,8 @@ class _Surveying:
             id = attachment(component.instance, context, guest)
             text = f"{guest} to execution context {context} of {component.instance}"
             self._wires[id] = Wire((component.instance, guest), "", text)
-            self._desired[f"con:{id}"] = YES
+            if self._absent.isdisjoint((component.instance, guest)):
+                self._desired[f"con:{id}"] = YES
             self._live[f"con:{id}"] = YES if guest in driven.get(context, ()) else NO
 
 

@@ -1,0 +1,113 @@
+"""``rtstate``: the states of a system: which one it is in, and the way to another."""
+
+from __future__ import annotations
+
+import click
+
+from rtkit.cli import _out, _records
+from rtkit.cli._app import App, command
+from rtkit.cli.system import planning, shared, step_times
+from rtkit.errors import InvalidDocument, Malformed, UsageProblem
+
+
+@command("rtstate")
+@click.option("-g", "--goto", metavar="STATE", help="Lead the system to this state.")
+@click.option("-e", "--event", metavar="EVENT", help="Lead it to where this event leads.")
+@click.option(
+    "-f", "--follow", is_flag=True, help="Lead it wherever its events lead, until interrupted."
+)
+@click.option(
+    "-n",
+    "--number",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="With --follow: stop after N transitions.",
+)
+@click.option("--json", "is_json", is_flag=True, help="One JSON object.")
+@click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
+@planning.way_options
+@shared.system_options
+def main(
+    app: App,
+    files: tuple[str, ...],
+    goto: str | None,
+    event: str | None,
+    follow: bool,
+    number: int | None,
+    is_json: bool,
+    rollback: bool,
+    costs: tuple[str, ...],
+    basis: str,
+    stand_in: bool,
+    transmit: bool,
+    dry_run: bool,
+    strict: bool,
+    mapped: tuple[str, ...],
+) -> int:
+    """Show in which of its states a system is, or lead it to another (FILE, or stdin).
+
+    A system profile may tell states, what is wished in each, and events that lead from one to
+    another (rtkit help states). A system is in the state whose wishes all hold; that is seen, not
+    remembered. The transition is the cheapest plan: what both states wish is not touched.
+
+    Without options the states are shown, with the way to each and the events of the present one;
+    the status is 1 when the system is in none. With --follow each transition is told on stdout,
+    and the steps on stderr when verbose.
+    """
+    if sum((goto is not None, event is not None, follow)) > 1:
+        raise UsageProblem("--goto, --event and --follow exclude each other")
+    if number is not None and not follow:
+        raise UsageProblem("--number is for --follow")
+    if is_json and (goto is not None or event is not None):
+        raise UsageProblem("--json is for states and for --follow")
+    if dry_run and follow:
+        raise UsageProblem("--dry-run and --follow exclude each other")
+    from rtkit.cli.system.states import States, as_lines, as_record
+    from rtkit.deployment.planning.telling import lines
+    from rtkit.tree.applying import Applier
+
+    begun = planning.begin(
+        app,
+        files,
+        is_dry=dry_run,
+        strict=strict,
+        mapped=mapped,
+        costs=costs,
+        basis=basis,
+        stand_in=stand_in,
+        transmit=transmit,
+    )
+    states, snapshot = States(begun), begun.snapshot
+    if follow:
+        from rtkit.cli.system.following import Following
+
+        Following(app, states, is_json=is_json, rolls_back=rollback).run(number)
+        return 0
+    now = states.now(snapshot)
+    if goto is None and event is None:
+        ways = [states.way(state, snapshot) for state in states.machine.table]
+        if is_json:
+            _out.write([_records.line("system-state", as_record(states, now, ways))])
+        else:
+            _out.write(map(_out.printable, as_lines(states, now, ways)))
+        return 0 if now else 1
+    try:
+        if event is None:
+            target = states.machine.check_state(goto or "")
+        elif not now:
+            raise Malformed("the system is in none of its states; --goto leads it to one")
+        else:
+            target = states.machine.next(now, event)
+    except Malformed as error:
+        raise InvalidDocument(f"{begun.document.source}: {error}") from error
+    goal = states.goal(target)
+    plan = goal.plan(snapshot)
+    if dry_run:
+        _out.write(map(_out.printable, lines(plan, goal.costs)))
+        return 0
+    applier = Applier(app.tree, goal, app.say, app.say)
+    try:
+        applier.run(plan, snapshot, rolls_back=rollback)
+    finally:
+        step_times.note(app, applier.taken, step_times.types_of(goal.system, snapshot))
+    return 0

@@ -1,0 +1,114 @@
+"""Conditions under which events happen: components that are lost, properties that have a value."""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.states.wishes import component_of
+from rtkit.errors import Malformed
+
+LOST = "lost"
+_COMPARE: Mapping[str, Callable[[float, float], bool]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+_CONDITION = re.compile(r"(\S+?)\s*(<=|>=|!=|<|>|=)\s*(.*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """When an event happens.
+
+    Attributes:
+        name: Of its property, as ``rtget`` has it; empty where the component is lost.
+    """
+
+    component: str
+    name: str = ""
+    compare: str = ""
+    value: str = ""
+
+    def __str__(self) -> str:
+        if not self.name:
+            return f"{LOST} {self.component}"
+        return f"{self.component}.{self.name} {self.compare} {self.value}"
+
+    @property
+    def needs_figures(self) -> bool:
+        """Whether it can only be judged with figures."""
+        return self.name.endswith(".count")
+
+    def holds(
+        self, snapshot: Snapshot, figures: Mapping[str, ComponentFigures] | None = None
+    ) -> bool:
+        """Whether it holds; what nobody knows holds not."""
+        facts = snapshot.component(self.component)
+        is_lost = facts is None or bool(facts.zombie)
+        if not self.name or is_lost or facts is None:
+            return is_lost and not self.name
+        return self._is_met(facts, snapshot, (figures or {}).get(self.component))
+
+    def _is_met(
+        self, facts: ComponentFacts, snapshot: Snapshot, figures: ComponentFigures | None
+    ) -> bool:
+        from rtkit.deployment.properties import of_component
+
+        wires = [
+            wire
+            for wire in snapshot.connectors
+            if any(end.instance == facts.instance for end in wire.ports)
+        ]
+        shown = of_component(facts, wires, figures)
+        value = next((each.value for each in shown if each.name == self.name), None)
+        if value is None or (self.needs_figures and figures is None):
+            return False
+        text = str(value).strip()
+        if self.compare in ("=", "!="):
+            return _is_same(text, self.value) == (self.compare == "=")
+        number = _number(text)
+        return number is not None and _COMPARE[self.compare](number, float(self.value))
+
+
+def condition(text: str, sets: Mapping[str, Sequence[str]]) -> Condition:
+    """Read a condition: ``lost Motor0``, or ``Battery0.configuration.default.level < 10``.
+
+    Properties are those of ``rtget``; ``Motor0.state = Error`` for one.
+
+    Raises:
+        Malformed: It cannot be read, or names no component.
+    """
+    word, _, name = text.strip().partition(" ")
+    if word == LOST:
+        component, rest = component_of(name.strip(), sets)
+        if rest:
+            raise Malformed(f"no such component: {name.strip()}")
+        return Condition(component)
+    match = _CONDITION.fullmatch(text.strip())
+    if match is None:
+        raise Malformed(f"neither lost NAME nor NAME.PROPERTY = VALUE: {text!r}")
+    name, compare, value = match.groups()
+    component, rest = component_of(name, sets)
+    if not rest:
+        raise Malformed(f"names no property: {name}; {name}.state is one")
+    if compare in _COMPARE and _number(value) is None:
+        raise Malformed(f"not a number: {value!r}")
+    return Condition(component, rest, compare, value)
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _is_same(one: str, other: str) -> bool:
+    numbers = _number(one), _number(other)
+    return one == other or (numbers[0] is not None and numbers[0] == numbers[1])
