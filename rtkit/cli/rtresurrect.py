@@ -6,8 +6,9 @@ import click
 
 from rtkit.cli._app import App, command
 from rtkit.cli._meter import counted, metered
-from rtkit.cli.system import shared
+from rtkit.cli.system import shared, step_times
 from rtkit.cli.system.document import read_document
+from rtkit.cli.system.foresight import lacking
 from rtkit.errors import UsageProblem
 
 
@@ -68,13 +69,17 @@ def main(
         mapped=mapped,
         known_types=None if no_create or stand_in else known_types(document.profile, before),
     )
+    lacks = {} if no_create else lacking(app, system, before)
     with document.naming():
         if not dry_run:
-            with metered(app, "resurrect") as show:
-                runner = shared.runner(app, counted(show))
-                resurrect(app.tree, system, before, runner, may_create=not no_create)
+            with (
+                step_times.noting(app, system, before) as taken,
+                metered(app, "resurrect") as show,
+            ):
+                runner = shared.runner(app, counted(show), taken)
+                resurrect(app.tree, system, before, runner, may_create=not no_create, lacks=lacks)
             return
         live = Live(before, system)
-        creation = creation_plan(system, live, may_create=not no_create)
+        creation = creation_plan(system, live, may_create=not no_create, lacks=lacks)
     shared.show(creation)
     shared.show(wiring_plan(system, live, creation.made))

@@ -105,9 +105,7 @@ def main(
     if dry_run:
         _out.write(map(_out.printable, lines(plan, goal.costs)))
         return 0
-    applier = Applier(app.tree, goal, app.say, app.say)
-    try:
+    with step_times.noting(app, goal.system, snapshot) as taken:
+        applier = Applier(app.tree, goal, app.say, app.say, taken)
         applier.run(plan, snapshot, rolls_back=rollback)
-    finally:
-        step_times.note(app, applier.taken, step_times.types_of(goal.system, snapshot))
     return 0

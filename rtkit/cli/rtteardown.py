@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rtkit.cli._app import App, command
-from rtkit.cli.system import progress, shared
+from rtkit.cli.system import progress, shared, step_times
 from rtkit.cli.system.document import read_document
 
 
@@ -34,5 +34,8 @@ def main(
     if dry_run:
         shared.show(plan)
         return
-    with progress.telling(app, system, left_now):
-        shared.runner(app).run(plan)
+    with (
+        progress.telling(app, system, left_now),
+        step_times.noting(app, system, snapshot) as taken,
+    ):
+        shared.runner(app, taken=taken).run(plan)

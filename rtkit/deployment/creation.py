@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from rtkit.deployment.actions import Attach, Create, Load
 from rtkit.deployment.live import Live, absence
@@ -13,9 +13,19 @@ from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import ModuleProfile
 
+NOTHING_LACKS: Mapping[str, str] = {}
 
-def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Plan:
+
+def creation_plan(
+    system: System,
+    live: Live,
+    *,
+    may_create: bool = True,
+    lacks: Mapping[str, str] = NOTHING_LACKS,
+) -> Plan:
     """Return the checks of what must be there, and the creation of what is not.
+
+    `lacks` says of components, by name, why they cannot be made.
 
     Raises:
         NotFound: A component that is to be made names a host that nobody knows.
@@ -30,16 +40,27 @@ def creation_plan(system: System, live: Live, *, may_create: bool = True) -> Pla
     pending = {c.instance for c in missing}
     unmakable = {c.instance for c in system.components if may_create and not _how(c, live)}
     return Plan(
-        tuple(checks(system, live, pending, unmakable)),
+        (*checks(system, live, pending, unmakable), *_lacking(missing, lacks)),
         (
-            *layer("load", _loads(missing, live)),
-            *_creations(missing, live),
+            *layer("load", _loads([c for c in missing if c.instance not in lacks], live)),
+            *_creations(missing, live, lacks),
             *layer("attach", _attachments(system, live)),
         ),
     )
 
 
-def _creations(missing: Iterable[WantedComponent], live: Live) -> Iterator[Layer]:
+def _lacking(missing: Iterable[WantedComponent], lacks: Mapping[str, str]) -> Iterator[Check]:
+    """Yield the checks of required components that cannot be made; of the others none is told."""
+    for component in missing:
+        why = lacks.get(component.instance)
+        if why and component.is_required:
+            text = f'Check that component "{component.id}", "{component.instance}" can be made'
+            yield Check(text, f"{component.path}: {why}")
+
+
+def _creations(
+    missing: Iterable[WantedComponent], live: Live, lacks: Mapping[str, str]
+) -> Iterator[Layer]:
     """Yield the creation of all at once, then that of composites, inner ones first."""
     members = {c.instance: _members(_how(c, live)) for c in missing}
     left = {c.instance: c for c in missing}
@@ -48,7 +69,7 @@ def _creations(missing: Iterable[WantedComponent], live: Live) -> Iterator[Layer
         ready = [c for i, c in left.items() if not any(m in left for m in members[i] if m != i)]
         ready = ready or list(left.values())  # in a circle: the manager says what is wrong
         left = {instance: c for instance, c in left.items() if c not in ready}
-        yield from layer(name, [_creation(c, live) for c in ready])
+        yield from layer(name, [_creation(c, live, lacks.get(c.instance)) for c in ready])
         name = "compose"
 
 
@@ -159,12 +180,13 @@ def _how(component: WantedComponent, live: Live) -> str:
     return entry.create
 
 
-def _creation(component: WantedComponent, live: Live) -> Step:
+def _creation(component: WantedComponent, live: Live, lack: str | None) -> Step:
     create = _how(component, live)
     place = parse_create(create).place
     where = f"in slave {place}" if place else "in the manager"
     if place == FRESH_SLAVE:
         where = "in a slave of its own"
     text = f'Create component "{component.id}", "{component.instance}" at path {component.path}'
-    action = Create(create, (component.name,), component.pattern)
-    return Step(f"{text} {where}", action, component.is_required, where=component.path)
+    action = None if lack else Create(create, (component.name,), component.pattern)
+    blocked = f"{component.path}: {lack}" if lack else ""
+    return Step(f"{text} {where}", action, component.is_required, blocked, where=component.path)

@@ -22,7 +22,6 @@ class Runner:
     Attributes:
         attempted: Every action sent so far.
         done: The steps that were carried out.
-        taken: What the actions took that were done [s], where the manager tells.
     """
 
     def __init__(
@@ -31,6 +30,7 @@ class Runner:
         report: Talk,
         progress: Talk = lambda _: None,
         count: Count = lambda _done, _known: None,
+        taken: list[tuple[Action, float]] | None = None,
     ) -> None:
         """Carry out plans on `tree`.
 
@@ -39,6 +39,7 @@ class Runner:
             report: Is told failures that do not end the run.
             progress: Is told each layer before it is done.
             count: Is told how many steps are done, of how many that are known of.
+            taken: Gets what the actions took that were done [s], where the manager tells.
         """
         self._tree = tree
         self._report = report
@@ -48,7 +49,7 @@ class Runner:
         self._told: set[str] = set()
         self.attempted: list[Action] = []
         self.done: list[Step] = []
-        self.taken: list[tuple[Action, float]] = []
+        self._taken = [] if taken is None else taken
 
     def check(self, checks: Iterable[Check]) -> None:
         """Refuse to begin when something that must hold does not.
@@ -135,7 +136,7 @@ class Runner:
         self.attempted += actions
         results = uninterrupted(lambda: self._tree.apply(actions, is_ordered=is_ordered))
         done = zip(actions, results, strict=False)  # what follows a failure has no result
-        self.taken += [(action, each.took_s) for action, each in done if each.ok and each.took_s]
+        self._taken += [(action, each.took_s) for action, each in done if each.ok and each.took_s]
         return results
 
     def _perform(self, action: Action) -> tuple[Result, ...]:

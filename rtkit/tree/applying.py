@@ -96,7 +96,14 @@ class Goal:
 class Applier:
     """Reaches a goal on one tree."""
 
-    def __init__(self, tree: Tree, goal: Goal, report: Talk, progress: Talk) -> None:
+    def __init__(
+        self,
+        tree: Tree,
+        goal: Goal,
+        report: Talk,
+        progress: Talk,
+        taken: list[tuple[Action, float]] | None = None,
+    ) -> None:
         """Prepare to reach `goal`.
 
         Args:
@@ -104,17 +111,13 @@ class Applier:
             goal: What.
             report: Is told what went otherwise than planned.
             progress: Is told each step when it is done.
+            taken: Gets what the actions took that were done [s].
         """
         self._tree = tree
         self._goal = goal
         self._report = report
         self._progress = progress
-        self._runner = Runner(tree, report)
-
-    @property
-    def taken(self) -> list[tuple[Action, float]]:
-        """What the actions took that were done [s]."""
-        return self._runner.taken
+        self._runner = Runner(tree, report, taken=taken)
 
     def run(self, plan: DeploymentPlan, before: Snapshot, *, rolls_back: bool = False) -> None:
         """Carry a plan out that was made from what lived `before`; go back if that fails.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from rtkit.deployment.creation import checks, creation_plan
+from collections.abc import Mapping
+
+from rtkit.deployment.creation import NOTHING_LACKS, checks, creation_plan
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import Live
 from rtkit.deployment.system import System
@@ -13,16 +15,22 @@ from rtkit.tree.client import Tree
 
 
 def resurrect(
-    tree: Tree, system: System, before: Snapshot, runner: Runner, *, may_create: bool = True
+    tree: Tree,
+    system: System,
+    before: Snapshot,
+    runner: Runner,
+    *,
+    may_create: bool = True,
+    lacks: Mapping[str, str] = NOTHING_LACKS,
 ) -> None:
-    """Make what lives (`before`) the wanted system.
+    """Make what lives (`before`) the wanted system; `lacks` says why some cannot be made.
 
     Raises:
         Refused: Something required is missing or failed; what was made is removed again.
         KeyboardInterrupt: Interrupted; what was made is removed again. Its text tells what remains.
     """
     live = Live(before, system)
-    creation = creation_plan(system, live, may_create=may_create)
+    creation = creation_plan(system, live, may_create=may_create, lacks=lacks)
     runner.check(creation.checks)
     try:
         runner.run(creation)

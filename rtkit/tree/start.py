@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from threading import Event, Lock, Thread
 from time import monotonic
 
-from rtkit.deployment.actions import Result
+from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.execution import Execution
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.turns import StartPlan, Turn
@@ -62,6 +62,7 @@ class Starter:
         report: Talk,
         timeout_s: float | None = None,
         count: Count = lambda _done, _known: None,
+        taken: list[tuple[Action, float]] | None = None,
     ) -> None:
         """Prepare to carry out `plan`.
 
@@ -72,6 +73,7 @@ class Starter:
             report: Is told failures that do not end the plan.
             timeout_s: Bound on the whole [s]; None for none.
             count: Is told how many actions are done, and how many there are.
+            taken: Gets what the actions took that were done [s], where the manager tells.
         """
         self._tree = tree
         self._announce = announce
@@ -85,6 +87,7 @@ class Starter:
         self._is_broken_off = False
         self._sent: set[int] = set()
         self._outcomes: dict[int, Result | BaseException] = {}
+        self._taken = [] if taken is None else taken
 
     def run(self) -> None:
         """Carry the plan out.
@@ -189,6 +192,8 @@ class Starter:
         for turn in self._execution.running:
             outcome = self._outcomes.get(turn.id)
             if isinstance(outcome, Result):
+                if outcome.ok and outcome.took_s and turn.step.action is not None:
+                    self._taken.append((turn.step.action, outcome.took_s))
                 self._execution.answered(turn, outcome, monotonic())
             else:
                 failure = failure or outcome

@@ -110,7 +110,7 @@ STATES = "".join(
         ("states", "idle, dock"),
         ("transitions", "idle -start-> dock; dock -start-> idle"),
         ("state.idle", "*=Inactive"),
-        ("state.dock", "*=Inactive; Robot0=Active"),
+        ("state.dock", "*=Inactive; Sensor0=Active"),
     )
 )
 

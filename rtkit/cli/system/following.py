@@ -105,12 +105,9 @@ class Following:
 
         snapshot = uninterrupted(self._app.tree.snapshot)
         goal = self._states.goal(state)
-        applier = Applier(self._app.tree, goal, self._app.tell, self._app.tell)
-        try:
+        with step_times.noting(self._app, goal.system, snapshot) as taken:
+            applier = Applier(self._app.tree, goal, self._app.tell, self._app.tell, taken)
             applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
-        finally:
-            types = step_times.types_of(goal.system, snapshot)
-            step_times.note(self._app, applier.taken, types)
 
     def _take(self, heard: list[Heard]) -> None:
         from rtkit.deployment.figures import Figures

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
@@ -11,7 +11,7 @@ from rtkit.errors import NotFound
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.live import Live
-    from rtkit.deployment.planning.outlook import Outlook
+    from rtkit.deployment.planning.outlook import Making, Outlook
     from rtkit.deployment.system import System
     from rtkit.rtc.profiles import PortProfile
     from rtkit.statics.blueprint import Blueprint
@@ -28,16 +28,35 @@ def look_ahead(app: App, system: System, snapshot: Snapshot) -> Outlook:
 
     live = Live(snapshot, system)
     asked = makings(system, live)
-    lacks: dict[str, str] = {}
-    if asked and snapshot.pid:
-        distinct = sorted(set(asked.values()))
-        try:
-            found = dict(zip(distinct, app.tree.lacking(distinct), strict=True))
-        except NotFound as error:
-            app.tell(f"which modules are found is not known: {error}")
-        else:
-            lacks = {name: found[making] for name, making in asked.items() if found[making]}
+    lacks = _lacking(app, asked, snapshot)
     return Outlook(lacks, _ports(app, system, live, asked.keys() - lacks.keys()))
+
+
+def lacking(app: App, system: System, snapshot: Snapshot) -> dict[str, str]:
+    """Return why components cannot be made that are not there, by their names.
+
+    Raises:
+        Unreachable: The manager does not answer.
+    """
+    from rtkit.deployment.live import Live
+    from rtkit.deployment.planning.outlook import makings
+
+    live = Live(snapshot, system)
+    asked = makings(system, live)
+    missing = {name: asked[name] for name in asked if live.at(name) is None}
+    return _lacking(app, missing, snapshot)
+
+
+def _lacking(app: App, asked: Mapping[str, Making], snapshot: Snapshot) -> dict[str, str]:
+    if not (asked and snapshot.pid):
+        return {}
+    distinct = sorted(set(asked.values()))
+    try:
+        found = dict(zip(distinct, app.tree.lacking(distinct), strict=True))
+    except NotFound as error:
+        app.tell(f"which modules are found is not known: {error}")
+        return {}
+    return {name: found[making] for name, making in asked.items() if found[making]}
 
 
 def _ports(

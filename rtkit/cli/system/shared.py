@@ -12,6 +12,7 @@ from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
+    from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.plan import Plan
     from rtkit.deployment.system import KnownType, System
@@ -158,11 +159,15 @@ def show(plan: Plan | StartPlan) -> None:
         click.echo(line)
 
 
-def runner(app: App, count: Count = lambda _done, _known: None) -> Runner:
-    """Return what carries plans out and talks on stderr."""
+def runner(
+    app: App,
+    count: Count = lambda _done, _known: None,
+    taken: list[tuple[Action, float]] | None = None,
+) -> Runner:
+    """Return what carries plans out and talks on stderr; `taken` gets what actions took [s]."""
     from rtkit.tree.apply import Runner
 
-    return Runner(app.tree, app.fail, app.tell, count)
+    return Runner(app.tree, app.fail, app.tell, count, taken)
 
 
 def check_text(text: str) -> str:

@@ -10,10 +10,11 @@ from click.core import ParameterSource
 
 from rtkit.cli._app import App
 from rtkit.cli._meter import counted, metered
-from rtkit.cli.system import progress, shared
+from rtkit.cli.system import progress, shared, step_times
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
+    from rtkit.deployment.actions import Action
     from rtkit.deployment.live import Live
     from rtkit.deployment.system import System
     from rtkit.deployment.turns import StartPlan
@@ -63,15 +64,18 @@ def run(
         shared.show(plan)
         return
     shared.runner(app).check(plan.checks)
-    with progress.telling(app, system, active_now):
-        _carry_out(app, plan)
+    with (
+        progress.telling(app, system, active_now),
+        step_times.noting(app, system, snapshot) as taken,
+    ):
+        _carry_out(app, plan, taken)
 
 
-def _carry_out(app: App, plan: StartPlan) -> None:
+def _carry_out(app: App, plan: StartPlan, taken: list[tuple[Action, float]]) -> None:
     from rtkit.tree.start import Starter
 
     source = click.get_current_context().get_parameter_source("timeout")
     is_bounded = plan.has_conditions and source is ParameterSource.COMMANDLINE
     timeout_s = app.timeout_s if is_bounded else None
     with metered(app, app.name.split()[-1]) as show:
-        Starter(app.tree, plan, app.say, app.fail, timeout_s, counted(show)).run()
+        Starter(app.tree, plan, app.say, app.fail, timeout_s, counted(show), taken).run()

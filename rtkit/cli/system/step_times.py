@@ -6,7 +6,8 @@ Two commands that end together may each miss what the other measured; that does 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
@@ -61,6 +62,16 @@ def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, st
         write_output(times_to_text(times).encode(), path())
     except RtkitError as error:
         app.fail(f"what steps took is not kept: {error}")
+
+
+@contextmanager
+def noting(app: App, system: System, snapshot: Snapshot) -> Iterator[list[tuple[Action, float]]]:
+    """Hand out a list for what actions take [s], and note it at the end, however that comes."""
+    taken: list[tuple[Action, float]] = []
+    try:
+        yield taken
+    finally:
+        note(app, taken, types_of(system, snapshot))
 
 
 def types_of(system: System, snapshot: Snapshot) -> dict[str, str]:
