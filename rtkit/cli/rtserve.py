@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
+
+if TYPE_CHECKING:
+    from rtkit.property.access import Policy
 
 _LOCAL = frozenset({"", "localhost", "127.0.0.1"})
 
@@ -21,6 +26,18 @@ def _http_port(context: click.Context, parameter: click.Parameter, value: str | 
     return int(port)
 
 
+def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
+    from rtkit.property.access import Policy, read_policy
+
+    policy = Policy()
+    for number, line in enumerate(lines, 1):
+        policy += read_policy(line, f"--rule {number}")
+    for name in files:
+        with open(name, encoding="utf-8") as stream:
+            policy += read_policy(stream.read(), name)
+    return policy
+
+
 @command("rtserve", is_local=True)
 @click.option("-a", "--argument", "arguments", multiple=True, metavar="[KEY=]VALUE",
               help="What the class is called with (repeatable).")  # fmt: skip
@@ -33,6 +50,10 @@ def _http_port(context: click.Context, parameter: click.Parameter, value: str | 
               help="Names that may be set over the serial line (repeatable).")  # fmt: skip
 @click.option("--http", metavar="[HOST:]PORT", callback=_http_port,
               help="Also open an HTTP door on this host, 0 for any free port.")  # fmt: skip
+@click.option("--rules", "files", multiple=True, metavar="FILE",
+              help="Who may do what through which door, and limits (repeatable).")  # fmt: skip
+@click.option("--rule", "lines", multiple=True, metavar="RULE",
+              help="A line of such a file: 'deny http * SET *' (repeatable).")  # fmt: skip
 @click.argument("thing", metavar="MODULE:CLASS")
 @click.argument("name")
 def main(
@@ -43,6 +64,8 @@ def main(
     serial: str | None,
     settable: tuple[str, ...],
     http: int | None,
+    files: tuple[str, ...],
+    lines: tuple[str, ...],
     thing: str,
     name: str,
 ) -> None:
@@ -66,10 +89,12 @@ def main(
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
     if settable and serial is None:
         raise click.UsageError("--allow-set goes with --serial")
+    policy = _policy(files, lines)
     thing_made = made(thing, arguments)
     with serve(
-        thing_made, name, port=port, serial=serial, settable=settable, http=http, hide=hide
-    ) as served:
+        thing_made, name, port=port, serial=serial, settable=settable, http=http, hide=hide,
+        rules=policy,
+    ) as served:  # fmt: skip
         doors = [f"/localhost/{served.name}"]
         doors += [] if served.port is None else [f"localhost:{served.port}"]
         doors += [] if serial is None else [f"{SCHEME}{serial.removeprefix(SCHEME)}"]

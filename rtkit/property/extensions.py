@@ -17,7 +17,7 @@ from rtkit.property.naming import canonical
 from rtkit.property.reading import read
 from rtkit.property.registry import Place, as_value
 from rtkit.property.spec import gui
-from rtkit.property.types import Content, check
+from rtkit.property.types import Content, check, from_payload, parse_type
 from rtkit.property.values import Element, Value, Word, is_number
 from rtkit.property.writing import write
 
@@ -38,7 +38,7 @@ def get_extension(
     if place.extension == "properties":
         if service.on_names is not None:
             service.on_names()
-        return _names(service, place, parameters)
+        return _names(service, place, parameters, caller)
     if place.extension == "history":
         return _history(place, parameters)
     _nothing_else(parameters, place.extension)
@@ -52,8 +52,7 @@ def get_extension(
         return write(tuple(each.described() for each in declared.parameters))
     if place.extension == "gui":
         return _gui(place.node, place.field)
-    if caller.identity != "owner" and not caller.may("SET", place.name):
-        raise PropertyError("denied", f"who listens to {place.name}")
+    service.permit(caller, "SET", place.name)
     return write(tuple(service.listeners.of(place.node)))
 
 
@@ -87,7 +86,7 @@ def _item(payload: Payload) -> Value:
         return payload
 
 
-def _names(service: Service, place: Place, parameters: dict[str, Value]) -> Payload:
+def _names(service: Service, place: Place, parameters: dict[str, Value], caller: Caller) -> Payload:
     if not parameters:
         if place.path or (place.node is not None and not service.registry.is_inner(place.name)):
             return write(tuple(map(as_value, _parts(service, place))))
@@ -111,18 +110,18 @@ def _names(service: Service, place: Place, parameters: dict[str, Value]) -> Payl
     if pattern is not None:
         names = [each for each in names if fnmatchcase(each, str(pattern))]
     if has_meta:
-        return write(tuple(_told(service, prefix, each) for each in names))
+        return write(tuple(_told(service, prefix, each, caller) for each in names))
     if not has_values:
         for each in names if selected is not None else ():
             service.registry.find(prefix + each)
         return write(tuple(map(as_value, names)))
-    return _pairs(service, prefix, names, is_strict=selected is not None)
+    return _pairs(service, prefix, names, caller, is_strict=selected is not None)
 
 
-def _told(service: Service, prefix: str, name: str) -> Value:
+def _told(service: Service, prefix: str, name: str, caller: Caller) -> Value:
     """Return ``(name meta value)`` of a property, only the name of what is none."""
     node = service.registry.nodes.get(prefix + name)
-    if node is None:
+    if node is None or not caller.may("GET", prefix + name):
         return (as_value(name),)
     described = meta(service, node)
     try:
@@ -143,13 +142,19 @@ def _parts(service: Service, place: Place) -> list[str]:
     return components.names(part, () if place.path else place.node.spec.labels)
 
 
-def _pairs(service: Service, prefix: str, names: list[str], *, is_strict: bool) -> str:
+def _pairs(
+    service: Service, prefix: str, names: list[str], caller: Caller, *, is_strict: bool
+) -> str:
     """Return ``(name value)`` of each; names that were asked for must all have one."""
     from rtkit.property.registry import as_item
 
     texts: list[str] = []
     nodes = service.registry.nodes
     for name in names:
+        if is_strict:
+            service.permit(caller, "GET", prefix + name)
+        elif not caller.may("GET", prefix + name):
+            continue
         node = nodes.get(prefix + name if prefix else name)
         if node is not None and node.reader is None and node.value is not None:
             payload: Payload = node.payload
@@ -183,7 +188,7 @@ def set_extension(service: Service, place: Place, parameters: dict[str, Value], 
     Raises:
         PropertyError: ``read-only``, ``bad-value``, ``denied`` …
     """
-    payload = ask.payload if isinstance(ask.payload, str) else (ask.payload or b"").decode()
+    payload = str(from_payload(parse_type("text"), ask.payload or ""))
     if place.extension == "listen":
         _listen(service, place, payload, parameters, ask.caller)
     elif place.extension == "properties":
@@ -219,8 +224,7 @@ def _set_all(service: Service, place: Place, payload: str, caller: Caller) -> No
             raise PropertyError("bad-value", f"given twice: {node.name}")
         if node.function is not None:
             raise PropertyError("bad-value", f"an action cannot be taken back: {node.name}")
-        if not caller.may("SET", node.name):
-            raise PropertyError("denied", f"SET by {caller.identity or 'nobody'}: {node.name}")
+        service.permit(caller, "SET", node.name)
         service.check_writable(node, node.name)
         try:
             wanted[node.name] = (node, node.spec.admit(check(node.spec.type, value)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.property.access import Access
 from rtkit.property.codes import code_of, rebuilt
 
 if TYPE_CHECKING:
@@ -49,15 +50,18 @@ class Caller:
     Attributes:
         identity: A name that the door has made sure of; empty for anybody.
         origin: Whose requests, repeated with their id, are the same ones.
+        access: What the door lets whom do.
     """
+
+    access = Access()
 
     def __init__(self, identity: str = "") -> None:
         self.identity = identity
         self.origin: Hashable = self
 
     def may(self, method: str, name: str) -> bool:
-        """Whether it may GET or SET a property; SET is for those who are known."""
-        return method == "GET" or bool(self.identity)
+        """Whether it may GET or SET a property, or what is asked about it."""
+        return self.access.may(self.identity, method, name)
 
     def listen(self, listener: Listener) -> None:
         """Take on what is to be sent to this caller.

@@ -212,11 +212,12 @@ class Service:
         if target.service and target.service != self.name:
             raise PropertyError("no-service", f"no such service: {target.service}")
         method = "GET" if ask.payload is None else "SET"
-        if not ask.caller.may(method, target.name):
-            if self.on_refusal is not None:
-                self.on_refusal(ask.caller.identity, method, target.name)
-            who = ask.caller.identity or "who is not known"
-            raise PropertyError("denied", f"{method} by {who}: {target.name}")
+        last = target.name.rpartition(".")[2]
+        if last == "listen":
+            method = "GET"  # who listens reads
+        if last != "properties" or method == "GET":
+            self.permit(ask.caller, method, target.name)
+        # Of several that are set at once each is looked at by itself.
         if ask.payload is None:
             return Answer(self._get(target, ask))
         key = _identity_of(ask, target)
@@ -252,6 +253,18 @@ class Service:
     def forget(self, caller: Caller) -> None:
         """Send nothing any more to who is gone."""
         self.listeners.end_caller(caller)
+
+    def permit(self, caller: Caller, method: str, name: str) -> None:
+        """Refuse what the rules of a door do not let a caller do.
+
+        Raises:
+            PropertyError: ``denied``.
+        """
+        if caller.may(method, name):
+            return
+        if self.on_refusal is not None:
+            self.on_refusal(caller.identity, method, name)
+        raise PropertyError("denied", f"{method} by {caller.identity or 'nobody'}: {name}")
 
     def find(self, name: str) -> Place:
         """Return what a name stands for, looking once more when there is no such name.

@@ -16,11 +16,13 @@ from rtkit.property.line import Asked, Requests, write_answer, write_event
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Caller, Event
 from rtkit.property.order import InOrder
+from rtkit.serving.pace import too_fast
 
 if TYPE_CHECKING:
     from rtkit.serving.host import End, Host
     from rtkit.serving.login import Login
     from rtkit.serving.owner import Owner
+    from rtkit.serving.room import Room
 
 _PIECE = 1 << 16
 _HIGH = 1 << 18
@@ -40,17 +42,27 @@ class Connection(Caller):
         end: The socket.
         service: The one that is meant where no other is named.
         login: Asks who it is; None where the kernel has told.
+        room: How much there is room for, and what may be done.
     """
 
     def __init__(
-        self, host: Host, end: End, service: str, identity: str, login: Login | None
+        self,
+        host: Host,
+        end: End,
+        service: str,
+        identity: str,
+        login: Login | None,
+        room: Room,
     ) -> None:
         super().__init__(identity)
+        self.access = room.access
+        self._room = room
+        self._pace = room.pace()
         self._host = host
         self._end = end
         self._service = service
         self._login = login
-        self._requests = Requests()
+        self._requests = Requests(room.limits.size)
         self._out = bytearray()
         self._order = InOrder(self._put)
         self._is_working = False
@@ -68,12 +80,18 @@ class Connection(Caller):
 
     def listen(self, listener: Listener) -> None:
         """See `Caller.listen`."""
+        self._room.check_listeners(self.listening)
         self._listeners.append(listener)
 
     def unlisten(self, listener: Listener) -> None:
         """See `Caller.unlisten`."""
         if listener in self._listeners:
             self._listeners.remove(listener)
+
+    @property
+    def listening(self) -> int:
+        """How much it listens to."""
+        return len(self._listeners)
 
     def wake(self) -> None:
         """See `Caller.wake`."""
@@ -106,7 +124,12 @@ class Connection(Caller):
     def _is_answered(self, data: bytes) -> bool:
         """Answer what nearly all requests are: one line, about a property that is kept here."""
         is_busy = self._out or self._is_half or self._order.waiting or self._is_closing
-        if is_busy or not self.identity or data.find(b"\n") != len(data) - 1:
+        if (
+            is_busy
+            or self._pace is not None
+            or not self.identity
+            or data.find(b"\n") != len(data) - 1
+        ):
             return False
         service = self._host.services.get(self._service)
         reply = None if service is None else self._plain_reply(service, data)
@@ -161,6 +184,8 @@ class Connection(Caller):
         if asked.error is not None:
             answer(Answer(str(asked.error), asked.error.code))
             self._is_closing = asked.is_last
+        elif self._pace is not None and not self._pace.takes(monotonic()):
+            answer(Answer(too_fast(self._room.limits.rate), "busy"))
         else:
             self._dispatch(asked, answer)
 
@@ -264,4 +289,4 @@ def peer(end: socket.socket) -> str:
 
     raw = end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i"))
     _, uid, _ = struct.unpack("3i", raw)
-    return f"uid {uid}" if uid == os.getuid() else ""
+    return f"uid-{uid}" if uid == os.getuid() else ""

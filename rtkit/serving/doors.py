@@ -13,9 +13,9 @@ from rtkit.link import places, secret
 from rtkit.serving.connection import Connection, peer
 from rtkit.serving.host import Host
 from rtkit.serving.login import Login
+from rtkit.serving.room import Room
 
 LOOPBACK = "127.0.0.1"
-_MOST_CONNECTIONS = 512
 _BACKLOG = 128
 
 
@@ -35,6 +35,8 @@ class Door:
         self._service = service
         self._is_open_to_all = is_open_to_all
         self._connections: list[Connection] = []
+        name = "tcp" if is_open_to_all else "unix"
+        self._room = Room(host.policy, name, lambda: self._connections)
         end.setblocking(False)
         end.listen(_BACKLOG)
         host.register(end, self)
@@ -46,8 +48,8 @@ class Door:
         except OSError:
             return  # it has gone again, or there is no descriptor left: the next one may fit
         self._connections = [each for each in self._connections if each.is_open]
-        if len(self._connections) >= _MOST_CONNECTIONS:
-            _turn_away(client, f"busy there are {_MOST_CONNECTIONS} connections")
+        if len(self._connections) >= self._room.limits.connections:
+            _turn_away(client, f"busy there are {self._room.limits.connections} connections")
             return
         identity, login = "", None
         if self._is_open_to_all:
@@ -58,7 +60,9 @@ class Door:
             if not identity:
                 _turn_away(client, "denied this is the door of another user")
                 return
-        self._connections.append(Connection(self._host, client, self._service, identity, login))
+        self._connections.append(
+            Connection(self._host, client, self._service, identity, login, self._room)
+        )
 
     def flush(self, now: float) -> float | None:
         """See `Tenant.flush`."""

@@ -14,6 +14,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
+from rtkit.property.access import Policy
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import Finished, Work
 from rtkit.serving.owner import Owner
@@ -71,9 +72,11 @@ class Host:
     Attributes:
         services: By name.
         lock: To be held by who touches a service.
+        policy: What may be done through which door.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, policy: Policy | None = None) -> None:
+        self.policy = policy or Policy()
         self.services: dict[str, Owner] = {}
         self.lock = threading.Lock()
         self._epoll = select.epoll()

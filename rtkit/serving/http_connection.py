@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import h11
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.line import LONGEST_LINE
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Caller
 from rtkit.serving import http_request
@@ -23,9 +22,11 @@ from rtkit.serving.http_events import Heard, write_sse
 from rtkit.serving.http_guard import Guard, stranger
 from rtkit.serving.http_request import EVENTS, METHODS, Response, Wanted, failure
 from rtkit.serving.login import PATIENCE_S
+from rtkit.serving.pace import too_fast
 
 if TYPE_CHECKING:
     from rtkit.serving.host import Host
+    from rtkit.serving.room import Room
 
 REQUEST_S = 10.0
 """How long a request may take to come, from its first byte to its last [s]."""
@@ -35,11 +36,9 @@ STUCK_S = 30.0
 """How long what is sent may lie unread [s]."""
 HEARTBEAT_S = 10.0
 """How long a stream of events is silent at most [s]."""
-MOST_STREAMS = 64
 _LINGER_S = 2.0
 _PIECE = 1 << 16
 _LONGEST_HEAD = 1 << 14
-_LONGEST_BODY = LONGEST_LINE
 _ROOM_FOR_EVENTS = 1 << 15
 _PAGES = {
     "/": ("page.html", "text/html; charset=utf-8"),
@@ -59,23 +58,24 @@ class HttpConnection(Caller):
     """A client behind a socket.
 
     Args:
-        streams: Those of this door that get events.
+        room: How much there is room for, and what may be done.
 
     Attributes:
         is_stream: It gets events, and asks nothing any more.
         is_open: Until the socket is closed.
     """
 
-    def __init__(
-        self, host: Host, end: socket.socket, guard: Guard, streams: set[HttpConnection]
-    ) -> None:
+    def __init__(self, host: Host, end: socket.socket, guard: Guard, room: Room) -> None:
         super().__init__()
+        self.access = room.access
         self.is_stream = False
         self.is_open = True
         self._host = host
         self._end = end
         self._guard = guard
-        self._streams = streams
+        self._room = room
+        self._pace = room.pace()
+        self._longest = room.limits.size
         self._http = h11.Connection(h11.SERVER, _LONGEST_HEAD)
         self._out = bytearray()
         self._request: h11.Request | None = None
@@ -100,12 +100,18 @@ class HttpConnection(Caller):
         """See `Caller.listen`; only what asks for a stream of events can listen."""
         if not self.is_stream:
             raise PropertyError("denied", f"events are for a GET that accepts {EVENTS}")
+        self._room.check_listeners(self.listening)
         self._listeners.append(listener)
 
     def unlisten(self, listener: Listener) -> None:
         """See `Caller.unlisten`."""
         if listener in self._listeners:
             self._listeners.remove(listener)
+
+    @property
+    def listening(self) -> int:
+        """How much it listens to."""
+        return len(self._listeners)
 
     def wake(self) -> None:
         """See `Caller.wake`."""
@@ -198,7 +204,7 @@ class HttpConnection(Caller):
             self._begin(event)
         elif isinstance(event, h11.Data):
             self._body += event.data
-            if len(self._body) > _LONGEST_BODY:
+            if len(self._body) > self._longest:
                 self._refuse_body()
         elif isinstance(event, h11.EndOfMessage):
             self._ask()
@@ -214,7 +220,7 @@ class HttpConnection(Caller):
         self._respond(failure(code, f"HTTP: {error}", error.error_status_hint), closes=True)
 
     def _refuse_body(self) -> None:
-        self._respond(failure("too-large", f"longer than {_LONGEST_BODY} bytes"), closes=True)
+        self._respond(failure("too-large", f"longer than {self._longest} bytes"), closes=True)
 
     def _begin(self, request: h11.Request) -> None:
         """Look at the head of a request: what is refused by it needs no body."""
@@ -227,7 +233,7 @@ class HttpConnection(Caller):
         if self._refused is not None:
             if self._has_body():
                 self._respond(self._refused, closes=True)
-        elif int(self._headers.get("content-length", "0")) > _LONGEST_BODY:
+        elif int(self._headers.get("content-length", "0")) > self._longest:
             self._refuse_body()
         elif self._http.they_are_waiting_for_100_continue:
             go_on = h11.InformationalResponse(status_code=100, headers=[])
@@ -257,6 +263,9 @@ class HttpConnection(Caller):
             text = "who you are is to be shown: Digest, with the secret of the user"
             refused = failure("denied", text, HTTPStatus.UNAUTHORIZED)
             return refused._replace(more=(("WWW-Authenticate", verdict.challenge),))
+        if self._pace is not None and not self._pace.takes(monotonic()):
+            text = too_fast(self._room.limits.rate)
+            return failure("busy", text, HTTPStatus.TOO_MANY_REQUESTS)
         if method not in METHODS:
             return failure("read-only", f"no method {method[:20]}", HTTPStatus.METHOD_NOT_ALLOWED)
         return None
@@ -311,10 +320,6 @@ class HttpConnection(Caller):
         service.handle(Ask(target, payload, answer, self))
 
     def _open_stream(self, asked: Wanted) -> None:
-        if len(self._streams) >= MOST_STREAMS:
-            full = f"there are {MOST_STREAMS} streams of events"
-            self._respond(failure("busy", full, HTTPStatus.SERVICE_UNAVAILABLE))
-            return
         self._heard = Heard(self._headers.get("last-event-id", ""))
         answers: list[Answer] = []
         self.is_stream = True
@@ -324,7 +329,6 @@ class HttpConnection(Caller):
             self.is_stream = False
             self._respond(failure(answers[0].error, str(answers[0].payload)))
             return
-        self._streams.add(self)
         kind = [("Content-Type", EVENTS), ("Connection", "close"), *_ALWAYS]
         self._out += self._http.send(h11.Response(status_code=200, headers=kind)) or b""
         self._stream(b"retry: 1000\n\n")
@@ -398,7 +402,6 @@ class HttpConnection(Caller):
         if not self.is_open:
             return
         self.is_open = False
-        self._streams.discard(self)
         self._host.unregister(self._end, self)
         self._end.close()
         for service in self._host.services.values():

@@ -9,8 +9,8 @@ from rtkit.errors import Refused, Unreachable
 from rtkit.link import secret
 from rtkit.serving.doors import LOOPBACK
 from rtkit.serving.host import Host
+from rtkit.serving.room import Room
 
-_MOST_CONNECTIONS = 128
 _BACKLOG = 128
 
 
@@ -26,7 +26,7 @@ class HttpDoor:
         self._end = end
         self._guard = Guard(secret.read())
         self._clients: list[HttpConnection] = []
-        self._streams: set[HttpConnection] = set()
+        self._room = Room(host.policy, "http", lambda: self._clients)
         end.setblocking(False)
         end.listen(_BACKLOG)
         host.register(end, self)
@@ -38,11 +38,11 @@ class HttpDoor:
         except OSError:
             return  # it has gone again, or there is no descriptor left: the next one may fit
         self._clients = [each for each in self._clients if each.is_open]
-        if len(self._clients) >= _MOST_CONNECTIONS:
-            _turn_away(client)
+        if len(self._clients) >= self._room.limits.connections:
+            _turn_away(client, self._room.limits.connections)
             return
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._clients.append(self._connection(self._host, client, self._guard, self._streams))
+        self._clients.append(self._connection(self._host, client, self._guard, self._room))
 
     def flush(self, now: float) -> float | None:
         """See `Tenant.flush`."""
@@ -52,8 +52,8 @@ class HttpDoor:
         """See `Tenant.check`."""
 
 
-def _turn_away(client: socket.socket) -> None:
-    text = f"busy there are {_MOST_CONNECTIONS} connections\n"
+def _turn_away(client: socket.socket, most: int) -> None:
+    text = f"busy there are {most} connections\n"
     head = "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 1\r\n"
     with contextlib.suppress(OSError):
         client.setblocking(False)

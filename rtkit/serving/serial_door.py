@@ -7,18 +7,19 @@ it leave either: who listens has a lease.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fnmatch import fnmatchcase
 from logging import getLogger
 from time import monotonic
 
 from rtkit.errors import Unreachable
 from rtkit.link.serial_line import SerialAddress, SerialEnd
+from rtkit.property.access import NOBODY, Rule
 from rtkit.property.checked import CheckedRequests, frame
 from rtkit.property.line import Asked
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Event
 from rtkit.serving.connection import Connection
 from rtkit.serving.host import Host
+from rtkit.serving.room import Room
 
 LEASE_S = 10.0
 """How long who listens is served without being heard of, unless it says otherwise [s]."""
@@ -43,7 +44,9 @@ class SerialDoor:
         self._host = host
         self._address = address
         self._service = service
-        self._settable = tuple(settable)
+        self._clients: list[_SerialConnection] = []
+        own = [Rule(True, "serial", NOBODY, "SET", each) for each in settable]
+        self._room = Room(host.policy, "serial", lambda: self._clients, own)
         self._wait_s = 0.0
         self._try_at = 0.0
         self._is_open = False
@@ -76,7 +79,8 @@ class SerialDoor:
             getLogger("rtkit.properties").warning("%s is back", self._address)
         self._is_open, self._is_missed, self._wait_s, self._try_at = True, False, 0.0, 0.0
         wanted = self._address.has_checks
-        _SerialConnection(self._host, end, self._service, self._settable, wanted, self)
+        client = _SerialConnection(self._host, end, self._service, wanted, self, self._room)
+        self._clients = [client]
         return True
 
     def _miss(self, why: str) -> None:
@@ -101,24 +105,15 @@ class _SerialConnection(Connection):
         host: Host,
         end: SerialEnd,
         service: str,
-        settable: tuple[str, ...],
         has_checks: bool | None,
         door: SerialDoor,
+        room: Room,
     ) -> None:
-        super().__init__(host, end, service, "", None)
+        super().__init__(host, end, service, "", None, room)
         self.origin = door
         self._door = door
-        self._settable = settable
         self._requests = CheckedRequests(has_checks)
         self._told: dict[Listener, Event] = {}
-
-    def may(self, method: str, name: str) -> bool:
-        """See `Caller.may`: all may be got and listened to; set what is named."""
-        last = name.rpartition(".")[2]
-        if method == "GET" or last == "listen":
-            return True
-        # Several at once: each of them is asked about by itself.
-        return last == "properties" or any(fnmatchcase(name, each) for each in self._settable)
 
     def _is_answered(self, data: bytes) -> bool:
         return False

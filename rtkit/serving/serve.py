@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 from rtkit.closing import Closing
 from rtkit.errors import Malformed
+from rtkit.property.access import Policy, read_policy
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import canonical_segment
 from rtkit.property.objects import Exported
@@ -75,6 +76,7 @@ def serve(
     settable: Iterable[str] = (),
     http: int | None = None,
     hide: Iterable[str] = (),
+    rules: str | Policy = "",
     is_on_zenoh: bool = True,
 ) -> Served:
     """Serve an object: its attributes are properties, its methods actions; its class stays as is.
@@ -95,14 +97,15 @@ def serve(
         settable: Patterns of names that may be set over it; none may, unless told.
         http: Also open this port of the host, 0 for any, for HTTP, likewise.
         hide: Names that are not to be seen.
+        rules: Who may do what through which door, and how much: `rtkit.property.access`.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
 
     Raises:
         Refused: A service of that name runs.
-        Malformed: It is no name, or no serial line.
+        Malformed: It is no name, or no serial line; a rule cannot be read.
         Unreachable: A port is taken.
     """
-    host = Host()
+    host = Host(read_policy(rules) if isinstance(rules, str) else rules)
     service = thing if isinstance(thing, Service) else Service()
     try:
         service.name = "/".join(map(canonical_segment, name.split("/")))

@@ -16,8 +16,8 @@ from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Caller, Event
 from rtkit.serving.host import Host
 from rtkit.serving.owner import Owner
+from rtkit.serving.room import Room
 
-_MOST_EARS = 1024
 _RETRY = '{"period_init_ms": 500, "period_max_ms": 5000, "period_increase_factor": 2}'
 
 
@@ -54,11 +54,17 @@ class Desk:
         self.send: Callable[[str, Event], None] = lambda ear, event: None
         self._host = host
         self._service = service
-        self._asker = Caller("user")
         self._ears: dict[str, Ear] = {}
+        self.room = Room(host.policy, "zenoh", lambda: list(self._ears.values()))
+        self._asker = Caller("user")
+        self._asker.access = self.room.access
 
     def take(self, query: Queried) -> None:
         """Take a query, on a thread of the transport: nothing of the user's is called here."""
+        most = self.room.limits.size
+        if query.payload is not None and len(query.payload) > most:
+            query.answer(Answer(f"longer than {most} bytes", "too-large"))
+            return
         is_kept = self._service.is_plain(query.target)
         if is_kept and not self._host.has_posted and self._host.lock.acquire(blocking=False):
             try:
@@ -87,8 +93,8 @@ class Desk:
         if id not in self._ears:
             for gone in [each for each, ear in self._ears.items() if not ear.is_used]:
                 del self._ears[gone]
-            if len(self._ears) >= _MOST_EARS:
-                raise PropertyError("denied", f"{_MOST_EARS} are listening")
+            if len(self._ears) >= self.room.limits.connections:
+                raise PropertyError("denied", f"{self.room.limits.connections} are listening")
             self._ears[id] = Ear(self, self._host, id)
         return self._ears[id]
 
@@ -98,6 +104,7 @@ class Ear(Caller):
 
     def __init__(self, desk: Desk, host: Host, id: str) -> None:
         super().__init__("user")
+        self.access = desk.room.access
         self._desk = desk
         self._host = host
         self._id = id
@@ -109,8 +116,14 @@ class Ear(Caller):
         """Whether it listens to anything."""
         return bool(self._listeners)
 
+    @property
+    def listening(self) -> int:
+        """How much it listens to."""
+        return len(self._listeners)
+
     def listen(self, listener: Listener) -> None:
         """See `Caller.listen`."""
+        self._desk.room.check_listeners(self.listening)
         self._listeners.append(listener)
 
     def unlisten(self, listener: Listener) -> None:

@@ -1,0 +1,195 @@
+"""Who may do what through which door, and how much: rules in an order, the first that fits decides.
+
+One rule or limit a line; ``#`` begins a remark::
+
+    allow  http  rtkit-0  SET  arm.*
+    deny   http  *        SET  *
+    deny   *     *        GET  diary
+    limit  tcp   rate     100
+
+A rule names a door (``unix tcp http zenoh serial`` or ``*``), who asks (a pattern; ``nobody`` is
+who has not shown who it is), ``GET``, ``SET`` or ``*``, and a pattern of names: it holds for what
+lies below them too, and for all that is asked about them. Listening is a GET. Where no rule fits,
+GET is for all that the door lets in, SET for who is known. What a property itself refuses stays
+refused.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from fnmatch import fnmatchcase
+from typing import NamedTuple
+
+from rtkit.errors import Malformed
+
+DOORS = ("unix", "tcp", "http", "zenoh", "serial")
+METHODS = ("GET", "SET")
+NOBODY = "nobody"
+_ANY = "*"
+_PATTERN = re.compile(r"[A-Za-z0-9_+~\-%.*?\[\]!]+")
+_LONGEST = 255
+_MOST_RULES = 1000
+_MOST_KNOWN = 4096
+
+
+class Rule(NamedTuple):
+    """One line of them."""
+
+    allows: bool
+    door: str
+    identity: str
+    method: str
+    target: str
+
+    def concerns(self, identity: str, method: str, name: str) -> bool:
+        """Whether it is about a request; what lets somebody unknown SET has to say so."""
+        if self.method not in (_ANY, method):
+            return False
+        if self.allows and method == "SET" and not identity and self.identity != NOBODY:
+            return False
+        if not fnmatchcase(identity or NOBODY, self.identity):
+            return False
+        segments = name.split(".")
+        return any(
+            fnmatchcase(".".join(segments[:end]), self.target)
+            for end in range(1, len(segments) + 1)
+        )
+
+
+class Access:
+    """What the rules of one door come to."""
+
+    def __init__(self, rules: Iterable[Rule] = ()) -> None:
+        self._rules = tuple(rules)
+        self._known: dict[tuple[str, str, str], bool] = {}
+
+    def may(self, identity: str, method: str, name: str) -> bool:
+        """Whether somebody may GET or SET a property, or whatever is asked about it."""
+        if not self._rules:
+            return method == "GET" or bool(identity)
+        key = (identity, method, name)
+        known = self._known.get(key)
+        if known is None:
+            known = self._decided(*key)
+            if len(self._known) >= _MOST_KNOWN:
+                self._known.clear()
+            self._known[key] = known
+        return known
+
+    def _decided(self, identity: str, method: str, name: str) -> bool:
+        for rule in self._rules:
+            if rule.concerns(identity, method, name):
+                return rule.allows
+        return method == "GET" or bool(identity)
+
+
+class Limits(NamedTuple):
+    """How much one door gives.
+
+    Attributes:
+        connections: Clients at a time.
+        listeners: What one client may listen to.
+        door_listeners: What all its clients together may listen to.
+        rate: Requests of one client in a second, as many at once; 0 for any number.
+        size: Bytes of a request.
+    """
+
+    connections: int = 512
+    listeners: int = 1024
+    door_listeners: int = 8192
+    rate: int = 0
+    size: int = (1 << 20) + 1024
+
+
+_OF_DOOR = {"http": Limits(connections=128, door_listeners=64, rate=2000)}
+"""Where a door differs from the others."""
+
+
+class Policy:
+    """Rules and limits of all doors of a service."""
+
+    def __init__(
+        self, rules: Iterable[Rule] = (), limits: Iterable[tuple[str, str, int]] = ()
+    ) -> None:
+        self.rules = tuple(rules)
+        self._limits = tuple(limits)
+
+    def access(self, door: str, last: Iterable[Rule] = ()) -> Access:
+        """Return what holds at a door; `last` are rules of its own, behind the others."""
+        ours = [each for each in self.rules if each.door in (_ANY, door)]
+        return Access([*ours, *last])
+
+    def limits(self, door: str) -> Limits:
+        """Return how much a door gives; of two lines about one limit the first counts."""
+        limits = _OF_DOOR.get(door, Limits())
+        for where, what, number in reversed(self._limits):
+            if where in (_ANY, door):
+                limits = limits._replace(**{what: number})
+        return limits
+
+    def __add__(self, other: Policy) -> Policy:
+        return Policy(self.rules + other.rules, self._limits + other._limits)
+
+
+def read_policy(text: str, origin: str = "rules") -> Policy:
+    """Read lines of rules and limits.
+
+    Args:
+        text: The lines.
+        origin: Where they come from, for errors.
+
+    Raises:
+        Malformed: ``ORIGIN:LINE: what is wrong``.
+    """
+    rules: list[Rule] = []
+    limits: list[tuple[str, str, int]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        words = line.partition("#")[0].split()
+        if not words:
+            continue
+        try:
+            if words[0] == "limit":
+                limits.append(_limit(words))
+            else:
+                rules.append(_rule(words))
+        except ValueError as error:
+            raise Malformed(f"{origin}:{number}: {error}") from None
+        if len(rules) > _MOST_RULES:
+            raise Malformed(f"{origin}:{number}: more than {_MOST_RULES} rules")
+    return Policy(rules, limits)
+
+
+def _rule(words: list[str]) -> Rule:
+    if words[0] not in ("allow", "deny"):
+        raise ValueError(f"expected allow, deny or limit, found {words[0][:40]}")
+    if len(words) != 5:
+        raise ValueError(f"expected {words[0]} DOOR IDENTITY METHOD TARGET")
+    _, door, identity, method, target = words
+    _check_door(door)
+    if method not in (*METHODS, _ANY):
+        raise ValueError(f"expected GET, SET or *, found {method[:40]}")
+    if not _PATTERN.fullmatch(target) or len(target) > _LONGEST:
+        raise ValueError(f"not a pattern of names: {target[:40]}")
+    return Rule(words[0] == "allow", door, identity, method, target)
+
+
+def _limit(words: list[str]) -> tuple[str, str, int]:
+    if len(words) != 4:
+        raise ValueError("expected limit DOOR WHAT NUMBER")
+    _, door, what, number = words
+    _check_door(door)
+    if what not in Limits._fields:
+        raise ValueError(f"expected one of {' '.join(Limits._fields)}, found {what[:40]}")
+    if not (number.isascii() and number.isdigit() and len(number) < 10):
+        raise ValueError(f"expected a number, found {number[:40]}")
+    if not int(number) and what != "rate":
+        raise ValueError(f"{what} is at least 1")
+    if what == "size" and int(number) > Limits().size:
+        raise ValueError(f"size is at most {Limits().size}")
+    return door, what, int(number)
+
+
+def _check_door(door: str) -> None:
+    if door not in (*DOORS, _ANY):
+        raise ValueError(f"expected a door ({' '.join(DOORS)} or *), found {door[:40]}")
