@@ -219,6 +219,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
             "With a serial line, over which the angles may be set.",
         ),
         ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
+        ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Only looked at over zenoh."),
     ),
     "rtset": (
         ("rtset robot.speed -0.5", "A number."),

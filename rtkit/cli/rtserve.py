@@ -27,13 +27,11 @@ def _http_port(context: click.Context, parameter: click.Parameter, value: str | 
 
 
 def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
-    from rtkit.property.access import Policy, read_policy
+    from rtkit.property.access import read_policy
 
-    policy = Policy()
-    for number, line in enumerate(lines, 1):
-        policy += read_policy(line, f"--rule {number}")
+    policy = read_policy("\n".join(lines), "--rule")
     for name in files:
-        with open(name, encoding="utf-8") as stream:
+        with open(name, encoding="utf-8", errors="replace") as stream:
             policy += read_policy(stream.read(), name)
     return policy
 

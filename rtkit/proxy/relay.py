@@ -119,7 +119,9 @@ class Relay:
         name = self._names.inward(name)
         listened = _listened(name)
         if listened is not None:
-            self._check_caller("SET", target.name, ask.caller)
+            # Who listens reads; who else does is for those to know who may set.
+            method = "SET" if ask.payload is None else "GET"
+            self._check_caller(method, target.name, ask.caller)
         if listened is not None and ask.payload is not None:
             self._listen(listened, target, ask)
             return

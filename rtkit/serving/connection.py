@@ -124,12 +124,8 @@ class Connection(Caller):
     def _is_answered(self, data: bytes) -> bool:
         """Answer what nearly all requests are: one line, about a property that is kept here."""
         is_busy = self._out or self._is_half or self._order.waiting or self._is_closing
-        if (
-            is_busy
-            or self._pace is not None
-            or not self.identity
-            or data.find(b"\n") != len(data) - 1
-        ):
+        is_bounded = self._pace is not None or len(data) > self._room.limits.size
+        if is_busy or is_bounded or not self.identity or data.find(b"\n") != len(data) - 1:
             return False
         service = self._host.services.get(self._service)
         reply = None if service is None else self._plain_reply(service, data)

@@ -18,6 +18,7 @@ from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places, secret
 from rtkit.link.http_client import connect_http
 from rtkit.link.line_client import LineClient, connect_tcp, connect_unix, listening
+from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
 from rtkit.serving import connection, login
 from rtkit.serving.serve import Served, serve
@@ -278,3 +279,94 @@ def _check_slow(first: LineClient, second: LineClient, go: threading.Event) -> N
     assert states[-1] == '<call state="done"><result>3.0</result></call>'
     assert first.ask("work?echo", "4").payload == (
         '<call state="done"><result>4.0</result></call>')  # fmt: skip
+
+
+# Rules and limits
+
+
+RULES = """
+deny  * *  GET arm.joint
+deny  * *  SET mode
+allow * *  SET arm.*
+allow * *  SET count
+allow * *  SET any
+deny  * *  SET *
+limit * size 5000
+limit * listeners 2
+limit zenoh connections 2
+"""
+
+ROWS = [
+    ("speed", None, ""), ("speed", "0", "denied"), ("count", "1", ""), ("mode", "idle", "denied"),
+    ("arm.angle", "2", ""), ("arm.joint.1", "2", ""),
+    ("arm.joint.1", None, "denied"), ("%61rm.joint.1", None, "denied"),
+    ("arm.joint.1.meta", None, "denied"), ("arm.joint.1.history", None, "denied"),
+    ("arm.joint.1.listen", "self", "denied"), ("arm.joint.1.gui", None, "denied"),
+    ("speed.listen", None, "denied"),
+    ("count.listen", None, ""),
+    ("location.x", "2", "denied"), ("double", "1", "denied"), ("double.stop", "true", "denied"),
+    ("properties", "((count 2) (arm.angle 3))", ""),
+    ("properties", "((count 3) (speed 0.5))", "denied"),
+    ("properties?names=(speed%20arm.joint.1)&values", None, "denied"),
+    ("arm.properties?names=(joint.1)&values", None, "denied"),
+    ("arm.properties", "((joint.1 3))", ""),
+    ("any", '"' + "x" * 6000 + '"', "too-large"), ("any", '"' + "x" * 4000 + '"', ""),
+]  # fmt: skip
+"""Target, payload, and the code that answers it."""
+
+
+def test_rules_hold_at_every_door(place: str, caplog: pytest.LogCaptureFixture) -> None:
+    with _ruled() as served:
+        for name, made in DOORS.items():
+            door = made(served)
+            caplog.clear()
+            wrong = [
+                (name, target, answer) for target, payload, code in ROWS
+                if (answer := door.ask(target, payload)).error != code
+            ]  # fmt: skip
+            assert wrong == []
+            assert door.ask("count").payload == "2", "nothing of a bulk SET that was denied"
+            told = str(door.ask("properties?all&values").payload)
+            assert "(speed 0.25)" in told
+            assert "joint.1" not in told, "what may not be got is in no list of values"
+            assert "(joint.1)" in str(door.ask("arm.properties?all&meta").payload)
+            denied = [each.getMessage() for each in caplog.records if "denied: SET" in each.message]
+            assert len(denied) == 7, "every SET that was denied is in the log"
+            door.close()
+
+
+def test_listeners_are_bounded_at_every_door(place: str) -> None:
+    with _ruled("limit * door_listeners 2") as served:
+        for made in DOORS.values():
+            door = made(served)
+            with door.listen("count") as first, door.listen("speed") as second:
+                next(first)
+                next(second)
+                with pytest.raises(PropertyError) as refused, door.listen("mode"):
+                    pass
+                assert refused.value.code == "denied"
+            door.close()
+
+
+@pytest.mark.parametrize("name", ["unix", "tcp", "http"])
+def test_who_asks_too_often_is_told(place: str, name: str) -> None:
+    with _ruled("limit * rate 20") as served:
+        door = DOORS[name](served)
+        answers = [door.ask("speed") for _ in range(200)]
+        assert {each.error for each in answers} == {"", "busy"}
+        assert "more than 20 requests a second" in {each.payload for each in answers}
+        door.close()
+
+
+def test_one_connection_too_many_is_told(place: str) -> None:
+    with _ruled("limit * connections 1") as served:
+        first = DOORS["unix"](served)
+        assert first.ask("speed").error == ""
+        second = DOORS["unix"](served)
+        assert second.ask("speed").error == "busy"
+        first.close()
+        second.close()
+
+
+def _ruled(rules: str = RULES) -> Served:
+    return serve(subject(), "robot", port=0, http=0, rules=rules)
