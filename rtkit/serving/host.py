@@ -249,13 +249,14 @@ class Host:
         """Serve nothing any more, and forget all connections."""
         if self._is_ended.is_set():
             return
-        while self._closers:
-            self._closers.pop()()
+        # The loop goes first: it must not meet what has been closed.
         self._is_ended.set()
         self._is_woken = False
         self.wake()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()
+        while self._closers:
+            self._closers.pop()()
         for end in [*self._sockets.values(), self._wake, self._waker]:
             end.close()
         self._epoll.close()
