@@ -19,20 +19,14 @@ from rtkit.property.messages import DONE, Answer, Ask, Caller, Payload, failed
 from rtkit.property.naming import Target, parse_target
 from rtkit.property.node import Node
 from rtkit.property.once import Once
+from rtkit.property.parameters import COMMON, OF_GET, checked_parameters
 from rtkit.property.reading import read
 from rtkit.property.registry import Place, Registry
-from rtkit.property.spec import Parameter, Reader, Spec, Writer, plain
+from rtkit.property.spec import Reader, Spec, Writer, plain
 from rtkit.property.types import Content, check, from_payload, parse_type, to_payload
-from rtkit.property.values import Value, Word, is_number
+from rtkit.property.values import Value, is_number
 from rtkit.property.writing import write
 
-_COMMON = {
-    "echo": Parameter("echo", parse_type("any"), False, (), "answer with the value in force"),
-    "timeout": Parameter("timeout", parse_type("number"), None, (), "how long to wait [s]"),
-    "if": Parameter("if", parse_type("integer"), None, (), "only at this revision"),
-    "id": Parameter("id", parse_type("any"), None, (), "repeated with it, it acts once"),
-}
-_OF_GET = {"timeout": _COMMON["timeout"]}
 _NONE: dict[str, Value] = {}
 
 
@@ -288,12 +282,12 @@ class Service:
             return get_extension(self, place, _read_all(target.parameters), ask.caller)
         node = place.node
         if node is None:
-            checked_parameters((), target, _OF_GET)
+            checked_parameters((), target, OF_GET)
             return self.registry.listed(place.name)
         if node.function is not None:
-            checked_parameters((), target, _OF_GET)
+            checked_parameters((), target, OF_GET)
             return self._described(node, place)
-        given = checked_parameters(node.spec.parameters, target, _OF_GET)
+        given = checked_parameters(node.spec.parameters, target, OF_GET)
         given.pop("timeout", None)
         if "r" not in node.spec.access:
             raise PropertyError("write-only", f"cannot be read: {target.name}")
@@ -356,7 +350,7 @@ class Service:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
         if node.function is not None:
             return self._start(node, place, target, ask)
-        given = checked_parameters(node.spec.parameters, target, _COMMON)
+        given = checked_parameters(node.spec.parameters, target, COMMON)
         has_echo = given.pop("echo", False) not in (False, 0)
         given.pop("timeout", None)
         given.pop("id", None)
@@ -427,8 +421,8 @@ class Service:
             return DONE
         if place.path:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
-        given = checked_parameters(function.parameters, target, _COMMON)
-        common = {key: given.pop(key, None) for key in _COMMON if key not in
+        given = checked_parameters(function.parameters, target, COMMON)
+        common = {key: given.pop(key, None) for key in COMMON if key not in
                   {each.key for each in function.parameters}}  # fmt: skip
         if common.get("if") is not None and common["if"] != node.revision:
             raise PropertyError("conflict", f"revision of {target.name} is {node.revision}")
@@ -475,38 +469,3 @@ def _arguments(payload: Payload) -> Value:
 
 def _read_all(parameters: dict[str, str | None]) -> dict[str, Value]:
     return {key: True if text is None else read(text) for key, text in parameters.items()}
-
-
-def checked_parameters(
-    declared: tuple[Parameter, ...], target: Target, common: dict[str, Parameter]
-) -> dict[str, Value]:
-    """Return the parameters of a request as values.
-
-    Raises:
-        PropertyError: ``bad-parameter``: not declared, or of another type.
-    """
-    if not target.parameters:
-        return {}
-    known = {**common, **{each.key: each for each in declared}}
-    values: dict[str, Value] = {}
-    for key, text in target.parameters.items():
-        parameter = known.get(key)
-        if parameter is None:
-            raise PropertyError("bad-parameter", f"{target.name} has no parameter {key}")
-        try:
-            value: Value = True if text is None else _given(parameter, text)
-            checked = check(parameter.type, value)
-        except PropertyError as error:
-            raise PropertyError("bad-parameter", f"{key}: {error}") from None
-        assert not isinstance(checked, bytes)
-        if parameter.choices and checked not in parameter.choices:
-            raise PropertyError("bad-parameter", f"{key}: {write(checked)} is no choice")
-        values[key] = checked
-    return values
-
-
-def _given(parameter: Parameter, text: str) -> Value:
-    if parameter.type.base == "text":
-        return text
-    value = read(text)
-    return str(value) if isinstance(value, Word) and parameter.type.base == "string" else value

@@ -1,0 +1,54 @@
+"""Parameters of requests as values: those of all properties, and those that one declares."""
+
+from __future__ import annotations
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.naming import Target
+from rtkit.property.reading import read
+from rtkit.property.spec import Parameter
+from rtkit.property.types import check, parse_type
+from rtkit.property.values import Value, Word
+from rtkit.property.writing import write
+
+COMMON = {
+    "echo": Parameter("echo", parse_type("any"), False, (), "answer with the value in force"),
+    "timeout": Parameter("timeout", parse_type("number"), None, (), "how long to wait [s]"),
+    "if": Parameter("if", parse_type("integer"), None, (), "only at this revision"),
+    "id": Parameter("id", parse_type("any"), None, (), "repeated with it, it acts once"),
+}
+OF_GET = {"timeout": COMMON["timeout"]}
+
+
+def checked_parameters(
+    declared: tuple[Parameter, ...], target: Target, common: dict[str, Parameter]
+) -> dict[str, Value]:
+    """Return the parameters of a request as values.
+
+    Raises:
+        PropertyError: ``bad-parameter``: not declared, or of another type.
+    """
+    if not target.parameters:
+        return {}
+    known = {**common, **{each.key: each for each in declared}}
+    values: dict[str, Value] = {}
+    for key, text in target.parameters.items():
+        parameter = known.get(key)
+        if parameter is None:
+            raise PropertyError("bad-parameter", f"{target.name} has no parameter {key}")
+        try:
+            value: Value = True if text is None else _given(parameter, text)
+            checked = check(parameter.type, value)
+        except PropertyError as error:
+            raise PropertyError("bad-parameter", f"{key}: {error}") from None
+        assert not isinstance(checked, bytes)
+        if parameter.choices and checked not in parameter.choices:
+            raise PropertyError("bad-parameter", f"{key}: {write(checked)} is no choice")
+        values[key] = checked
+    return values
+
+
+def _given(parameter: Parameter, text: str) -> Value:
+    if parameter.type.base == "text":
+        return text
+    value = read(text)
+    return str(value) if isinstance(value, Word) and parameter.type.base == "string" else value
