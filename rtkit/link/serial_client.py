@@ -7,6 +7,7 @@ no effect is asked again. Nobody hears a client leave, so it listens with a leas
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import time
@@ -59,6 +60,7 @@ class SerialClient(Closing):
         self._usual_s = _PATIENCE_S / _TIMES_USUAL
         self._seen: dict[str, tuple[int, float, str, Payload]] = {}
         self._leases: dict[str, float] = {}
+        self._waker = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
     @property
     def has_checks(self) -> bool:
@@ -192,6 +194,21 @@ class SerialClient(Closing):
             self._leases.pop(request, None)
             raise
 
+    def leave(self, name: str) -> Answer:
+        """Listen to a property no longer."""
+        self._forget(name)
+        return self.ask(f"{name}.listen?remove", "self")
+
+    def _forget(self, name: str) -> None:
+        ended = f"{name}.listen"
+        for request in [each for each in self._leases if each.partition("?")[0] == ended]:
+            del self._leases[request]
+
+    def wake(self) -> None:
+        """Have `event` return None at once, or as soon as it is called; from any thread."""
+        with contextlib.suppress(OSError):  # it may be closed by now
+            os.eventfd_write(self._waker, 1)
+
     def event(self, timeout_s: float | None = None) -> Event | None:
         """Return the next event, None if none came in time; without a bound it waits for ever.
 
@@ -205,10 +222,10 @@ class SerialClient(Closing):
             if known is not None:
                 return known
             now = monotonic()
-            if deadline is not None and now >= deadline:
+            if self._is_woken() or (deadline is not None and now >= deadline):
                 return None
             times = [each for each in (deadline, *self._leases.values()) if each is not None]
-            told = self._receive(min(times, default=None))
+            told = self._receive(min(times, default=None), may_wake=True)
             if isinstance(told, Event):
                 self._keep(told)
             self._renew()
@@ -234,9 +251,7 @@ class SerialClient(Closing):
             return
         self._seen[event.name] = mark
         if event.code:
-            ended = f"{event.name}.listen"
-            for request in [each for each in self._leases if each.partition("?")[0] == ended]:
-                del self._leases[request]
+            self._forget(event.name)
         self._inbox.put(event)
 
     # The line
@@ -250,7 +265,13 @@ class SerialClient(Closing):
             if isinstance(told, Event):
                 self._keep(told)
 
-    def _receive(self, until: float | None) -> _Told | None:
+    def _is_woken(self) -> bool:
+        try:
+            return os.eventfd_read(self._waker) > 0
+        except BlockingIOError:
+            return False
+
+    def _receive(self, until: float | None, *, may_wake: bool = False) -> _Told | None:
         while True:
             try:
                 told = self._replies.next()
@@ -259,7 +280,7 @@ class SerialClient(Closing):
             if told is not None:
                 return told
             left = None if until is None else max(0.0, until - monotonic())
-            if not self._is_ready(select.POLLIN, left):
+            if not self._is_ready(select.POLLIN, left, may_wake=may_wake):
                 return None
             self._read()
 
@@ -292,14 +313,20 @@ class SerialClient(Closing):
     def _gone(self) -> Unreachable:
         return Unreachable(f"the connection has ended: {self._address} is unplugged or closed")
 
-    def _is_ready(self, mask: int, wait_s: float | None) -> bool:
+    def _is_ready(self, mask: int, wait_s: float | None, *, may_wake: bool = False) -> bool:
         poll = select.poll()
         poll.register(self._end, mask)
-        return bool(poll.poll(None if wait_s is None else wait_s * 1000))
+        if may_wake:
+            poll.register(self._waker, select.POLLIN)
+        ready = poll.poll(None if wait_s is None else wait_s * 1000)
+        return any(number != self._waker for number, _ in ready)
 
     def close(self) -> None:
         """End the conversation."""
-        self._end.close()
+        if self._waker >= 0:
+            self._end.close()
+            os.close(self._waker)
+            self._waker = -1
 
 
 def connect_serial(address: str, timeout_s: float) -> SerialClient:

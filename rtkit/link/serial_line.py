@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ from rtkit.errors import Malformed, Refused, Unreachable
 
 SCHEME = "serial:"
 _BAUD = 115200
+_SETTINGS = re.compile(r"([^?]*\?(?:baud|check)=[^/?]*)(?:/|$)")
 _CHECK = {"auto": None, "1": True, "0": False}
 
 
@@ -42,6 +44,22 @@ def read_address(text: str) -> SerialAddress:
     if not device or given or check not in _CHECK or not is_number:
         raise Malformed(f"not serial:DEVICE[?baud=N&check=auto|1|0]: {text}")
     return SerialAddress(device, int(baud), _CHECK[check])
+
+
+def split_target(text: str) -> tuple[str, str]:
+    """Return the address in ``serial:DEVICE[?baud=…][/NAME]``, and the name behind it.
+
+    Where no settings show where it ends, the device is the first on the path that is no folder.
+    """
+    found = _SETTINGS.match(text)
+    if found is not None:
+        return found[1], text[found.end() :]
+    ends = [found.start() for found in re.finditer("/", text) if found.start() > len(SCHEME)]
+    for end in ends:
+        path = text[len(SCHEME) : end]
+        if os.path.exists(path) and not os.path.isdir(path):
+            return text[:end], text[end + 1 :]
+    return text, ""
 
 
 class SerialEnd:

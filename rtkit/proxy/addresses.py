@@ -144,6 +144,19 @@ def _zenoh(name: str, setting: Setting) -> Source:
     return Source(connect, service)
 
 
+def _serial(device: str, setting: Setting) -> Source:
+    from rtkit.link.serial_client import connect_serial
+    from rtkit.link.serial_line import read_address
+    from rtkit.proxy.serial import SerialContact
+
+    name = read_address(device).device.rpartition("/")[2]
+
+    def connect() -> Contact:
+        return SerialContact(setting.host, connect_serial(device, setting.timeout_s))
+
+    return Source(connect, escape(name))
+
+
 def _calls(another: Callable[[], End], host: Host) -> Wire:
     return lambda: CallContact(host, another(), another)
 
@@ -152,6 +165,7 @@ SOURCES: dict[str, Callable[[str, Setting], Source]] = {
     "unix": _unix,
     "tcp": _tcp,
     "zenoh": _zenoh,
+    "serial": _serial,
 }
 
 

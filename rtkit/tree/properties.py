@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rtkit.tree.live import ThisHost
 
 
+_SERIAL = "serial:"
 _HTTP = "http://"
 WEB_ROOT = "/ps"
 
@@ -98,8 +99,7 @@ class Places:
     """
 
     def __init__(self, cwd: str, at: str, timeout_s: float) -> None:
-        self._is_serial = at.startswith("serial:")
-        self._cwd = "/" if self._is_serial else cwd
+        self._cwd = cwd
         self._at = at
         self._timeout_s = timeout_s
         self._ends: dict[str, End] = {}
@@ -115,6 +115,8 @@ class Places:
         try:
             if typed.startswith(_HTTP):
                 return self._on_web(typed)
+            if (self._at or typed).startswith(_SERIAL):
+                return self._on_line(typed)
         except Exception as error:
             raise told(typed, error) from error
         place = parse(typed, self._cwd, self._known(), os.uname().nodename)
@@ -159,18 +161,12 @@ class Places:
         return self._services
 
     def _at_door(self) -> list[str]:
-        if self._is_serial:
-            return []
         asked = "" if self._at.startswith(_HTTP) else "door/services"
         answer = self._door().ask(asked).value()
         return [] if answer == "()" else str(answer).strip("()").split()
 
     def _door(self) -> End:
-        if "" not in self._ends and self._is_serial:
-            from rtkit.link.serial_client import connect_serial
-
-            self._ends[""] = connect_serial(self._at, self._timeout_s)
-        elif "" not in self._ends and self._at.startswith(_HTTP):
+        if "" not in self._ends and self._at.startswith(_HTTP):
             self._ends[""] = self._web(self._at)
         elif "" not in self._ends:
             from rtkit.link.line_client import connect_tcp
@@ -191,14 +187,23 @@ class Places:
             raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
         return place._replace(typed=typed), OfService(door, place.service)
 
+    def _on_line(self, typed: str) -> tuple[Place, End]:
+        """Return what a name behind a serial line, or ``serial:DEVICE/NAME``, is."""
+        from rtkit.link.serial_client import connect_serial
+        from rtkit.link.serial_line import split_target
+
+        address, target = (self._at, typed) if self._at else split_target(typed)
+        if address not in self._ends:
+            self._ends[address] = connect_serial(address, self._timeout_s)
+        name, mark, parameters = target.partition("?")
+        return Place(typed, "", name, parameters if mark else None), self._ends[address]
+
     def _web(self, address: str) -> End:
         from rtkit.link.http_client import connect_http
 
         return connect_http(address, self._timeout_s)
 
     def _end(self, place: Place) -> End:
-        if self._is_serial:
-            return self._door()
         if not place.service:
             known = " ".join(self._known()) or "none"
             first = place.name.split(".")[0]

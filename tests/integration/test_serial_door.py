@@ -8,6 +8,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 from conformance import ROWS, check_answers, check_events, subject
@@ -16,7 +17,7 @@ from serialkit import Cable, noise
 
 from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.link.serial_client import connect_serial
-from rtkit.link.serial_line import read_address
+from rtkit.link.serial_line import read_address, split_target
 from rtkit.property.service import Service
 from rtkit.serving.serve import Served, serve
 
@@ -188,11 +189,22 @@ def test_two_do_not_share_a_device(cable: Cable) -> None:
         connect_serial(cable.near, BOUND_S)
 
 
-def test_addresses() -> None:
+def test_addresses(tmp_path: Path) -> None:
     assert read_address("serial:/dev/ttyS0?baud=9600&check=1") == ("/dev/ttyS0", 9600, True)
     assert read_address("/dev/ttyS0") == ("/dev/ttyS0", 115200, None)
     for wrong in ("serial:", "x?baud=fast", "x?baud=0", "x?check=2", "x?y=1", "x?baud=999999999"):
         with pytest.raises(Malformed):
             read_address(wrong)
+    (tmp_path / "tty").touch()
+    device = f"serial:{tmp_path}/tty"
+    for text, parts in (
+        (device, (device, "")),
+        (f"{device}/", (device, "")),
+        (f"{device}/arm/angle?x=1", (device, "arm/angle?x=1")),
+        ("serial:/none/speed", ("serial:/none/speed", "")),
+        ("serial:COM?baud=9600/a?frame=x", ("serial:COM?baud=9600", "a?frame=x")),
+        ("serial:COM?check=1&baud=9600", ("serial:COM?check=1&baud=9600", "")),
+    ):
+        assert split_target(text) == parts
     with pytest.raises(Refused, match="not a serial line"):
         connect_serial(__file__, 1.0)

@@ -74,19 +74,19 @@ def test_the_small_device_is_asked_as_its_readme_says(shell: Any) -> None:
     device = subprocess.Popen(line, stdout=subprocess.PIPE, text=True)
     try:
         assert device.stdout is not None
-        _ask(shell, f"--at serial:{device.stdout.readline().strip()}")
+        _ask(shell, f"serial:{device.stdout.readline().strip()}")
     finally:
         device.kill()
         device.communicate()
 
 
-def _ask(shell: Any, at: str) -> None:
-    names = shell.ok(f"rtget {at} properties")
+def _ask(shell: Any, device: str) -> None:
+    names = shell.ok(f"rtget {device}")
     assert names.startswith("(speed location colour mode ")
-    assert shell.ok(f"rtset {at} --echo speed 0.5") == "0.5\n"
-    assert shell.ok(f"rtget {at} speed arm") == "0.5\n(angle joint)\n"
-    outcome = shell.run(f"rtset {at} speed 2")
+    assert shell.ok(f"rtset {device}/speed 0.5 --echo") == "0.5\n"
+    assert shell.ok(f"rtget --at {device} speed arm") == "0.5\n(angle joint)\n"
+    outcome = shell.run(f"rtset {device}/speed 2")
     assert (outcome.status, outcome.out) == (1, "")
-    assert outcome.err == "rtset: speed: bad-value: of another type, or out of range\n"
-    uptimes = shell.ok(f"rtlisten {at} -n 3 uptime").split()
+    assert outcome.err == (f"rtset: {device}/speed: bad-value: of another type, or out of range\n")
+    uptimes = shell.ok(f"rtlisten '{device}?check=1/uptime' -n 3").split()
     assert len(set(uptimes)) == 3
