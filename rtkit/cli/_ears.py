@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from time import monotonic, time
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,6 +12,7 @@ from rtkit.cli._app import App
 from rtkit.cli._patience import wait_for
 from rtkit.closing import Closing
 from rtkit.errors import Refused, RtkitError, Unreachable
+from rtkit.records import replace
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.tree.view import shown_path
 

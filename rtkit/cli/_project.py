@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.builder.build import PROFILE, File, build, build_types
@@ -15,6 +14,7 @@ from rtkit.builder.standard_types import KNOWN
 from rtkit.errors import NotFound, Refused
 from rtkit.idl.read import read_idl
 from rtkit.profile.read import read_bytes, read_rtc
+from rtkit.records import dataclass, field
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -4,17 +4,17 @@ Fields are named and ordered as in the interface definitions of the RTC world.
 """
 
 # Names of fields are those of the interface definitions; values used as defaults never change.
-# ruff: noqa: N815, RUF009
+# ruff: noqa: N815
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 
 from rtkit.component.extended import OAP, Geometry3D
 from rtkit.component.geometry import Orientation3D, Vector3D
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time, UShort
+from rtkit.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
 from rtkit.component.fsm import FsmComponent
 from rtkit.component.typenames import scoped_name, type_name
+from rtkit.records import replace
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile
 
 

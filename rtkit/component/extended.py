@@ -4,11 +4,9 @@ Fields are named and ordered as in the interface definitions of the RTC world.
 """
 
 # Names of fields are those of the interface definitions; values used as defaults never change.
-# ruff: noqa: N815, RUF009
+# ruff: noqa: N815
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from rtkit.component.geometry import (
     Orientation3D,
@@ -20,6 +18,7 @@ from rtkit.component.geometry import (
 )
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time
+from rtkit.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

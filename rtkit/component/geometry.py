@@ -5,10 +5,9 @@ Positions in [m], angles in [rad], unless a summary says otherwise.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time
+from rtkit.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,16 +4,15 @@ Fields are named and ordered as in the interface definitions of the RTC world.
 """
 
 # Names of fields are those of the interface definitions; values used as defaults never change.
-# ruff: noqa: N815, RUF009
+# ruff: noqa: N815
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 from rtkit.component.extended import Covariance2D, Covariance3D, PointCovariance2D
 from rtkit.component.geometry import Point2D, Pose2D, Pose3D, Velocity2D, Velocity3D
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time, ULong
+from rtkit.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

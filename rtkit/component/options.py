@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import StrEnum
 from typing import TypeVar
 
 from rtkit.errors import Malformed
+from rtkit.records import dataclass
 
 DEFAULT_LENGTH = 8
 MIN_LENGTH = 2

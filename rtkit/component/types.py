@@ -8,10 +8,10 @@ or another dataclass. A plain ``int`` has 64 bits, a plain ``float`` too.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from typing import Annotated
 
 from rtkit.component.typenames import register_all
+from rtkit.records import dataclass
 
 Char = Annotated[str, "char"]
 Octet = Annotated[int, "uint8"]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from rtkit import errors
+from rtkit.records import dataclass, field
 from rtkit.rtc.enums import ReturnCode, Transition
 
 if TYPE_CHECKING:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, get_args
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.errors import Malformed
+from rtkit.records import dataclass
 from rtkit.rtc.plain import decode, encode
 
 _NAMES: dict[type, str] = {cls: cls.__name__ for cls in get_args(Action)}

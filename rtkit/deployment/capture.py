@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 
 from rtkit.component.options import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.deployment import extension
@@ -11,6 +10,7 @@ from rtkit.deployment.described import interfaces_to_text, is_run_time
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import Property
+from rtkit.records import dataclass
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX

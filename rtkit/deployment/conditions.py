@@ -6,12 +6,12 @@ Not for carrying it out: that is `rtkit.deployment.execution`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from rtkit.deployment.described import contexts_of
 from rtkit.errors import InvalidDocument
 from rtkit.profile import rts_model as rts
+from rtkit.records import dataclass
 
 UNORDERED = -1
 """Place of an action of which an order says nothing: before all others."""

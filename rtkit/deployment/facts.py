@@ -6,8 +6,8 @@ The manager keeps these facts and sends them to clients as one snapshot.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
+from rtkit.records import dataclass, field
 from rtkit.rtc.enums import merged_state
 from rtkit.rtc.profiles import (
     ConnectorProfile,

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from rtkit.errors import Malformed
+from rtkit.records import dataclass, field
 from rtkit.rtc.plain import decode
 
 FIGURES = "figures"

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.errors import Malformed
+from rtkit.records import dataclass, replace
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.records import replace
 
 
 def part_of(snapshot: Snapshot, instances: Iterable[str]) -> Snapshot:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 
 from rtkit.errors import Malformed
 from rtkit.profile.rts_model import Component
+from rtkit.records import dataclass
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, is_local_host
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
 
 from rtkit.deployment.actions import Action, Create, SetParameters
+from rtkit.records import dataclass, replace
 from rtkit.rtc.create import parse_create
 
 

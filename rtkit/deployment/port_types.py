@@ -7,11 +7,11 @@ another. The connection wins, as it was once made; the statement is kept beside 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 
 from rtkit.component.typenames import ANY, is_same_type, scoped_name
 from rtkit.deployment.extension import STATED_TYPE
 from rtkit.deployment.system import WantedComponent, WantedConnector
+from rtkit.records import replace
 from rtkit.rtc.profiles import PortProfile
 
 _TYPE = "dataport.data_type"

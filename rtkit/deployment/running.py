@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from rtkit.deployment.actions import ChangeState, Delete, Disconnect
 from rtkit.deployment.conditions import NO_ORDERS, Orders, Target
 from rtkit.deployment.creation import component_checks
@@ -13,6 +11,7 @@ from rtkit.deployment.system import System, WantedComponent, WantedConnector, ad
 from rtkit.deployment.turns import StartPlan, Turn, arrange, expected_order
 from rtkit.deployment.watch import Watched
 from rtkit.deployment.wiring import missing_end
+from rtkit.records import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 

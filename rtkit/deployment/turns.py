@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
 
 from rtkit.deployment.conditions import NO_ORDERS, Condition, Orders, Target, sequence_of
 from rtkit.deployment.plan import Check, Step
 from rtkit.deployment.watch import Watched
+from rtkit.records import dataclass, replace
 from rtkit.rtc.enums import Transition
 
 

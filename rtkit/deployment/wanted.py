@@ -6,7 +6,6 @@ Not for what lives: that is compared in `rtkit.deployment.diff`.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 
 from rtkit.deployment import extension
 from rtkit.deployment.described import (
@@ -42,6 +41,7 @@ from rtkit.profile.rts_model import (
     TargetPort,
 )
 from rtkit.profile.words import strip_instance
+from rtkit.records import dataclass, field, replace
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.records import dataclass
 
 MISSING = "missing"
 """What is seen of a component that is not there."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 
 from rtkit.component.check import WRONG_TYPE, refusal
 from rtkit.component.options import differing
@@ -17,6 +16,7 @@ from rtkit.deployment import world_composites as composites
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.records import replace
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType, ReturnCode, Transition
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, check_instance_name

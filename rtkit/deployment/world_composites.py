@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from rtkit.component.composite import TYPES
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import NotFound, Refused
+from rtkit.records import replace
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile

@@ -12,7 +12,6 @@ import socket
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -40,6 +39,7 @@ from rtkit.manager.processes.watchman import (
 )
 from rtkit.manager.requests import Desk
 from rtkit.property.exchange import Request, failure
+from rtkit.records import replace
 
 _log = logging.getLogger(__name__)
 TIDY_S = 1.0

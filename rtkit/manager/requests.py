@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from rtkit.deployment.batch import batch_from_text
@@ -28,6 +27,7 @@ from rtkit.manager.modules.loadable import loadable
 from rtkit.manager.modules.search import Search
 from rtkit.manager.restarting import open_report
 from rtkit.property.exchange import Reply, Request, failure
+from rtkit.records import replace
 from rtkit.rtc.plain import encode
 
 

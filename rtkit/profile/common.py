@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Generic, TypeVar
+
+from rtkit.records import dataclass, field
 
 P = TypeVar("P")
 _LONGEST = 1000

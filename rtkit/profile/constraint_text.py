@@ -12,7 +12,6 @@ hold anything, one in single quotes is compared by case too.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from rtkit.errors import Malformed
 from rtkit.profile.constraint_model import (
@@ -26,6 +25,7 @@ from rtkit.profile.constraint_model import (
     Logical,
 )
 from rtkit.profile.constraint_tokens import Token, tokens
+from rtkit.records import replace
 
 MAX_DEPTH = 64
 """Constraints nested deeper than this are malformed."""

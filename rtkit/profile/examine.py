@@ -6,7 +6,6 @@ For who reports on profiles. Who wants the profile reads it (`rtkit.profile.read
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from rtkit.profile.common import Note
@@ -14,6 +13,7 @@ from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.forms import XML, form_of
 from rtkit.profile.positions import Positions
 from rtkit.profile.read import STDIN, as_it_stands, outcome
+from rtkit.records import dataclass, field
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile

@@ -6,8 +6,6 @@ elements are tuples. An absent optional is None, which is not the same as empty.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from rtkit.profile.common import NO_FOREIGN, Foreign, Property
 from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.rtc_doc_model import (
@@ -19,6 +17,7 @@ from rtkit.profile.rtc_doc_model import (
     ServiceInterfaceDoc,
     ServicePortDoc,
 )
+from rtkit.records import dataclass
 
 RTC_VERSION = "0.3"
 """The profile format that rtkit writes for new components."""

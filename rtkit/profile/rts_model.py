@@ -6,9 +6,8 @@ None, which is not the same as empty. Dates stay text (``xs:dateTime``).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from rtkit.profile.common import NO_FOREIGN, Foreign, Property
+from rtkit.records import dataclass
 
 RTS_VERSION = "0.2"
 """The profile format that rtkit writes for new systems."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from rtkit.profile import rts_model as m
 from rtkit.profile import rts_rules as rules
 from rtkit.profile.common import NO_FOREIGN, Foreign, Property
 from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Spec, attribute, child
+from rtkit.records import replace
 
 DIRECTIONS = ("DOWN", "RIGHT", "UP", "LEFT")
 COMPOSITE_TYPES = (

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import MISSING, fields
 from math import isfinite
 from typing import Any, NamedTuple
 
 from rtkit.profile.common import NO_FOREIGN
 from rtkit.profile.xmlnames import clark, split
+from rtkit.records import MISSING, fields
 
 Supply = str | Callable[[Any, Any], str]
 """A value for an absent attribute, or how to find one from its element and the findings."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from rtkit.errors import Malformed
@@ -23,6 +22,7 @@ from rtkit.profile.rtc_model import (
     ServicePort,
 )
 from rtkit.profile.rtc_spec import ACTIONS
+from rtkit.records import replace
 
 _SINGLE_COLON = re.compile(r"(?<!:):(?!:)")
 _PORT_NAME = re.compile(r"[\w./()-]+")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 from rtkit.drawing.layout import laid_out
@@ -25,6 +24,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.system_scene import system_scene
+from rtkit.records import replace
 
 _CONTEXT_KINDS = {"PERIODIC": "PERIODIC", "SPORADIC": "EVENT_DRIVEN", "EVENTDRIVEN": "EVENT_DRIVEN"}
 _DEFAULT = "default"

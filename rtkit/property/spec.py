@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.types import Content, Type, check, parse_type
 from rtkit.property.values import Element, Value, Word, is_number, is_vector
 from rtkit.property.writing import write
+from rtkit.records import dataclass, field
 
 
 class Parameter(NamedTuple):

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from rtkit.errors import Malformed
+from rtkit.records import dataclass, field
 
 _ESCAPED = "%&=?"
 _ESCAPES = re.compile("(?:%[0-9A-Fa-f]{2})+")

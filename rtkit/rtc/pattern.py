@@ -6,8 +6,8 @@ A stand-in is an ordinary component that has no code of its own (`rtkit.componen
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
+from rtkit.records import dataclass, field
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 import builtins
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields
 from enum import Enum
 from inspect import get_annotations
 from types import ModuleType, UnionType
 from typing import Any, TypeVar, Union, cast, get_args, get_origin
 
 from rtkit.errors import Malformed
+from rtkit.records import MISSING, fields, is_record
 
 T = TypeVar("T")
 Coder = Callable[[Any], Any]
@@ -58,7 +58,7 @@ def _make_encoder(hint: Any) -> Coder:
         return dict if item is _same else lambda value: {k: item(v) for k, v in value.items()}
     if origin in (Union, UnionType):
         return _optional_encoder(args)
-    if hasattr(hint, "__dataclass_fields__"):
+    if is_record(hint):
         return _record_encoder(hint)
     if isinstance(hint, type) and issubclass(hint, Enum):
         return lambda value: value.value
@@ -135,7 +135,7 @@ def _make_decoder(hint: Any) -> Coder:
         (some,) = (arg for arg in args if arg is not type(None))
         item = _decoder(some)
         return lambda data: None if data is None else item(data)
-    if hasattr(hint, "__dataclass_fields__"):
+    if is_record(hint):
         return _record_decoder(hint)
     if isinstance(hint, type) and issubclass(hint, Enum):
         return _enum_decoder(hint)

@@ -7,8 +7,8 @@ in `rtkit.profile`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
+from rtkit.records import dataclass, field
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Polarity, PortType
 
 NOTHING: Mapping[str, str] = {}

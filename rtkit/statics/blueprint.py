@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -13,6 +12,7 @@ from rtkit.component.options import interface_name
 from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.rtc_model import Configuration, DataPort, RtcProfile, ServicePort
 from rtkit.profile.words import property_value
+from rtkit.records import dataclass
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
 

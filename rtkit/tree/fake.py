@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from dataclasses import replace
 from threading import RLock
 
 from rtkit.deployment.batch import batch_from_text, results_to_text
@@ -18,6 +17,7 @@ from rtkit.errors import NotFound, RtkitError
 from rtkit.link import keys
 from rtkit.link.inproc import InprocLink
 from rtkit.property.exchange import Reply, Request, failure
+from rtkit.records import replace
 from rtkit.rtc.plain import encode
 from rtkit.tree.client import Tree
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from rtkit.deployment.planning.model import ABSENT, NO, OTHER, YES, Model, Wire, Wish
+from rtkit.records import replace
 
 
 def way_back(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -> Model:

@@ -8,7 +8,6 @@ to do with each other, and each is searched on its own. So independent items nev
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from rtkit.deployment.planning.fates import Fate, Fates
 from rtkit.deployment.planning.model import ABSENT, DOWN, LOADED, UP, Model, is_inproc, manager_of
 from rtkit.errors import Impossible, LimitReached
 from rtkit.planner import Command, Condition, Limits, Problem, State, plan
+from rtkit.records import dataclass
 
 SEARCH_LIMIT = 20_000
 """States that may be expanded before what is left settles for less, a little for each cluster."""

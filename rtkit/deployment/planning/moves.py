@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from rtkit.deployment.planning.model import (
@@ -23,6 +22,7 @@ from rtkit.deployment.planning.model import (
     manager_of,
     owner_of,
 )
+from rtkit.records import dataclass
 
 
 class Need(NamedTuple):

@@ -6,7 +6,6 @@ known again when both its ends are; one whose other end nobody holds any more is
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 from rtkit.deployment.actions import Result
@@ -16,6 +15,7 @@ from rtkit.manager.core.events import Message
 from rtkit.manager.core.registration import free_names
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.wishes import Pause, Procedure, Tell
+from rtkit.records import replace
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.plain import decode
 from rtkit.rtc.profiles import ConnectorProfile

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.news import TREE, News, Picture, news_between, picture_to_text
 from rtkit.manager.core.events import Answer, AnswerClient, Instruction, Publish
 from rtkit.manager.core.state import State
 from rtkit.property.exchange import Reply
+from rtkit.records import replace
 from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ConnectorProfile
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import signal
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 
 from rtkit.deployment import actions as act
@@ -63,6 +62,7 @@ from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.trial import TRIAL
 from rtkit.manager.core.wishes import Need, Procedure
 from rtkit.property.exchange import Reply
+from rtkit.records import replace
 from rtkit.rtc.profiles import ConnectorProfile
 
 _STOPPING = "the manager is stopping"

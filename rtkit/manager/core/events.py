@@ -6,11 +6,11 @@ Processes are named by a key: a number that is never used twice, whatever their 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from rtkit.deployment.batch import Batch
 from rtkit.property.exchange import Reply
+from rtkit.records import dataclass
 
 Message = Mapping[str, Any]
 Answer = Callable[[Reply], None]

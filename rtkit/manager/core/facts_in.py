@@ -5,14 +5,13 @@ A slave runs code of others: nothing that it sends is trusted to have the right 
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from rtkit import errors
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, RtkitError
 from rtkit.manager.core.events import Message
 from rtkit.manager.core.state import Process, State
+from rtkit.records import replace
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.plain import decode
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any
 
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Row
+from rtkit.records import dataclass, field, replace
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile

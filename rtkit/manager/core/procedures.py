@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Generator, Iterable
-from dataclasses import replace
 from typing import Any
 
 from rtkit.deployment import actions as act
@@ -29,6 +28,7 @@ from rtkit.manager.core.trial import share_trial, try_module
 from rtkit.manager.core.wiring import connect, cut, disconnect, living
 from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell, Wish
 from rtkit.manager.settings.values import DEFAULT_PORT
+from rtkit.records import replace
 from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name, is_local_host

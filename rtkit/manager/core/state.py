@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.kept import Kept
 from rtkit.manager.settings.properties import Settings
+from rtkit.records import dataclass, field, replace
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 
 NOWHERE = -1

@@ -13,7 +13,6 @@ import math
 import signal
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -45,6 +44,7 @@ from rtkit.manager.core.wishes import (
     Wait,
     Wish,
 )
+from rtkit.records import dataclass
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.enums import ReturnCode
 

@@ -7,12 +7,12 @@ waited for, or raises inside it the error that ended the wait.
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
 from typing import Any
 
 from rtkit.deployment.actions import Result
 from rtkit.manager.core.events import Message
 from rtkit.manager.core.state import Process
+from rtkit.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

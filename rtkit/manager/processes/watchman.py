@@ -9,11 +9,11 @@ import contextlib
 import os
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
 from rtkit.manager.holding.beats import Beat, BeatReader, beats_path
 from rtkit.manager.processes.stacks import forget_stacks, place_of, read_stacks
+from rtkit.records import dataclass
 from rtkit.rtc.create import parse_create
 
 POLL_S = 0.025
