@@ -16,12 +16,12 @@ from rtkit.cli._lasting import lasting
 from rtkit.cli._moments import clock
 from rtkit.cli._records import line as json_line
 from rtkit.cli._records import time_text
-from rtkit.deployment.happenings import HEARTBEAT, KINDS, beats
+from rtkit.deployment.happenings import HEARTBEAT, KINDS, SYSTEM_STATE, Happening, beats
 
 if TYPE_CHECKING:
     from rtkit.cli._ears import Told
+    from rtkit.cli.system.states import States
     from rtkit.deployment.figures import Figures
-    from rtkit.deployment.happenings import Happening
     from rtkit.tree.scope import Scope
 
 Record = dict[str, Any]
@@ -33,7 +33,7 @@ ALL = "ALL"
     "-f",
     "--filter",
     "kinds",
-    type=Words("kind of event", (ALL, *KINDS)),
+    type=Words("kind of event", (ALL, *KINDS, SYSTEM_STATE)),
     multiple=True,
     metavar="KIND",
     help="Print only events of this kind (default: all but HEARTBEAT).",
@@ -42,6 +42,12 @@ ALL = "ALL"
     "-n", "--number", type=click.IntRange(min=1), metavar="N", help="Stop after N events."
 )
 @lasting()
+@click.option(
+    "-S",
+    "--system",
+    metavar="FILE",
+    help="Tell also to which of its states the system of this profile comes (rtstate).",
+)
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.argument("paths", nargs=-1, metavar="PATH...")
 def main(
@@ -50,6 +56,7 @@ def main(
     kinds: tuple[str, ...],
     number: int | None,
     duration_s: float | None,
+    system: str | None,
     is_json: bool,
 ) -> int:
     r"""Print what happens to components, as it happens.
@@ -65,6 +72,7 @@ def main(
     PORT_EVENT         a port: added, removed, connected, disconnected
     CONFIG_EVENT       a configuration set or parameter: changed, added, removed, activated
     FSM_EVENT          its state machine: state, structure, events
+    SYSTEM_STATE       with --system: it came to a state, all of whose wishes hold
     HEARTBEAT          once a second, of the component and each execution context that runs
 
     A manager that ends is waited for, one that begins is listened to. A state that is left
@@ -76,15 +84,18 @@ def main(
 
     if not paths:
         raise WrongArguments("No component specified.")
-    wanted = set(KINDS) if ALL in kinds else set(kinds) or set(KINDS) - {HEARTBEAT}
+    all_kinds = {*KINDS, SYSTEM_STATE}
+    wanted = all_kinds if ALL in kinds else set(kinds) or all_kinds - {HEARTBEAT}
+    states = _states(app, system) if system is not None else None
     until = None if duration_s is None else time.monotonic() + duration_s
     scopes = scopes_of(app, paths)
     is_wide = not all(scope.is_one_manager for scope in scopes)
     lines = (TREE, FIGURES) if HEARTBEAT in wanted else (TREE,)
     left = number
     with Ears(app, lines, is_wide=is_wide) as ears:
+        watch = _Watch(app, ears, scopes, wanted, states)
+        watch.begin()
         app.tell("listening")
-        watch = _Watch(app, ears, scopes, wanted)
         for told in ears.listen(until):
             records = list(watch.records(told))[:left]
             write_now([_json(each) if is_json else _line(each) for each in records])
@@ -92,6 +103,24 @@ def main(
             if left == 0:
                 return 0
     return 0 if number is None and watch.count else 1
+
+
+def _states(app: App, file: str) -> States:
+    """Return the states of the system of a profile.
+
+    Raises:
+        InvalidDocument: It tells none, or they make no sense.
+    """
+    from rtkit.cli.system import shared
+    from rtkit.cli.system.document import read_document
+    from rtkit.cli.system.planning import Begun
+    from rtkit.cli.system.states import States
+    from rtkit.tree.applying import Goal
+
+    document = read_document(app, (file,), strict=False)
+    snapshot = shared.snapshot(app)
+    system = shared.wanted_system(app, document, snapshot)
+    return States(Begun(document, Goal(system), snapshot))
 
 
 class _Watch:
@@ -102,8 +131,15 @@ class _Watch:
     """
 
     def __init__(
-        self, app: App, ears: Ears, scopes: Sequence[Scope], wanted: Container[str]
+        self,
+        app: App,
+        ears: Ears,
+        scopes: Sequence[Scope],
+        wanted: Container[str],
+        states: States | None,
     ) -> None:
+        self._states = states
+        self._state = ""
         self._app = app
         self._ears = ears
         self._scopes = scopes
@@ -121,6 +157,7 @@ class _Watch:
                 if heard.lost:
                     self._app.fail(f"{heard.lost} news were missed; what they led to is told")
                 yield from self._chosen(manager, heard.time, heard.happenings)
+                yield from self._came_to(manager, heard.time)
             elif isinstance(heard, Figures):
                 yield from self._chosen(manager, heard.time, self._beats(manager, heard))
             elif isinstance(heard, Begun):
@@ -136,6 +173,25 @@ class _Watch:
             if each.kind in self._wanted and is_covered(self._scopes, manager, each, self._host):
                 self.count += 1
                 yield self._record(manager, moment, each)
+
+    def begin(self) -> None:
+        """Note in which state the system is before anything happens."""
+        ear = self._ears.ears.get("")
+        if self._states is not None and ear is not None:
+            self._state = self._states.now(ear.facts)
+
+    def _came_to(self, manager: str, moment: float) -> Iterator[Record]:
+        """Yield that the system is in another state than it was seen in before."""
+        ear = self._ears.ears.get(manager)
+        if self._states is None or manager or ear is None or SYSTEM_STATE not in self._wanted:
+            return
+        now = self._states.now(ear.facts, self._state)
+        if now in ("", self._state):
+            return
+        before, self._state = self._state, now
+        self.count += 1
+        happening = Happening(SYSTEM_STATE, "", "", "state", now, f"was {before}" if before else "")
+        yield {**self._record(manager, moment, happening), "path": self._states.name}
 
     def _beats(self, manager: str, figures: Figures) -> Iterator[Happening]:
         ear = self._ears.ears.get(manager)

@@ -32,6 +32,8 @@ KINDS = (
     FSM_EVENT,
     HEARTBEAT,
 )
+SYSTEM_STATE = "SYSTEM_STATE"
+"""A system came to another of its states: no manager tells it, it is seen in what lives."""
 
 _PROFILE = {
     "names": "names",

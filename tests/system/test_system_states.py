@@ -43,6 +43,8 @@ def test_a_robot_is_led_from_state_to_state_and_follows_its_events(manager: Any)
     sensor = pid(shell, "sensor")
 
     follower = shell.open(f"rtstate --follow -n 3 {robot}")
+    watch = shell.open(f"rtwatch -v -n 3 -f system_state --system {robot} /")
+    assert watch.stderr.readline() == "listening\n"
 
     def state() -> str:
         return str(follower.stdout.readline().partition("] ")[2].strip())
@@ -57,6 +59,13 @@ def test_a_robot_is_led_from_state_to_state_and_follows_its_events(manager: Any)
     assert state() == "slow -motor_lost-> degraded"
     assert follower.wait(30) == 0
     assert follower.stderr.read() == ""
+    assert watch.wait(30) == 0
+    system = "RTSystem:rtkit:sensor-controller-motor:1.0"
+    assert [line.partition("] ")[2] for line in watch.stdout.read().splitlines()] == [
+        f"{system} state explore (was standby)",
+        f"{system} state slow (was explore)",
+        f"{system} state degraded (was slow)",
+    ]
     assert "* degraded  is so\n" in shell.ok(f"rtstate {robot}")
     assert shell.run(f"rtstate --goto explore {robot}").status == 0
     assert pid(shell, "sensor") == sensor
