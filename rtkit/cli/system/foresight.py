@@ -28,8 +28,26 @@ def look_ahead(app: App, system: System, snapshot: Snapshot) -> Outlook:
 
     live = Live(snapshot, system)
     asked = makings(system, live)
-    lacks = _lacking(app, asked, snapshot)
+    lacks = {**_lacking(app, asked, snapshot), **_elsewhere(live, system)}
     return Outlook(lacks, _ports(app, system, live, asked.keys() - lacks.keys()))
+
+
+def _elsewhere(live: Live, system: System) -> dict[str, str]:
+    """Return which components that are not there belong to another manager of this host."""
+    from rtkit.link.running import managers
+    from rtkit.rtc.names import MANAGER_SUFFIX
+
+    named = {}
+    for component in system.components:
+        first = component.name.split("/")[1]
+        if first.endswith(MANAGER_SUFFIX) and live.at(component.instance) is None:
+            named[component.instance] = first.removesuffix(MANAGER_SUFFIX)
+    others = set(managers()) - {live.snapshot.manager} if named else set()
+    return {
+        instance: f"belongs to manager {name}, and a plan is for one manager"
+        for instance, name in named.items()
+        if name in others
+    }
 
 
 def lacking(app: App, system: System, snapshot: Snapshot) -> dict[str, str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from rtkit.deployment.live import Live
 from rtkit.deployment.system import System, WantedComponent
-from rtkit.rtc.create import FRESH_SLAVE, parse_create
+from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.profiles import PortProfile
 
 Making = tuple[str, str]
@@ -45,6 +45,11 @@ def create_text(component: WantedComponent, live: Live) -> str:
     return entry.create
 
 
+def is_place_open(create: CreateString) -> bool:
+    """Whether the manager chooses the process: by the address that is told, or by the members."""
+    return not create.place and bool(create.address or create.options.get("members"))
+
+
 def makings(system: System, live: Live) -> dict[str, Making]:
     """Return what those components are made of that are not there, or not where they are wanted.
 
@@ -58,7 +63,11 @@ def makings(system: System, live: Live) -> dict[str, Making]:
         create = parse_create(text)
         facts = live.at(component.instance)
         manager = live.snapshot.manager
-        if facts is None or place_name(manager, facts.process) != place_name(manager, create.place):
+        is_there = facts is not None and (
+            is_place_open(create)
+            or place_name(manager, facts.process) == place_name(manager, create.place)
+        )
+        if not is_there:
             bare = str(create).partition("?")[0]
             found[component.instance] = (component.module, bare)
     return found

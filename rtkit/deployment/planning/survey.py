@@ -35,6 +35,7 @@ from rtkit.deployment.planning.outlook import (
     NOTHING_KNOWN,
     Outlook,
     create_text,
+    is_place_open,
     place_name,
 )
 from rtkit.deployment.system import (
@@ -174,7 +175,8 @@ class _Surveying:
             return
         name = component.instance
         create = create_text(component, self._live_facts)
-        options = parse_create(create).options if create else {}
+        made = parse_create(create) if create else None
+        options = made.options if made is not None else {}
         members = tuple(m.strip() for m in options.get("members", "").split(",") if m.strip())
         place = place_name(self._manager, options.get("manager_name", ""))
         lack = why_not or self._lack(component)
@@ -185,6 +187,7 @@ class _Surveying:
         if module:
             self._module(module)
         is_stated = bool(component.create) or entry is None
+        is_stated = is_stated and not (made is not None and is_place_open(made))
         self._desired[f"cmp:{name}"] = self._place_wish(component, facts, place, is_stated)
         if facts is not None:
             self._live[f"cmp:{name}"] = place_name(self._manager, facts.process)
@@ -223,7 +226,7 @@ class _Surveying:
         self, component: WantedComponent, facts: ComponentFacts | None, place: str, is_stated: bool
     ) -> Wish:
         if facts is None:
-            return place if self._units[component.instance].places else ANY
+            return place if is_stated and self._units[component.instance].places else ANY
         now = place_name(self._manager, facts.process)
         if not is_stated:
             return ANY

@@ -109,6 +109,12 @@ class Console:
             )
         self._file.write_text(PROFILE.format(components="".join(parts)))
 
+    def change(self, old: str, new: str) -> None:
+        """Change the profile."""
+        text = self._file.read_text()
+        assert old in text
+        self._file.write_text(text.replace(old, new))
+
     def run(self, line: str) -> tuple[int, str, str]:
         name, *options = shlex.split(line)
         main = {"rtplan": rtplan.main, "rtapply": rtapply.main}[name]
@@ -371,6 +377,29 @@ def test_what_the_manager_does_not_find_is_told_before_anything_is_done(console)
     assert console.steps() == []
     console.write(slave="elsewhere")
     assert "Source0.rtc: no module Source.py)" in console.run("rtplan")[2]
+
+
+def test_what_belongs_to_another_manager_is_told(
+    console: Console, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtkit.link.running.managers", lambda: ["manager", "other"])
+    console.change("localhost/Sink0.rtc", "localhost/other.mgr/Sink0.rtc")
+    status, _, err = console.run("rtplan")
+    assert status == 1
+    assert "other.mgr/Sink0.rtc: belongs to manager other, and a plan is for one manager)" in err
+    console.change("/other.mgr/", "/local.mgr/")
+    assert console.run("rtplan")[0] == 0
+
+
+@pytest.mark.parametrize("how", ["manager_address=localhost:2811", "members=Source0"])
+def test_who_is_made_where_the_manager_chooses_stays_there(console: Console, how: str) -> None:
+    console.change('"Sink"/>', f'"Sink?{how}"/>')
+    assert "create Sink0 on manager" in console.steps()
+    for kind, process in (("Source", "s"), ("Sink", "manager_2811")):
+        create = f"{kind}?instance_name={kind}0&manager_name={process}"
+        console.world.perform(act.Create(create, (f"localhost/{kind}0.rtc",)))
+    assert not any("Sink0" in step for step in console.steps() if "create" in step)
+    assert not any("delete" in step for step in console.steps())
 
 
 def test_ports_of_types_that_do_not_fit_are_told_before_they_live(console):
