@@ -32,6 +32,10 @@ def export(app: App, name: str, form: str, part: Part) -> None:
     reader = Reader(name)
     info = reader.info()
     channels = {channel.name: channel for channel in info.channels}
+    warning = part.check(info.entries, info.first_ns, info.last_ns)
+    if warning:
+        app.fail(f"warning: {warning}")
+        return
     with metered(app, "export", is_writing=True) as show:
         entries = _watched(reader.entries(), info.entries, show)
         lines = _lines(channels, part.of(entries), _FORMS[form](channels))

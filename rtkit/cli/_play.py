@@ -88,13 +88,8 @@ def _iso(time_ns: int | None) -> str | None:
 
 
 def _lines(name: str, info: Info) -> Iterator[str]:
-    from rtkit.probe.report import size_text
-
-    size = (
-        f"{size_text(info.size)} ({info.size} bytes)" if info.size > 999 else f"{info.size} bytes"
-    )
     yield f"Name: {name}"
-    yield f"Size: {size}"
+    yield f"Size: {_size(info.size)}"
     yield f"Start time: {_date(info.began_ns)}"
     if info.first_ns is not None and info.last_ns is not None:
         yield f"First entry time: {_date(info.first_ns)}"
@@ -113,6 +108,14 @@ def _lines(name: str, info: Info) -> Iterator[str]:
             yield f"  Times: {_date(span.first_ns)} to {_date(span.last_ns)}"
         yield "  Sources:"
         yield from (f"    {source}" for source in channel.sources)
+
+
+def _size(count: int) -> str:
+    """Return a number of bytes in the words of the tools of old."""
+    for exponent, unit in ((3, "GiB"), (2, "MiB"), (1, "KiB")):
+        if count >= 1024**exponent:
+            return f"{count / 1024**exponent:.2f} {unit} ({count} bytes)"
+    return f"{count} bytes"
 
 
 def _date(time_ns: int) -> str:
@@ -144,6 +147,10 @@ def play(
     streams = named_streams(app, ports, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
     source = _TextSource(name) if is_text else _McapSource(name)
     chosen = _matched(app, streams, source.channels)
+    warning = part.check(*source.extent)
+    if warning:
+        app.fail(f"warning: {warning}")
+        return
     renamed = tuple(s._replace(name=f"output{i}") for i, s in enumerate(streams))
     outs: dict[str, list[str]] = {}
     for stream, own in zip(streams, renamed, strict=True):
@@ -176,7 +183,7 @@ def _announcement(part: Part, pace: Pace) -> str:
     start = "" if part.start is None else f"{unit}{_place(part, part.start)}"
     end = "" if part.end is None else f"{unit}{_place(part, part.end)}"
     if start and end:
-        return f"Playing from {start} until {end}."
+        return f"Playing from {start} {'to' if part.is_by_index else 'until'} {end}."
     if start:
         return f"Playing from {start}."
     if end:
@@ -274,6 +281,7 @@ class _McapSource:
         info = self._reader.info()
         self.channels = info.channels
         self.counts: Mapping[str, int] = info.counts
+        self.extent = (info.entries, info.first_ns, info.last_ns)
 
     def entries(
         self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]
@@ -294,6 +302,8 @@ class _TextSource:
         streams = dict.fromkeys(line.stream for line in self._lines)
         self.channels = tuple(Channel(stream, "") for stream in streams)
         self.counts: Mapping[str, int] = Counter(line.stream for line in self._lines)
+        times = [line.time_ns for line in self._lines]
+        self.extent = (len(times), min(times, default=None), max(times, default=None))
 
     def entries(
         self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]

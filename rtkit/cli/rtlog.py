@@ -9,7 +9,7 @@ import click
 
 from rtkit.cli._app import App, command
 from rtkit.cli._lasting import lasting
-from rtkit.errors import UsageProblem
+from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.recording.entries import Part
@@ -124,7 +124,13 @@ def main(
     if sum((is_play, is_info, exported is not None)) > 1:
         raise UsageProblem("only one of -p, -d and --export can be used")
     if (is_play or is_info or exported) and filename is None:
-        raise UsageProblem("No log file specified.")
+        raise Malformed("No log file specified.")
+    form_read = form or ("text" if str(filename).endswith(".txt") else "mcap")
+    if (is_info or exported) and form_read == "text":
+        feature = "info" if is_info else "export"
+        raise Refused(f'Log type "text" does not support feature "{feature}".')
+    if is_by_index and start is None and end is None:
+        app.fail("warning: -i has no effect without -s or -e")
     import_modules(modules, folders)
     part = _part(start, end, is_by_index, has_duration=duration_s is not None)
     if is_info:
@@ -145,9 +151,9 @@ def main(
 def _form(form: str | None, name: str) -> str:
     chosen = form or ("text" if name.endswith(".txt") else "mcap")
     if chosen == "simpkl":
-        raise UsageProblem("simpkl logs can execute code when they are read: use mcap")
+        raise Malformed("simpkl logs can execute code when they are read: use mcap")
     if chosen not in FORMATS:
-        raise UsageProblem(f"Invalid logger type: {chosen} (one of {', '.join(FORMATS)})")
+        raise Malformed(f"Invalid logger type: {chosen} (one of {', '.join(FORMATS)})")
     return chosen
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
+from rtkit.errors import Refused
+
 NANOSECONDS = 1_000_000_000
 
 
@@ -94,6 +96,26 @@ class Part(NamedTuple):
     start: int | None = None
     end: int | None = None
     is_by_index: bool = False
+
+    def check(self, count: int, first_ns: int | None, last_ns: int | None) -> str:
+        """Return a warning if a recording of that extent ends before this begins to end.
+
+        Raises:
+            Refused: It ends before the first entry that is wanted.
+        """
+        if not count or first_ns is None or last_ns is None:
+            return ""
+        if self.is_by_index:
+            what, first, last, told = "index", 0, count - 1, f"0 to {count - 1}"
+        else:
+            what, first, last = "time", first_ns, last_ns
+            told = f"{first_ns / NANOSECONDS:.9f} to {last_ns / NANOSECONDS:.9f}"
+        if self.start is not None and self.start > last:
+            raise Refused(f"Start {what} out of bounds: the recording has {told}")
+        is_empty = self.is_by_index and self.start is None and self.end == 0
+        if self.end is not None and (self.end < max(first, self.start or first) or is_empty):
+            return f"End {what} out of bounds: the recording has {told}"
+        return ""
 
     def of(self, entries: Iterable[Entry]) -> Iterator[Entry]:
         """Yield those that are wanted, of entries in the order of their times."""

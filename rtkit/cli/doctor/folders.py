@@ -11,6 +11,7 @@ from rtkit.link import places, secret
 
 _LEAST_SPACE = 50 << 20
 _SOCKET = ".sock"
+_BEATS = ".beats"
 _DEAD = ("", "Z", "X")
 
 
@@ -82,7 +83,7 @@ def _orphans(entries: list[str]) -> Iterator[Diagnosis]:
     for name in sorted(names):
         if places.owner(name) is not None:
             continue
-        living = sum(_lives(pid) for pid in _pids(entries, name))
+        living = sum(_lives(pid) for pid in _slaves(entries, name))
         quoted = places.quoted(name)
         if living:
             text = f"manager {name!r} was killed; slaves of it that live on: {living}"
@@ -106,8 +107,9 @@ def _files_of_the_dead(entries: list[str]) -> Iterator[Diagnosis]:
         yield Diagnosis("remains", ERROR, text, f"rtmgr stop {places.quoted(name)}", name)
 
 
-def _pids(entries: list[str], name: str) -> set[int]:
-    parts = map(_parts, entries)
+def _slaves(entries: list[str], name: str) -> set[int]:
+    """Return the pids of what had heartbeats: slaves, but neither zygotes nor guests."""
+    parts = (_parts(entry) for entry in entries if entry.endswith(_BEATS))
     return {pid for owner, pid in parts if owner == name and pid is not None}
 
 

@@ -107,7 +107,8 @@ def test_what_killed_processes_left(place: Path) -> None:
     found = list(folders.remains())
     assert [each.subject for each in found] == ["old", "gone"]
     assert {each.severity for each in found} == {ERROR}
-    (run / f"old.{os.getpid()}.data").touch()
+    for pid, kind in ((os.getpid(), "beats"), (os.getpid(), "data"), (os.getppid(), "zygote")):
+        (run / f"old.{pid}.{kind}").touch()
     assert "live on: 1" in next(folders.remains()).text
 
 

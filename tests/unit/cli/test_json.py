@@ -201,7 +201,17 @@ def test_exports(tmp_path: Path, run: Run) -> None:
     text = run(f"rtlog --export text -i -e 1 -f {file}").out
     assert text.startswith("0.000000005\t('s', {")
     done = run(f"rtlog --export csv -i -s 9 -f {file}")
-    assert (done.status, done.err) == (1, f"rtlog: no values in that part: {file}\n")
+    told = "out of bounds: the recording has"
+    assert (done.status, done.err) == (1, f"rtlog: Start index {told} 0 to 2\n")
+    assert run(f"rtlog --export csv -s 2000000000 -f {file}").err == (
+        f"rtlog: Start time {told} 0.000000005 to 2.000000005\n"
+    )
+    done = run(f"rtlog --export csv -i -e 0 -f {file}")
+    assert (done.status, done.out, done.err) == (
+        0,
+        "",
+        f"rtlog: warning: End index {told} 0 to 2\n",
+    )
     assert run(f"rtlog --export csv -d -f {file}").status == 2
 
 

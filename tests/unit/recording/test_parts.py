@@ -11,7 +11,7 @@ from rtkit.component.geometry import Point2D
 from rtkit.component.standard import HOMES
 from rtkit.component.typenames import type_by_name
 from rtkit.component.types import Time, TimedLong
-from rtkit.errors import Malformed
+from rtkit.errors import Malformed, Refused
 from rtkit.idl.read import read_idl
 from rtkit.probe.stats import stamp_reader
 from rtkit.recording.entries import Entry, Part
@@ -33,10 +33,23 @@ FIVE = [Entry("a", 100 + number, 0, b"") for number in range(5)]
         (Part(None, 102), [0, 1, 2]),
         (Part(101, 103), [1, 2, 3]),
         (Part(9, None, True), []),
+        (Part(105, None), []),
+        (Part(None, 99), []),
+        (Part(None, 0, True), []),
+        (Part(3, 2, True), []),
+        (Part(103, 102), []),
     ],
 )
 def test_parts(part: Part, wanted: list[int]) -> None:
     assert [entry.time_ns - 100 for entry in part.of(FIVE)] == wanted
+    assert bool(wanted) is not _is_out(part)
+
+
+def _is_out(part: Part) -> bool:
+    try:
+        return bool(part.check(5, 100, 104))
+    except Refused:
+        return True
 
 
 def test_text_lines_are_read_again() -> None:
