@@ -41,6 +41,7 @@ class ComponentFacts:
         fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
         restarts: How often it was made again after its process was lost.
+        restarted_for: Why it was made again by its policy the last time; mostly empty.
     """
 
     instance: str
@@ -65,6 +66,7 @@ class ComponentFacts:
     fsm_states: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     fsm_events: Mapping[str, str] = field(default_factory=dict)
     restarts: int = 0
+    restarted_for: str = ""
 
     @property
     def state(self) -> str:

@@ -25,6 +25,7 @@ class Row(NamedTuple):
         ins: How many in ports it has; ``ins_connected`` … ``services_connected`` count likewise.
         context: Id of its first execution context.
         cause: What put it into Error, one line with file:line.
+        again: How often it was made again by its policy, and for what; empty if it was not.
     """
 
     instance: str
@@ -42,6 +43,7 @@ class Row(NamedTuple):
     names: tuple[str, ...]
     context: str = ""
     cause: str = ""
+    again: str = ""
 
 
 class Listing(NamedTuple):
@@ -101,7 +103,16 @@ def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Ro
         component.names,
         component.contexts[0].id if component.contexts else "",
         component.cause,
+        again(component),
     )
+
+
+def again(component: ComponentFacts) -> str:
+    """Return how often a component was made again by its policy, and for what the last time."""
+    if not component.restarted_for:
+        return ""
+    times = "once" if component.restarts == 1 else f"{component.restarts} times"
+    return f"made again {times}, for {component.restarted_for}"
 
 
 def listing_to_text(listing: Listing) -> str:
@@ -123,8 +134,8 @@ def listing_from_text(text: str) -> Listing:
             int(pid),
             tuple((str(name), str(state), str(why)) for name, state, why in slaves),
             tuple(
-                Row._make([*row, tuple(names), str(context), str(cause)])
-                for *row, names, context, cause in rows
+                Row._make([*row, tuple(names), str(context), str(cause), str(again)])
+                for *row, names, context, cause, again in rows
             ),
             tuple(map(str, names)),
             str(trouble),

@@ -24,6 +24,7 @@ from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, is_cost
 from rtkit.deployment.port_types import settle_types
+from rtkit.deployment.supervision import is_policy, read_policy
 from rtkit.deployment.system import (
     BadComponent,
     KnownType,
@@ -197,10 +198,14 @@ def _component(
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
+    policy = {key: value for key, value in own.items() if is_policy(key)}
+    read_policy(policy)
     if is_stand_in:
-        return _as_stand_in(made, component, create, choices, is_marked), where.note
+        stand_in = _as_stand_in(made, component, create, choices, is_marked)
+        text = str(parse_create(stand_in.create).with_options(**policy))
+        return replace(stand_in, create=text), where.note
     module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
-    text = str(_create(create, made)) if create else ""
+    text = str(_create(create, made).with_options(**policy)) if create else ""
     return replace(made, create=text, module=module), where.note
 
 

@@ -87,7 +87,7 @@ class Node:
         if row is None:
             return self.trouble
         made = "stand-in" if row.is_stand_in else ""
-        known = (row.zombie, made) if row.zombie else (row.trouble, row.cause, made)
+        known = (row.zombie, made) if row.zombie else (row.trouble, row.cause, row.again, made)
         return ", ".join(filter(None, known))
 
     def entries(self) -> list[Node]:

@@ -30,6 +30,7 @@ from rtkit.rtc.enums import Transition
 
 INSTANCES = ("A", "B", "C")
 PLACES = ("", "", "&manager_name=s", "&manager_name=t", "&manager_name=manager_%p")
+POLICIES = ("", "", "&rtkit.restart=on-failure", "&rtkit.restart=always&rtkit.critical=yes")
 NAMES = ((), (), ("localhost/x.rtc",), ("localhost/A.rtc",))
 WIRES = [
     wire(connector_id, f"{out}.out", f"{into}.in", dataport__dataflow_type=flow)
@@ -39,11 +40,12 @@ WIRES = [
 ]
 
 creates = st.builds(
-    lambda instance, place, names: act.Create(
-        f"Thing?{f'instance_name={instance}' if instance else 'x=1'}{place}", names
+    lambda instance, place, policy, names: act.Create(
+        f"Thing?{f'instance_name={instance}' if instance else 'x=1'}{place}{policy}", names
     ),
     st.sampled_from((*INSTANCES, "")),
     st.sampled_from(PLACES),
+    st.sampled_from(POLICIES),
     st.sampled_from(NAMES),
 )
 instances = st.sampled_from((*INSTANCES, "Thing0"))
@@ -160,6 +162,10 @@ class CoreMachine(RuleBasedStateMachine):
         self.held.pop(key, None)
         self.shell.end(key, "signal 9")
 
+    @rule(why=st.sampled_from(["", "", "the disk is full"]))
+    def fill(self, why):
+        self.shell.disk = why
+
     @rule(why=st.sampled_from(["", "the zygote ended"]))
     def bar(self, why):
         self.shell.feed(ev.BirthsBarred(why))
@@ -211,6 +217,7 @@ class CoreMachine(RuleBasedStateMachine):
 
     @rule(index=indexes, message=st.sampled_from(WRONG))
     def say_what_is_wrong(self, index, message):
+        self.shell.feed(ev.Tick())
         before = self.shell.state.snapshot()
         keys = sorted(self.shell.state.processes)
         with suppress(Malformed):
@@ -230,6 +237,7 @@ class CoreMachine(RuleBasedStateMachine):
 
     @rule(components=st.sampled_from([None, [1], [{}], [facts("a/b")]]))
     def find_nonsense(self, components):
+        self.shell.feed(ev.Tick())
         before = self.shell.state.snapshot()
         with suppress(Malformed):
             self.shell.feed(ev.SlaveFound(999, "s", components, []))
@@ -239,6 +247,7 @@ class CoreMachine(RuleBasedStateMachine):
     def the_dead_are_heard(self, instance, key):
         process = self.shell.state.processes.get(key)
         if process is None or not process.is_alive:
+            self.shell.feed(ev.Tick())  # what is due is done by any event
             before = self.shell.state.snapshot()
             self.shell.say(key, facts=facts(instance))
             self.shell.say(key, gone=instance)
@@ -304,6 +313,13 @@ class CoreMachine(RuleBasedStateMachine):
         if not self.shell.core.is_idle:
             assert self.shell.wake_at is not None
             assert math.isfinite(self.shell.wake_at)
+
+    @invariant()
+    def what_is_on_the_disk_is_what_is_wished(self):
+        state = self.shell.state
+        if self.shell.core.is_idle and not state.unkept and not self.is_stopping:
+            kept = {name for kind, name in self.shell.rows if kind == "component"}
+            assert kept == state.kept.components.keys()
 
     @invariant()
     def it_finishes_only_when_asked_to(self):

@@ -57,6 +57,7 @@ from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.restoring import RESTORE_S, note_loss, reconnect, restore
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
+from rtkit.manager.core.supervising import Supervisor
 from rtkit.manager.core.surveying import Survey
 from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.trial import TRIAL
@@ -92,6 +93,7 @@ class Core:
         self._out: list[Instruction] = []
         self._tasks = Tasks(state, self._out)
         self._keeping = Keeping(state, self._out, self._tasks)
+        self._supervisor = Supervisor(state, self._tasks)
         self._announcer = Announcer(state, self._out)
         self._survey = Survey(state, self._out, self._announcer.run_id)
         self._is_stopping = False
@@ -291,6 +293,7 @@ class Core:
             self._tasks.hear(key, message)
         elif "facts" in message:
             facts = facts_in.take(self.state, process, message["facts"])
+            self._supervisor.heard(facts, self._now)
             for wire in self.state.connectors_of(facts.instance):
                 ends = [end for end in wire.ports if end.instance == facts.instance]
                 if any(facts.port(end.port) is None for end in ends):
@@ -373,7 +376,7 @@ class Core:
         process.state, process.reason = "lost", event.reason
         adoption.take_missed(self.state, process, holding)
         for instance in self.state.held_by(process.key):
-            if event.is_seen:
+            if event.is_seen and not self._supervisor.wants(instance, event.reason):
                 self.state.kept.lost(self.state.components[instance])
 
     def _end_unwanted(self, process: Process) -> bool:
@@ -394,6 +397,7 @@ class Core:
         self._tasks.process_ended(process)
 
     def _bury(self, process: Process) -> None:
+        lost = []
         for instance in self.state.held_by(process.key):
             for wire in self.state.connectors_of(instance):
                 self._cut(wire)
@@ -401,8 +405,11 @@ class Core:
                 self.state.drop_connectors(instance)
                 self.state.update(instance, zombie=process.reason, trouble="")
                 self._tasks.begin(note_loss(self.state, instance), RESTORE_S)
+                lost.append(instance)
             else:
                 self.state.forget(instance)
+        if not self._is_stopping:
+            self._supervisor.lost(lost, process.reason, self._now)
 
     def _cut(self, wire: ConnectorProfile) -> None:
         """Drop a connector and take it off the ends that live."""
@@ -445,14 +452,15 @@ class Core:
             process.stuck.pop(instance, None)
         if self.state.holders.get(instance) == key:
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
+            self._supervisor.heard(self.state.components[instance], self._now)
 
     # the end
 
     def _stop(self, is_kept: bool) -> None:
         if not self._is_stopping:
             self._is_stopping = True
+            self._keeping.stop(is_kept=is_kept)
             if not is_kept:
-                self._keeping.clear()
                 self._out.append(Forget())
             self._tasks.cancel(Refused(_STOPPING))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)

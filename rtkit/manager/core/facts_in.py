@@ -27,6 +27,7 @@ def take(state: State, process: Process, report: object) -> ComponentFacts:
     known = state.components.get(instance)
     claim = state.claims.get(instance)
     restarts = known.restarts + bool(known.zombie) if known is not None else 0
+    restarted_for = known.restarted_for if known is not None else ""
     if state.holders.get(instance) != process.key:
         if claim is None or claim.key != process.key:
             raise Malformed(f"{process.name} reports {instance}, which it does not hold")
@@ -34,7 +35,8 @@ def take(state: State, process: Process, report: object) -> ComponentFacts:
             state.forget(instance)
             known = None
     trouble = state.trouble_of(instance, process)
-    facts = replace(_completed(facts, known, process, trouble), restarts=restarts)
+    whole = _completed(facts, known, process, trouble)
+    facts = replace(whole, restarts=restarts, restarted_for=restarted_for)
     state.components[instance] = facts
     state.holders[instance] = process.key
     return facts

@@ -50,6 +50,8 @@ class Keeping:
         self._tasks = tasks
         self._number = 0
         self._flights: dict[int, _Flight] = {}
+        self._is_stopping = False
+        self._is_forgetting = False
 
     @property
     def is_idle(self) -> bool:
@@ -58,7 +60,7 @@ class Keeping:
 
     def finish(self, actions: Sequence[Action], results: list[Result], tell: Tell) -> None:
         """Have results told when what they say is kept."""
-        if not any(result.ok for result in results):
+        if self._is_forgetting or not any(result.ok for result in results):
             tell(results)
         elif self._state.kept.has_changed:
             self._keep().done.append(_Done(actions, results, tell))
@@ -96,11 +98,14 @@ class Keeping:
         if kept.has_changed and self._tasks.is_idle and not (self._state.unkept or self._flights):
             self._keep()
 
-    def clear(self) -> None:
-        """Have nothing wished any more."""
-        self._state.kept.clear()
-        if self._state.kept.has_changed:
-            self._keep()
+    def stop(self, *, is_kept: bool) -> None:
+        """Take nothing back any more; unless wishes are kept, have nothing wished any more."""
+        self._is_stopping = True
+        if not is_kept:
+            self._is_forgetting = True
+            self._state.kept.clear()
+            if self._state.kept.has_changed:
+                self._keep()
 
     def _keep(self) -> _Flight:
         self._number += 1
@@ -112,7 +117,24 @@ class Keeping:
         def tell(_result: Result) -> None:
             done.tell(done.results)
 
-        self._tasks.begin(_undo(self._state, done, why), _UNDO_S, tell)
+        self._tasks.begin(self._undo(done, why), _UNDO_S, tell)
+
+    def _undo(self, done: _Done, why: str) -> Procedure:
+        """Take back what was made and cannot be kept, the last first; tell what stays."""
+        for index in reversed(range(len(done.results))):
+            result, action = done.results[index], done.actions[index]
+            if not result.ok or isinstance(action, act.Tick):
+                continue
+            back = _opposite(self._state, action, result)
+            stays = "done all the same, but "
+            if back is not None and not self._is_stopping:
+                try:
+                    yield from procedure_for(back, self._state)
+                    stays = ""
+                except RtkitError as error:
+                    stays = f"done, not taken back ({error}), and "
+            done.results[index] = failed(Refused(stays + unkept(why)))
+        return Result()
 
 
 def unkept(why: str) -> str:
@@ -125,24 +147,6 @@ def _is_ending(action: Action) -> bool:
     if isinstance(action, act.ChangeState):
         return action.transition is not Transition.ACTIVATE
     return isinstance(action, (act.Delete, act.EndSlave, act.Unregister, act.Disconnect, act.Tick))
-
-
-def _undo(state: State, done: _Done, why: str) -> Procedure:
-    """Take back what was made and cannot be kept, the last first; tell what stays all the same."""
-    for index in reversed(range(len(done.results))):
-        result = done.results[index]
-        if not result.ok or isinstance(done.actions[index], act.Tick):
-            continue
-        back = _opposite(state, done.actions[index], result)
-        stays = "done all the same, but "
-        if back is not None:
-            try:
-                yield from procedure_for(back, state)
-                stays = ""
-            except RtkitError as error:
-                stays = f"done, not taken back ({error}), and "
-        done.results[index] = failed(Refused(stays + unkept(why)))
-    return Result()
 
 
 def _opposite(state: State, action: Action, result: Result) -> Action | None:

@@ -20,6 +20,7 @@ from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS, Message
 from rtkit.manager.core.naming import remember, unregister
 from rtkit.manager.core.noting import note
+from rtkit.manager.core.policies import policy_of
 from rtkit.manager.core.registration import late_names
 from rtkit.manager.core.state import Claim, Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
@@ -135,6 +136,7 @@ def _create(state: State, action: act.Create) -> Procedure:
     if known is not None and not known.zombie:
         return Result(value=known.instance, note=_otherwise(state, action, create, known))
     create = _in_language(state, create)
+    policy_of(state, str(create))  # a policy that makes no sense is refused before anything is done
     taken = yield from names_elsewhere(state, create)
     instance, claim = claim_name(state, action, create, taken)
     known = state.components.get(instance)
@@ -154,6 +156,8 @@ def _create(state: State, action: act.Create) -> Procedure:
     finally:
         state.claims.pop(instance, None)
     state.update(instance, create=str(made), process=process.name, names=names)
+    if instance not in state.kept.revived:  # by a user: what was before is forgiven
+        state.watched.pop(instance, None)
     state.kept.made(instance, str(made), names, action.pattern)
     if names != claim.names:
         yield Tell(process, remember(state, instance))

@@ -59,7 +59,7 @@ def note_loss(state: State, instance: str) -> Procedure:
     """Keep that a component has died by itself: who dies together with his manager has not."""
     yield Pause(_TOGETHER_S)
     facts = state.components.get(instance)
-    if facts is not None and facts.zombie:
+    if facts is not None and facts.zombie and instance not in state.returning:
         state.kept.lost(facts)
     return Result()
 

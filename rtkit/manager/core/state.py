@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.deployment.supervision import Ledger
 from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.kept import Kept
@@ -107,6 +108,22 @@ class Claim:
     is_in_new_slave: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class Watched:
+    """What has been done so far about the ends of a component.
+
+    Attributes:
+        restarts: How often it was made again.
+        why: For which end it was the last time.
+        is_in_error: It is, and that was answered.
+    """
+
+    ledger: Ledger = field(default_factory=Ledger)
+    restarts: int = 0
+    why: str = ""
+    is_in_error: bool = False
+
+
 @dataclass(slots=True)
 class Opening:
     """A connector that is being made; `is_broken` when an end has gone meanwhile."""
@@ -137,6 +154,8 @@ class State:
         kept: What users wished for, as it is kept for the next manager.
         unkept: Why wishes cannot be kept at present; empty when they can.
         remark: What is to be told of the store of an earlier manager; mostly empty.
+        watched: What has been done about the ends of components, by instance.
+        returning: Instances that are to be made again.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
     """
@@ -168,12 +187,17 @@ class State:
     kept: Kept = field(default_factory=Kept)
     unkept: str = ""
     remark: str = ""
+    watched: dict[str, Watched] = field(default_factory=dict)
+    returning: set[str] = field(default_factory=set)
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
         if process.is_stopped:
             return "stopped"
-        return process.stuck.get(instance, "") or process.silence
+        watched = self.watched.get(instance)
+        is_given_up = watched is not None and watched.ledger.is_given_up
+        told = process.stuck.get(instance, "") or process.silence
+        return told or "in Error, given up after restarts" * is_given_up
 
     def trouble_in(self, process: Process) -> str:
         """Return what is wrong with a process and is shown at none of its components."""

@@ -37,6 +37,8 @@ def change_state(state: State, action: act.ChangeState) -> Procedure:
         "wait": action.wait and is_sync != "NO",
         "instance": action.instance,
     }
+    if action.transition is Transition.RESET:
+        state.watched.pop(action.instance, None)
     yield Ask(process, message, float(bound or 0))
     return Result()
 

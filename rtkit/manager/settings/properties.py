@@ -139,6 +139,9 @@ timer.tick | 0.1 | number | - | nothing is polled
 sdo.service.provider.enabled_services | ALL | list | - | components have no SDO services
 sdo.service.consumer.enabled_services | ALL | list | - | components have no SDO services
 rtkit.start.strict | NO | boolean | start | YES: a failure while starting ends the manager
+manager.restart | never | text | live
+    | what is made again after it has died, if its create string does not say: never, on-failure
+    (by a signal, an exit status but 0, in Error), always
 rtkit.restore | YES | boolean | start
     | NO: begins without what an earlier manager kept, which is put aside
 rtkit.allow_faults | NO | boolean | start | YES: RTKIT_FAULT is heeded by root's manager, too
@@ -148,6 +151,7 @@ _PATTERNS = (
     Property("manager.modules.*.suffixes", "", "list", NONE, "modules end in .py"),
     Property("manager.modules.*.manager_cmd", "", "text", NONE, "slaves are forked"),
     Property("manager.modules.*.profile_cmd", "", "text", NONE, "modules are read, not run"),
+    Property("manager.restart.*", "", "text", LIVE, "the same for what slave * holds"),
     Property("manager.local_service.*", "", "text", NONE, "managers have no plug-ins"),
     Property("logger.logstream.*", "", "text", NONE, "logs are files, one JSON object a line"),
     Property("ec.*", "", "text", LIVE, "ec.TYPE.KEY, ec.NAME.KEY: rate, cpu_affinity of contexts"),
@@ -166,6 +170,8 @@ _READERS: Mapping[str, Callable[[str], object]] = {
     "net.master_manager": parse_address,
     "naming.formats": formats.check,
     "net.endpoints": values.endpoint,
+    "manager.restart": values.restart,
+    "manager.restart.*": values.restart,
 }
 KNOWN: Mapping[str, Property] = {each.key: each for each in _properties()}
 

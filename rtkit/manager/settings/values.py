@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtkit.deployment.supervision import restart_of
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.names import LOCAL
 
@@ -67,6 +68,15 @@ def naming_policy(text: str) -> str:
     if text not in POLICIES:
         raise Malformed(f"no naming policy: {text} (one of {', '.join(POLICIES)})")
     return text
+
+
+def restart(text: str) -> str:
+    """Return the word that says what is made again after it has died.
+
+    Raises:
+        Malformed: It is none of those that there are.
+    """
+    return restart_of("restart", text)
 
 
 def modules(text: str) -> tuple[tuple[str, str], ...]:

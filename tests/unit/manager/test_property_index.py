@@ -76,6 +76,8 @@ SHOWN_BY = {
     "logger.date_format": (PROPERTIES, "test_how_a_further_log_looks"),
     "logger.escape_sequence_enable": (PROPERTIES, "test_how_a_further_log_looks"),
     "rtkit.start.strict": (SETTINGS, "test_a_strict_start_leaves_nothing"),
+    "manager.restart": ("test_supervision.py", "test_what_the_manager_says_holds_for_all"),
+    "manager.restart.*": ("test_supervision.py", "test_what_the_manager_says_holds_for_all"),
     "rtkit.restore": ("test_keeping.py", "test_restoring_can_be_declined"),
     "rtkit.allow_faults": ("test_fault_points.py", "test_who_may_be_broken_off"),
     "ec.*": (PROPERTIES, "test_contexts_of_components"),

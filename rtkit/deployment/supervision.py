@@ -1,0 +1,166 @@
+"""When what has died is made again: the law of restarts, as plain code; time is an argument.
+
+The first restart comes after 0.1 s, each further one after twice as long, up to 10 s, give or take
+a tenth; after five within 60 s it is given up. 30 s of health make all forgotten.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from math import isfinite
+
+from rtkit.errors import Malformed
+
+RESTART = "rtkit.restart"
+"""Property of a component: ``never``, ``on-failure`` or ``always``."""
+DELAY = "rtkit.restart.delay"
+"""Property of a component: how long the first restart waits [s]."""
+LIMIT = "rtkit.restart.limit"
+"""Property of a component: how many restarts within 60 s are made."""
+CRITICAL = "rtkit.critical"
+"""Property of a component: ``yes`` if its loss stops the system."""
+
+KEYS = (RESTART, DELAY, LIMIT, CRITICAL)
+
+WINDOW_S = 60.0
+"""Restarts within this time are counted [s]."""
+HEALTHY_S = 30.0
+"""How long it must be well until restarts are forgotten [s]."""
+LONGEST_S = 10.0
+"""The longest wait before a restart [s]."""
+MOST = 5
+"""The highest limit: no more restarts within `WINDOW_S`, whatever is asked for."""
+JITTER = 0.1
+"""By how much of itself a wait may be shorter or longer."""
+_YES, _NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0", "")
+
+
+def is_policy(key: str) -> bool:
+    """Whether a property is one of supervision, perhaps misspelt."""
+    return key in (RESTART, CRITICAL) or key.startswith((f"{RESTART}.", f"{CRITICAL}."))
+
+
+class Restart(StrEnum):
+    """Which ends make something be made again."""
+
+    NEVER = "never"
+    ON_FAILURE = "on-failure"
+    ALWAYS = "always"
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """What is done about the end of a component, or of the slave that holds it.
+
+    Attributes:
+        delay_s: How long the first restart waits [s].
+        limit: Restarts within `WINDOW_S` before it is given up.
+        is_critical: Its loss stops the system, in reverse order.
+    """
+
+    restart: Restart = Restart.NEVER
+    delay_s: float = 0.1
+    limit: int = MOST
+    is_critical: bool = False
+
+    def wants(self, is_failure: bool) -> bool:
+        """Whether such an end is answered by a restart."""
+        return self.restart is Restart.ALWAYS or (is_failure and self.restart is Restart.ON_FAILURE)
+
+
+def read_policy(options: Mapping[str, str], default: Restart = Restart.NEVER) -> Policy:
+    """Return the policy that the properties of a component say.
+
+    Raises:
+        Malformed: One makes no sense; names it.
+    """
+    for key in options:
+        if is_policy(key) and key not in KEYS:
+            raise Malformed(f"unknown property of supervision: {key} (one of {', '.join(KEYS)})")
+    restart = restart_of(RESTART, options.get(RESTART, ""), default)
+    delay_s = _number(DELAY, options.get(DELAY, "0.1"), 0.0, LONGEST_S, "s")
+    limit = _number(LIMIT, options.get(LIMIT, str(MOST)), 1, MOST, "restarts")
+    if limit != int(limit):
+        raise Malformed(f"{LIMIT}: not a whole number: {options[LIMIT]}")
+    word = options.get(CRITICAL, "").strip().lower()
+    if word not in _YES + _NO:
+        raise Malformed(f"{CRITICAL}: neither yes nor no: {options[CRITICAL]}")
+    return Policy(restart, delay_s, int(limit), word in _YES)
+
+
+def restart_of(key: str, text: str, default: Restart = Restart.NEVER) -> Restart:
+    """Return what a word says.
+
+    Raises:
+        Malformed: It is none of the three.
+    """
+    word = text.strip().lower()
+    if not word:
+        return default
+    try:
+        return Restart(word)
+    except ValueError:
+        raise Malformed(f"{key}: not one of {', '.join(Restart)}: {text}") from None
+
+
+def _number(key: str, text: str, least: float, most: float, unit: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not (isfinite(value) and least <= value <= most):
+        raise Malformed(f"{key}: not a number from {least:g} to {most:g} [{unit}]: {text}")
+    return value
+
+
+@dataclass(frozen=True, slots=True)
+class Ledger:
+    """What has been done about the ends of one thing so far.
+
+    Attributes:
+        count: Restarts of which none is forgotten.
+        times: When those of the last `WINDOW_S` were made [s].
+        wait_s: How long the last one waited [s].
+        well_since: Since when it is well [s]; None while it is not.
+        is_given_up: It is not restarted any more until a user asks for it.
+    """
+
+    count: int = 0
+    times: tuple[float, ...] = ()
+    wait_s: float = 0.0
+    well_since: float | None = None
+    is_given_up: bool = False
+
+
+def at_end(
+    ledger: Ledger, policy: Policy, now: float, spread: float
+) -> tuple[Ledger, float | None]:
+    """Return how long to wait for a restart [s], None if there is to be none, and the new ledger.
+
+    Args:
+        ledger: What has been done so far.
+        policy: What is to be done.
+        now: When it ended, monotonic [s].
+        spread: A number from -1 to 1 by which the wait differs from the usual one.
+    """
+    if ledger.is_given_up:
+        return ledger, None
+    if ledger.well_since is not None and now - ledger.well_since >= HEALTHY_S:
+        ledger = replace(ledger, count=0, wait_s=0.0)
+    usual = min(policy.delay_s * 2.0**ledger.count, LONGEST_S)
+    wait_s = max(ledger.wait_s, usual * (1.0 + JITTER * spread))
+    start = now + wait_s
+    recent = tuple(time for time in ledger.times if time > start - WINDOW_S)
+    if len(recent) >= policy.limit:
+        return replace(ledger, well_since=None, is_given_up=True), None
+    made = Ledger(ledger.count + 1, (*recent, start), wait_s)
+    return made, wait_s
+
+
+def at_health(ledger: Ledger, now: float, *, is_well: bool) -> Ledger:
+    """Note that it is well, or is not, at monotonic time `now` [s]."""
+    if not is_well:
+        return replace(ledger, well_since=None)
+    return ledger if ledger.well_since is not None else replace(ledger, well_since=now)

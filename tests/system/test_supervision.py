@@ -1,0 +1,179 @@
+"""Real ends of real processes, answered as their policies say."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rtkit.deployment.actions import ChangeState, Connect, Create, SetParameters
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.resources import resource
+from rtkit.rtc.enums import Transition
+from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.tree.client import Tree
+
+MANAGER = "/localhost/manager.mgr"
+SYSTEM = resource("profiles", "systems", "sensor-controller-motor.xml")
+FRAIL = '''
+import os
+from rtkit.component import Component
+
+
+class Frail(Component):
+    """Raises in its first life when it is executed, and whenever it is made where `bad` lies."""
+
+    rate = 100.0
+
+    def on_initialize(self):
+        if os.path.exists(os.environ["RTKIT_STATE_DIR"] + "/bad"):
+            raise ValueError("bad")
+
+    def on_execute(self, context):
+        path = os.environ["RTKIT_STATE_DIR"] + "/lived"
+        if not os.path.exists(path):
+            open(path, "w").close()
+            raise ValueError("first life")
+
+
+def FrailInit(manager):
+    manager.register_factory(Frail)
+'''
+
+
+def until(is_so: Callable[[], bool], what: str) -> None:
+    deadline = time.monotonic() + 30.0
+    while not is_so():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.005)
+
+
+def facts(tree: Tree, instance: str) -> ComponentFacts:
+    found = tree.snapshot().component(instance)
+    assert found is not None
+    return found
+
+
+def all_states(tree: Tree) -> set[str]:
+    return {each.state for each in tree.snapshot().components}
+
+
+def kill(tree: Tree, slave: str) -> None:
+    (pid,) = (each.pid for each in tree.snapshot().processes if each.name == slave)
+    os.kill(pid, signal.SIGKILL)
+
+
+def has_restarts(tree: Tree, instance: str, count: int) -> bool:
+    told = facts(tree, instance)
+    return not told.zombie and told.restarts == count
+
+
+def is_at_work(tree: Tree, instance: str, restarts: int) -> bool:
+    return has_restarts(tree, instance, restarts) and facts(tree, instance).state == "Active"
+
+
+def apply(tree: Tree, *actions: Any) -> None:
+    for result in tree.apply(actions):
+        result.raise_for_error()
+
+
+def test_a_killed_slave_is_back_as_it_was(manager: Any, tree: Tree) -> None:
+    """Connected, configured, active; others are untouched, and it is told how often and why."""
+    ends = (PortRef("S", "distance"), PortRef("C", "distance"))
+    apply(
+        tree,
+        Create("Sensor?instance_name=S&manager_name=s"),
+        Create("Controller?instance_name=C&manager_name=c&rtkit.restart=on-failure"),
+        Connect(ConnectorProfile("wire", "wire", ends)),
+        SetParameters("C", "default", {"gain": "2.5"}),
+        ChangeState("S", "0", Transition.ACTIVATE),
+        ChangeState("C", "0", Transition.ACTIVATE),
+    )
+    other = next(each for each in tree.snapshot().processes if each.name == "s")
+    for count in (1, 2):
+        kill(tree, "c")
+        until(partial(is_at_work, tree, "C", count), f"restart {count}")
+        told = facts(tree, "C")
+        assert told.sets["default"]["gain"] == "2.5"
+        assert [wire.connector_id for wire in tree.snapshot().connectors] == ["wire"]
+    assert next(each for each in tree.snapshot().processes if each.name == "s") == other
+    shown = manager.ok("rtls -l /localhost/C.rtc")
+    assert "(made again 2 times, for signal 9)" in shown
+    assert re.search(
+        r"Restarts +made again 2 times, for signal 9", manager.ok("rtcat /localhost/C.rtc")
+    )
+    manager.ok("rtexit /localhost/C.rtc")
+    assert tree.snapshot().component("C") is None
+
+
+def test_error_is_answered_in_place_and_who_fails_always_is_given_up(
+    manager: Any, tree: Tree
+) -> None:
+    (manager.modules / "Frail.py").write_text(FRAIL)
+    options = "&rtkit.restart=on-failure&rtkit.restart.delay=0.01"
+    apply(
+        tree,
+        Create(f"Frail?instance_name=F&manager_name=f{options}"),
+        ChangeState("F", "0", Transition.ACTIVATE),
+    )
+    before = next(each.pid for each in tree.snapshot().processes if each.name == "f")
+    until(partial(is_at_work, tree, "F", 1), "its second life")
+    told = facts(tree, "F")
+    assert "first life" in told.restarted_for
+    assert next(each.pid for each in tree.snapshot().processes if each.name == "f") == before
+    bad = Path(manager.environment["RTKIT_STATE_DIR"]) / "bad"
+    bad.touch()
+    kill(tree, "f")
+    until(lambda: "given up" in facts(tree, "F").zombie, "the end of patience")
+    assert "given up after 5 restarts within 60 s" in manager.ok("rtls -l /localhost")
+    bad.unlink()
+    apply(tree, Create(f"Frail?instance_name=F&manager_name=f{options}"))
+    assert facts(tree, "F").state == "Inactive"
+
+
+def test_a_profile_says_what_is_made_again(manager: Any, tree: Tree) -> None:
+    """Nonsense in it is refused with its line; what is critical stops the rest."""
+    text = Path(SYSTEM).read_text()
+    mark = 'value="Motor?manager_name=motor&amp;instance_name=Motor0"/>'
+    assert mark in text
+    said = '\n      <rtsExt:Properties rtsExt:name="{}" rtsExt:value="{}"/>'
+    good = manager.folder / "good.xml"
+    policy = said.format("rtkit.restart", "always") + said.format("rtkit.critical", "yes")
+    good.write_text(text.replace(mark, mark + policy))
+    bad = manager.folder / "bad.xml"
+    bad.write_text(text.replace(mark, mark + said.format("rtkit.restart", "now and then")))
+    status, _, err = manager.run(f"rtresurrect {bad}")
+    assert status == 1
+    assert re.search(r"bad\.xml:\d+: .*not one of never, on-failure, always: now and then", err)
+    assert not tree.snapshot().components
+    manager.ok(f"rtresurrect {good}")
+    assert manager.run(f"rtstart {good}").status == 0
+    assert all_states(tree) == {"Active"}
+    kill(tree, "motor")
+    until(lambda: has_restarts(tree, "Motor0", 1), "the motor")
+    until(
+        lambda: {each.state for each in tree.snapshot().components} == {"Inactive"},
+        "the standstill",
+    )
+    manager.ok("rtcryo -o saved.xml")
+    assert "rtkit.critical" in (manager.folder / "saved.xml").read_text()
+
+
+def test_what_the_manager_says_holds_for_all(manager: Any, tree: Tree) -> None:
+    manager.ok(f"rtmgr {MANAGER} -s manager.restart=always -s manager.restart.t=never")
+    bad = manager.run(f"rtmgr {MANAGER} -s manager.restart=perhaps")
+    assert "not one of never, on-failure, always: perhaps" in bad.err
+    apply(
+        tree,
+        Create("ConsoleIn?instance_name=A&manager_name=s"),
+        Create("ConsoleIn?instance_name=B&manager_name=t"),
+    )
+    for slave in "st":
+        kill(tree, slave)
+    until(lambda: has_restarts(tree, "A", 1), "A")
+    assert facts(tree, "B").zombie == "signal 9"

@@ -1,0 +1,270 @@
+"""The core and ends: what is made again, when, how often, and what is not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.supervision import HEALTHY_S
+from rtkit.manager.core import events as ev
+from rtkit.manager.fake import FakeShell, facts, wire
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import LifeCycleState, Transition
+
+
+def make(shell: FakeShell, instance: str, slave: str = "s", **options: str) -> int:
+    """Have a component made with these properties; return the key of its process."""
+    text = "".join(f"&rtkit.{key}={value}" for key, value in options.items())
+    asked = shell.ask(act.Create(f"Thing?instance_name={instance}&manager_name={slave}{text}"))
+    if slave in shell.spawned:
+        shell.fork(slave)
+    shell.serve()
+    assert asked.result.ok, asked.result
+    return shell.state.holders[instance]
+
+
+def do(shell: FakeShell, *actions: act.Action) -> None:
+    asked = shell.ask(*actions)
+    shell.serve()
+    assert all(result.ok for result in asked.results), asked.results
+
+
+def pass_time(shell: FakeShell, at_most_s: float) -> None:
+    """Let time pass until a slave is wanted or a holder is asked."""
+    until = shell.now + at_most_s
+    while not (shell.spawned or shell.calls) and shell.now < until:
+        moment = until if shell.wake_at is None else min(shell.wake_at, until)
+        shell.wait(max(0.0, moment - shell.now))
+
+
+def come_back(shell: FakeShell, wait_s: float = 20.0) -> list[str]:
+    """Let time pass and holders work; return what they were asked for."""
+    pass_time(shell, wait_s)
+    for name in list(shell.spawned):
+        shell.fork(name)
+    ops = []
+    while shell.calls:
+        call = shell.calls.pop(0)
+        ops.append(call.op)
+        if call.op == "create":
+            made = parse_create(call.message["create"]).instance_name
+            shell.say(call.key, facts=facts(made))
+        elif call.op == "delete":
+            shell.say(call.key, gone=call.message["instance"])
+        shell.reply(call, "unix/x" if call.op in ("sink", "serve") else "")
+    return ops
+
+
+def in_error(instance: str, state: LifeCycleState = LifeCycleState.ERROR) -> dict[str, Any]:
+    """Return facts of a component that is in Error."""
+    told = facts(instance)
+    told["contexts"][0]["state"] = state.value
+    return {**told, "cause": "ValueError: no (a.py:1)"}
+
+
+@pytest.mark.parametrize(
+    ("restart", "reason", "is_back"),
+    [
+        ("never", "signal 9", False),
+        ("on-failure", "signal 9", True),
+        ("on-failure", "exit status 3", True),
+        ("on-failure", "exit status 0", False),
+        ("always", "exit status 0", True),
+    ],
+)
+def test_which_ends_are_answered(restart: str, reason: str, is_back: bool) -> None:
+    shell = FakeShell()
+    shell.end(make(shell, "A", restart=restart), reason)
+    assert shell.state.components["A"].zombie == reason
+    come_back(shell)
+    told = shell.state.components["A"]
+    assert (not told.zombie) is is_back
+    assert told.restarts == is_back
+    assert told.restarted_for == reason * is_back
+
+
+def test_what_is_made_again_is_as_it_was() -> None:
+    shell = FakeShell()
+    shell.make("B", "t")
+    key = make(shell, "A", restart="on-failure")
+    do(
+        shell,
+        act.SetParameters("A", "default", {"p": "1"}),
+        act.Connect(wire("w")),
+        act.ChangeState("A", "0", Transition.ACTIVATE),
+    )
+    rows = dict(shell.rows)
+    shell.end(key)
+    assert come_back(shell) == ["create", "set", "sink", "source", "change_state"]
+    assert list(shell.state.connectors) == ["w"]
+    assert shell.rows == rows
+
+
+def test_only_those_with_a_policy_come_back_and_the_slave_with_them() -> None:
+    shell = FakeShell()
+    make(shell, "A")
+    key = make(shell, "B", restart="always")
+    shell.end(key)
+    come_back(shell)
+    told = shell.state.components
+    assert (told["A"].zombie, told["B"].zombie) == ("signal 9", "")
+
+
+def test_waits_double_and_after_five_it_is_given_up() -> None:
+    shell = FakeShell()
+    make(shell, "A", restart="on-failure")
+    waits = []
+    while not shell.state.watched.get("A") or not shell.state.watched["A"].ledger.is_given_up:
+        began = shell.now
+        shell.end(shell.state.holders["A"])
+        pass_time(shell, 100.0)
+        if "s" in shell.spawned:
+            waits.append(shell.now - began)
+            come_back(shell, 0.0)
+    assert waits == [pytest.approx(0.1 * 2**n, rel=0.11) for n in range(5)]
+    zombie = shell.state.components["A"].zombie
+    assert zombie == "signal 9; given up after 5 restarts within 60 s"
+    shell.wait(1000.0)
+    assert not shell.spawned
+    assert make(shell, "A", restart="on-failure")  # a user makes it, and all is forgiven
+    assert "A" not in shell.state.watched
+
+
+def test_after_good_health_it_begins_anew() -> None:
+    shell = FakeShell()
+    make(shell, "A", restart="on-failure")
+    for _ in range(12):
+        shell.end(shell.state.holders["A"])
+        come_back(shell, 0.12)
+        shell.wait(HEALTHY_S + 1.0)
+    assert not shell.state.components["A"].zombie
+    assert shell.state.components["A"].restarts == 12
+
+
+def test_a_start_that_fails_counts_as_an_end() -> None:
+    shell = FakeShell()
+    shell.end(make(shell, "A", restart="on-failure"))
+    for _ in range(5):
+        pass_time(shell, 20.0)
+        shell.fork("s")
+        shell.refuse(shell.next("create"))
+    shell.wait(100.0)
+    assert "given up after 5 restarts" in shell.state.components["A"].zombie
+    assert "cannot create A: no such thing" in shell.state.components["A"].zombie
+
+
+@pytest.mark.parametrize("end", [act.Delete("A"), act.EndSlave("s"), act.EndSlave("s", True)])
+def test_what_a_user_ends_stays_ended(end: act.Action) -> None:
+    """Also while it waits to be made again."""
+    shell = FakeShell()
+    key = make(shell, "A", restart="always")
+    if isinstance(end, act.Delete):
+        shell.end(key)
+        do(shell, end)
+    else:
+        asked = shell.ask(end)
+        come_back(shell, 0.0)
+        shell.end(key, "exit status 0")
+        assert asked.result.ok
+    come_back(shell, 100.0)
+    assert "A" not in shell.state.components
+    assert not shell.spawned
+
+
+def test_nothing_comes_back_into_a_manager_that_stops() -> None:
+    for event in (ev.StopAsked(), ev.StopAsked(is_kept=True)):
+        shell = FakeShell()
+        shell.end(make(shell, "A", restart="always"))
+        shell.feed(event)
+        shell.wait(100.0)
+        assert not shell.spawned
+        assert shell.is_finished
+
+
+def test_who_was_made_again_by_hand_is_not_made_twice() -> None:
+    shell = FakeShell()
+    shell.end(make(shell, "A", restart="always"))
+    make(shell, "A", "t")
+    assert come_back(shell) == []
+    assert shell.state.components["A"].process == "t"
+
+
+def test_one_in_error_is_made_again_in_its_place() -> None:
+    shell = FakeShell()
+    key = make(shell, "A", restart="on-failure")
+    make(shell, "B")
+    do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
+    shell.say(key, facts=in_error("A"))
+    shell.say(key, facts=in_error("A"))
+    assert come_back(shell) == ["delete", "create", "change_state"]
+    told = shell.state.components["A"]
+    assert (told.restarts, told.restarted_for) == (1, "in Error: ValueError: no (a.py:1)")
+    assert shell.state.holders["A"] == key
+
+
+def test_one_in_error_that_does_not_end_takes_its_slave_along() -> None:
+    shell = FakeShell()
+    key = make(shell, "A", restart="on-failure")
+    make(shell, "B", restart="on-failure")
+    shell.say(key, facts=in_error("A"))
+    shell.wait(0.2)
+    shell.next("delete")
+    shell.wait(1.5)
+    assert (key, 15) in shell.signals
+    shell.end(key, "signal 15")
+    come_back(shell)
+    come_back(shell)
+    told = shell.state.components
+    assert [told[each].zombie for each in "AB"] == ["", ""]
+
+
+def test_one_that_is_given_up_in_error_says_so_until_it_is_reset() -> None:
+    shell = FakeShell()
+    key = make(shell, "A", **{"restart": "on-failure", "restart.limit": "1"})
+    for _ in range(2):
+        shell.say(key, facts=in_error("A"))
+        come_back(shell, 1.0)
+    assert "given up" in shell.state.components["A"].trouble
+    do(shell, act.ChangeState("A", "0", Transition.RESET))
+    shell.say(key, facts=facts("A"))
+    assert not shell.state.components["A"].trouble
+
+
+def test_the_loss_of_what_is_critical_stops_the_system_in_reverse_order() -> None:
+    shell = FakeShell()
+    for instance in "AB":
+        make(shell, instance, "t")
+    key = make(shell, "C", critical="yes", restart="on-failure")
+    for instance in "ABC":
+        do(shell, act.ChangeState(instance, "0", Transition.ACTIVATE))
+        active = in_error(instance, LifeCycleState.ACTIVE)
+        shell.say(shell.state.holders[instance], facts={**active, "cause": ""})
+    shell.end(key)
+    rested = []
+    while shell.calls:
+        call = shell.calls.pop(0)
+        rested.append((call.op, call.message["transition"], call.message["instance"]))
+        shell.reply(call)
+    assert rested == [("change_state", "deactivate", each) for each in "BA"]
+    assert come_back(shell) == ["create"]  # and stays at rest
+    assert not any(wish.active for wish in shell.state.kept.components.values())
+
+
+def test_a_policy_that_makes_no_sense_is_refused_before_anything_is_made() -> None:
+    shell = FakeShell()
+    asked = shell.ask(act.Create("Thing?instance_name=A&manager_name=s&rtkit.restart=perhaps"))
+    assert asked.result.why == "rtkit.restart: not one of never, on-failure, always: perhaps"
+    assert not shell.spawned
+
+
+def test_what_slave_and_manager_say_holds_for_who_says_nothing() -> None:
+    shell = FakeShell()
+    shell.state.settings.change("manager.restart", "always")
+    shell.state.settings.change("manager.restart.t", "never")
+    keys = [make(shell, "A"), make(shell, "B", "t"), make(shell, "C", "u", restart="never")]
+    for key in keys:
+        shell.end(key)
+    come_back(shell)
+    assert [bool(each.zombie) for each in shell.state.components.values()] == [True, True, False]
