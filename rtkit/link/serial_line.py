@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import stat
@@ -88,6 +89,8 @@ class SerialEnd:
             settings[6][termios.VMIN], settings[6][termios.VTIME] = 1, 0
             termios.tcsetattr(self._fd, termios.TCSANOW, settings)
         except SerialException as error:
+            if f"({errno.ENOTTY}," in str(error):
+                raise Refused(f"not a serial line: {device}") from error
             if "exclusively" in str(error):
                 raise Unreachable(f"cannot open {device}: it is in use") from error
             why = os.strerror(error.errno) if error.errno else str(error)

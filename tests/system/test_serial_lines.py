@@ -49,7 +49,7 @@ def test_an_object_is_served_and_asked_over_a_serial_line(shell: Any, cable: Cab
     )
     cable.plug(cable.near)
     for line, status, told in (
-        (f"rtset {at} name right", 1, "name: denied: SET by who is not known: name"),
+        (f"rtset {at} name right", 1, "name: denied: SET by nobody: name"),
         (f"rtget {at} nope", 4, "nope: unknown: no such property: nope"),
         (
             "rtget --at serial:none angle",
