@@ -203,6 +203,10 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
             "From a TCP door back into the tree, all names below left.",
         ),
         ("rtproxy /localhost/Motor0.rtc tcp:4712 --allow-set state", "A component."),
+        (
+            "rtproxy robots/arm mqtt:robot@localhost/lab",
+            "At an MQTT broker, in the style of Homie.",
+        ),
     ),
     "rtpwd": (("rtpwd", "Print where relative paths start from."),),
     "rtreset": (("rtreset /localhost/Robot0.rtc", "Bring a component out of Error."),),

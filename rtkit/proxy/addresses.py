@@ -12,7 +12,7 @@ from typing import NamedTuple
 from rtkit.errors import Malformed, Refused
 from rtkit.link import places
 from rtkit.property.codes import PropertyError
-from rtkit.property.naming import canonical_segment, escape
+from rtkit.property.naming import canonical_segment, escape, segment_of
 from rtkit.proxy.calls import CallContact
 from rtkit.proxy.contact import Contact, Wire
 from rtkit.proxy.lines import LineContact
@@ -157,6 +157,26 @@ def _serial(device: str, setting: Setting) -> Source:
     return Source(connect, escape(name))
 
 
+def _mqtt(address: str, setting: Setting) -> Source:
+    from rtkit.link.mqtt import read_address
+    from rtkit.proxy.topics import TopicContact
+
+    place = read_address(address)
+    name = segment_of(place.path.rpartition("/")[2])
+    return Source(lambda: TopicContact(setting.host, place, setting.timeout_s), name)
+
+
+def _http(address: str, setting: Setting) -> Source:
+    from rtkit.link.http_client import connect_http
+
+    place, _, service = address.removeprefix("//").partition("/")
+    service = service.removeprefix("ps/").rstrip("/")
+    if not service:
+        raise Malformed(f"not http://HOST:PORT/ps/SERVICE: http:{address}")
+    another = lambda: connect_http(f"http://{place}", setting.timeout_s, service)  # noqa: E731
+    return Source(_calls(another, setting.host), service)
+
+
 def _calls(another: Callable[[], End], host: Host) -> Wire:
     return lambda: CallContact(host, another(), another)
 
@@ -166,6 +186,8 @@ SOURCES: dict[str, Callable[[str, Setting], Source]] = {
     "tcp": _tcp,
     "zenoh": _zenoh,
     "serial": _serial,
+    "http": _http,
+    "mqtt": _mqtt,
 }
 
 
@@ -200,10 +222,40 @@ def _tcp_door(address: str, owner: Owner, setting: Setting) -> str:
     return f"tcp:localhost:{open_tcp(setting.host, owner.name, port)}"
 
 
+def _http_door(address: str, owner: Owner, setting: Setting) -> str:
+    from rtkit.serving.http_door import open_http
+
+    host, port = _host_and_port(address.removeprefix("//").rstrip("/"))
+    if host not in _HERE:
+        raise Refused(f"doors are opened on this host only: http:{address}")
+    return f"http://localhost:{open_http(setting.host, port)}/ps/{owner.name}"
+
+
+def _serial_door(device: str, owner: Owner, setting: Setting) -> str:
+    from rtkit.link.serial_line import read_address
+    from rtkit.serving.serial_door import open_serial
+
+    # What may be set has been decided: nobody is known on a serial line.
+    open_serial(setting.host, read_address(device), owner.name, ("*",))
+    return f"serial:{device}"
+
+
+def _mqtt_door(address: str, owner: Owner, setting: Setting) -> str:
+    from rtkit.link.mqtt import read_address
+    from rtkit.serving.mqtt_door import MqttDoor
+
+    place = read_address(address)
+    MqttDoor(setting.host, owner, place, setting.timeout_s)
+    return f"{place}/{owner.name}"
+
+
 DOORS: dict[str, Callable[[str, Owner, Setting], str]] = {
     "unix": _unix_door,
     "tcp": _tcp_door,
     "zenoh": _named,
+    "http": _http_door,
+    "serial": _serial_door,
+    "mqtt": _mqtt_door,
 }
 
 

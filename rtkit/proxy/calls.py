@@ -73,7 +73,7 @@ class CallContact:
             try:
                 end = self._another()
             except RtkitError as error:
-                reply = _failure(error)
+                reply = failure(error)
                 self._host.post(lambda: answered(reply))
                 return
             try:
@@ -94,7 +94,7 @@ class CallContact:
         try:
             end.listen(target)
         except RtkitError as error:
-            reply = _failure(error)
+            reply = failure(error)
             self._host.post(lambda: answered(reply))
             return
         self._host.post(lambda: answered(DONE))
@@ -137,7 +137,7 @@ class CallContact:
             try:
                 reply = self._end.ask(target, payload)
             except RtkitError as error:
-                reply = _failure(error)
+                reply = failure(error)
                 if isinstance(error, Unreachable) and reply.error != "timeout":
                     why = str(error)
                     self._host.post(lambda why=why: self._fail(why))  # type: ignore[misc]
@@ -155,6 +155,7 @@ class CallContact:
             self._gone(why)
 
 
-def _failure(error: RtkitError) -> Answer:
+def failure(error: RtkitError) -> Answer:
+    """Return the answer that stands for a call that failed."""
     is_late = isinstance(error, Unreachable) and str(error).startswith("no answer within")
     return Answer(str(error), "timeout" if is_late else code_of(error))

@@ -83,6 +83,7 @@ class HttpConnection(Caller):
         self._headers: dict[str, str] = {}
         self._body = bytearray()
         self._is_asked = False
+        self._wants_events = False
         self._is_working = False
         self._is_closing = False
         self._began_at: float | None = None
@@ -98,7 +99,7 @@ class HttpConnection(Caller):
 
     def listen(self, listener: Listener) -> None:
         """See `Caller.listen`; only what asks for a stream of events can listen."""
-        if not self.is_stream:
+        if not self._wants_events:
             raise PropertyError("denied", f"events are for a GET that accepts {EVENTS}")
         self._room.check_listeners(self.listening)
         self._listeners.append(listener)
@@ -321,17 +322,23 @@ class HttpConnection(Caller):
 
     def _open_stream(self, asked: Wanted) -> None:
         self._heard = Heard(self._headers.get("last-event-id", ""))
-        answers: list[Answer] = []
-        self.is_stream = True
-        listening = Ask(http_request.to_listen(asked.target), "self", answers.append, self)
+        self._is_asked = self._wants_events = True
+        listening = Ask(http_request.to_listen(asked.target), "self", self._listened, self)
         self._host.services[asked.service].handle(listening)
-        if answers[0].error:
-            self.is_stream = False
-            self._respond(failure(answers[0].error, str(answers[0].payload)))
+
+    def _listened(self, reply: Answer) -> None:
+        """Begin to send events, if the service says so."""
+        self._is_asked = False
+        if not self.is_open:
             return
-        kind = [("Content-Type", EVENTS), ("Connection", "close"), *_ALWAYS]
-        self._out += self._http.send(h11.Response(status_code=200, headers=kind)) or b""
-        self._stream(b"retry: 1000\n\n")
+        if reply.error:
+            self._wants_events = False
+            self._respond(failure(reply.error, str(reply.payload)))
+        else:
+            self.is_stream = True
+            kind = [("Content-Type", EVENTS), ("Connection", "close"), *_ALWAYS]
+            self._out += self._http.send(h11.Response(status_code=200, headers=kind)) or b""
+            self._stream(b"retry: 1000\n\n")
         self._host.mark(self)
 
     # Responses

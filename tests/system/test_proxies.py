@@ -7,6 +7,9 @@ import shlex
 import signal
 from typing import Any
 
+import pytest
+from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
+
 from rtkit.cli._examples import EXAMPLES
 
 ARM = """
@@ -70,26 +73,43 @@ def test_a_proxy_passes_what_it_may_and_says_when_the_owner_goes(shell: Any) -> 
     end(owner)
 
 
+@pytest.mark.skipif(MOSQUITTO is None, reason="there is no mosquitto")
 def test_every_example_runs(manager: Any) -> None:
+    broker = Mosquitto(manager.folder)
+    manager.environment["RTKIT_MQTT_PASSWORD"] = PASSWORD
+    stranger = Stranger(broker.port, "lab/#")
     manager.ok("rtmgr /localhost/manager.mgr -c 'ConsoleIn?instance_name=Motor0'")
     processes = [arm(manager)]
-    port = ""
+    addresses: dict[str, str] = {}
+    replaced = {
+        "tcp:4711": "tcp:0",
+        "tcp:4712": "tcp:0",
+        "@localhost/": f"@localhost:{broker.port}/",
+    }
     for line, _ in EXAMPLES["rtproxy"]:
-        wanted = line.replace("tcp:4711", "tcp:0").replace("tcp:4712", "tcp:0")
-        process = manager.open(wanted.replace("tcp:localhost:4711", port))
+        wanted = line.replace("tcp:localhost:4711", addresses.get("tcp:4711", ""))
+        for old, new in replaced.items():
+            wanted = wanted.replace(old, new)
+        process = manager.open(wanted)
         processes.append(process)
         address = process.stdout.readline().strip()
         assert address, line + process.stderr.read()
-        target = shlex.split(line)[2]
-        if target == "tcp:4711":
-            port = address
+        addresses[shlex.split(line)[2]] = address
     assert manager.ok("rtget far/arm.left.angle") == "0.5\n"
-    motor = address.removeprefix("tcp:")
+    stranger.awaits(lambda: stranger.known.get("lab/robots/arm/angle") == b"0.5")
+    motor = addresses["tcp:4712"].removeprefix("tcp:")
     assert manager.ok(f"rtget --at {motor} Motor0.state Motor0.type") == 'Inactive\n"ConsoleIn"\n'
     listening = manager.open(f"rtlisten --at {motor} -n 2 Motor0.state")
     assert listening.stdout.readline() == "Inactive\n"
     manager.ok(f"rtset --at {motor} Motor0.state Active")
     assert listening.stdout.readline() == "Active\n"
     assert listening.communicate(timeout=30)[1] == ""
+    stranger.awaits(lambda: stranger.known.get("lab/robots/arm/$state") == b"ready")
+    at_broker = processes.pop()
+    at_broker.kill()
+    at_broker.communicate()
+    stranger.awaits(lambda: stranger.known["lab/robots/arm/$state"] == b"lost")
     for process in reversed(processes):
         end(process)
+    stranger.close()
+    broker.stop()

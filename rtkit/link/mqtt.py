@@ -1,0 +1,258 @@
+"""MQTT 5: addresses, topics of properties, and a session with a broker.
+
+``BASE/SERVICE/arm/angle`` holds the value of ``arm.angle``. What is published to ``…/set`` and
+``…/get`` is a request; its reply goes to the response topic with the correlation data. The user
+properties are ``parameters`` of a request, ``code`` of an error, ``event`` of an event.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.errors import Malformed, Refused, Unreachable
+from rtkit.property.messages import Payload
+
+if TYPE_CHECKING:
+    from paho.mqtt.client import Client, ConnectFlags, DisconnectFlags, MQTTMessage
+    from paho.mqtt.properties import Properties
+    from paho.mqtt.reasoncodes import ReasonCode
+
+PASSWORD = "RTKIT_MQTT_PASSWORD"
+"""Variable of the environment that holds the password at the broker."""
+STATE, READY, LOST = "$state", "ready", "lost"
+_PORT = 1883
+_KEEPALIVE_S = 10
+_HERE = ("localhost", "127.0.0.1")
+_LATE = "no answer within"
+
+
+class MqttAddress(NamedTuple):
+    """A place at a broker.
+
+    Attributes:
+        path: The topic below which everything is.
+    """
+
+    user: str
+    host: str
+    port: int
+    path: str
+
+    def __str__(self) -> str:
+        return f"mqtt:{self.user}@{self.host}:{self.port}/{self.path}"
+
+
+def read_address(text: str) -> MqttAddress:
+    """Read ``USER@HOST[:PORT]/TOPIC``.
+
+    Raises:
+        Malformed: It is something else.
+        Refused: The broker is not on this host: what is said to it would be read on the way.
+    """
+    place, _, path = text.partition("/")
+    user, mark, where = place.rpartition("@")
+    host, _, port = where.partition(":")
+    is_port = not port or (port.isdecimal() and int(port) < 65536)
+    is_path = bool(path) and not any(c in "#+\0 " for c in path) and "//" not in f"/{path}/"
+    if not (user and mark and host and is_port and is_path):
+        raise Malformed(f"not mqtt:USER@HOST[:PORT]/TOPIC: mqtt:{text}")
+    if host not in _HERE:
+        raise Refused(f"brokers are asked on this host only: mqtt:{text}")
+    return MqttAddress(user, host, int(port or _PORT), path)
+
+
+def topic_of(name: str) -> str:
+    """Return the levels of a topic that stand for a name in canonical spelling."""
+    return name.replace("+", "%2B").replace(".", "/")
+
+
+def name_of(topic: str) -> str:
+    """Return the name that levels of a topic stand for."""
+    return topic.replace("/", ".")
+
+
+class Message(NamedTuple):
+    """What is published.
+
+    Attributes:
+        payload: Characters are marked as such.
+        reply_to: Response topic, empty for none.
+        mark: Correlation data.
+        more: User properties.
+    """
+
+    topic: str
+    payload: Payload
+    reply_to: str = ""
+    mark: bytes = b""
+    more: tuple[tuple[str, str], ...] = ()
+
+    def told(self, key: str) -> str | None:
+        """Return a user property."""
+        return dict(self.more).get(key)
+
+
+class MqttSession:
+    """A session with a broker, which is made again when it ends until it is closed.
+
+    Args:
+        will: Topic of the state, which the broker sets to `LOST` when this is not heard of.
+        heard: Called with each message, on a thread of the session.
+        came: Called when it is connected, also again.
+        went: Called with why it is not, likewise.
+        has_room: Called when what was published has arrived at the broker.
+
+    Raises:
+        Refused: There is no password, or no paho-mqtt.
+    """
+
+    def __init__(
+        self,
+        address: MqttAddress,
+        *,
+        heard: Callable[[Message], None],
+        came: Callable[[], None],
+        went: Callable[[str], None],
+        has_room: Callable[[], None] = lambda: None,
+        will: str = "",
+    ) -> None:
+        try:
+            from paho.mqtt.client import Client, MQTTv5
+            from paho.mqtt.enums import CallbackAPIVersion
+        except ImportError as error:
+            raise Refused("MQTT needs paho-mqtt: pip install 'rtkit[mqtt]'") from error
+        password = os.environ.get(PASSWORD)
+        if not password:
+            raise Refused(f"no password for {address.user} at the broker: set {PASSWORD}")
+        self.address = address
+        self._heard, self._came, self._went, self._has_room = heard, came, went, has_room
+        self._first = threading.Event()
+        self._refusal = ""
+        self._client: Client = Client(CallbackAPIVersion.VERSION2, protocol=MQTTv5)
+        self._client.username_pw_set(address.user, password)
+        self._client.reconnect_delay_set(1, 5)
+        self._client.on_socket_open = _hurry
+        self._client.on_connect = self._connected
+        self._client.on_disconnect = self._disconnected
+        self._client.on_message = self._received
+        self._client.on_publish = lambda *_: self._has_room()
+        if will:
+            self._client.will_set(will, LOST, qos=1, retain=True)
+
+    def connect(self, timeout_s: float) -> None:
+        """Connect for the first time.
+
+        Raises:
+            Unreachable: Nobody listens there.
+            Refused: The broker does not take user and password.
+        """
+        where = f"{self.address.host}:{self.address.port}"
+        self._client.connect_timeout = timeout_s
+        try:
+            self._client.connect(self.address.host, self.address.port, _KEEPALIVE_S)
+        except OSError as error:
+            raise Unreachable(f"cannot reach {where}: {error.strerror or error}") from error
+        self._client.loop_start()
+        if not self._first.wait(timeout_s):
+            self.close()
+            raise Unreachable(f"{_LATE} {timeout_s:g} s: {where}")
+        if self._refusal:
+            self.close()
+            raise Refused(f"the broker at {where} refuses {self.address.user}: {self._refusal}")
+
+    def publish(self, message: Message, *, is_kept: bool = False) -> None:
+        """Publish, at least once; nobody is waited for."""
+        from paho.mqtt.packettypes import PacketTypes
+        from paho.mqtt.properties import Properties
+
+        properties = Properties(PacketTypes.PUBLISH)  # type: ignore[no-untyped-call]
+        payload = message.payload
+        if isinstance(payload, str):
+            try:
+                payload = payload.encode()
+                properties.PayloadFormatIndicator = 1
+            except UnicodeEncodeError:
+                payload = message.payload.encode("utf-8", "surrogateescape")  # type: ignore[union-attr]
+        if message.reply_to:
+            properties.ResponseTopic = message.reply_to
+        if message.mark:
+            properties.CorrelationData = message.mark
+        if message.more:
+            properties.UserProperty = list(message.more)
+        self._client.publish(message.topic, payload, 1, is_kept, properties)
+
+    def subscribe(self, topic: str, *, has_kept: bool) -> None:
+        """Hear what others publish.
+
+        Args:
+            topic: A pattern.
+            has_kept: Also what was published before and is retained.
+        """
+        from paho.mqtt.subscribeoptions import SubscribeOptions
+
+        options = SubscribeOptions(1, noLocal=True, retainHandling=0 if has_kept else 2)
+        self._client.subscribe(topic, options=options)
+
+    def close(self, last: Message | None = None) -> None:
+        """End the session; the last word is retained."""
+        if last is not None and self._client.is_connected():
+            told = self._client.publish(last.topic, last.payload, 1, retain=True)
+            told.wait_for_publish(1.0)
+        self._client.disconnect()
+        self._client.loop_stop()
+
+    # On the thread of the session
+
+    def _connected(
+        self,
+        client: Client,
+        data: object,
+        flags: ConnectFlags,
+        code: ReasonCode,
+        properties: Properties | None,
+    ) -> None:
+        is_first = not self._first.is_set()
+        if code.is_failure:
+            self._refusal = str(code)
+            self._went(f"the broker refuses: {code}")
+        else:
+            self._refusal = ""
+            self._came()
+        if is_first:
+            self._first.set()
+
+    def _disconnected(
+        self,
+        client: Client,
+        data: object,
+        flags: DisconnectFlags,
+        code: ReasonCode,
+        properties: Properties | None,
+    ) -> None:
+        if code.is_failure:  # else it was our wish
+            self._went(f"the broker has gone: {code}")
+
+    def _received(self, client: Client, data: object, message: MQTTMessage) -> None:
+        given = message.properties
+        raw, payload = bytes(message.payload), None
+        if getattr(given, "PayloadFormatIndicator", 0) == 1:
+            payload = raw.decode("utf-8", "surrogateescape")
+        self._heard(
+            Message(
+                message.topic,
+                raw if payload is None else payload,
+                getattr(given, "ResponseTopic", ""),
+                getattr(given, "CorrelationData", b""),
+                tuple(getattr(given, "UserProperty", ())),
+            )
+        )
+
+
+def _hurry(client: Client, data: object, end: object) -> None:
+    """Have small messages sent at once: others wait for them."""
+    assert isinstance(end, socket.socket)
+    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

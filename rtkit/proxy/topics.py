@@ -1,0 +1,185 @@
+"""A connection of a proxy to its owner through an MQTT broker."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import threading
+import uuid
+from time import monotonic
+from typing import NamedTuple
+
+from rtkit.errors import Unreachable
+from rtkit.link.mqtt import READY, STATE, Message, MqttAddress, MqttSession, topic_of
+from rtkit.link.properties import LEASE_S
+from rtkit.property.codes import PropertyError
+from rtkit.property.line import read_event
+from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.naming import parse_target
+from rtkit.proxy.contact import Answering, Gone, Hearing
+from rtkit.proxy.mailbox import Mailbox
+from rtkit.serving.host import Host
+
+_HAS_ID = re.compile(r"[?&]id(?:=|&|$)")
+
+
+class _Ear(NamedTuple):
+    target: str
+    topic: str
+    mailbox: Mailbox
+    renewed_at: list[float]
+    last: list[tuple[int, float, str]]
+
+
+class TopicContact:
+    """A session with a broker, below a topic of which a service is.
+
+    Args:
+        address: With the topic of the service.
+        timeout_s: Bound on connecting [s].
+
+    Raises:
+        Refused: The broker does not take user and password, or there are none.
+        Unreachable: There is no broker, or the service is not there.
+    """
+
+    def __init__(self, host: Host, address: MqttAddress, timeout_s: float) -> None:
+        self._host = host
+        self._root = address.path
+        self._own = f"{self._root}/$to/{uuid.uuid4().hex}"
+        self._waiting: dict[bytes, Answering] = {}
+        self._ears: dict[str, _Ear] = {}
+        self._number = 0
+        self._is_open = True
+        self._gone: Gone = lambda why: None
+        self._state = ""
+        self._is_ready = threading.Event()
+        self._session = MqttSession(address, heard=self._heard, came=lambda: None, went=self._went)
+        self._session.connect(timeout_s)
+        self._session.subscribe(f"{self._root}/{STATE}", has_kept=True)
+        self._session.subscribe(f"{self._own}/#", has_kept=False)
+        if not self._is_ready.wait(timeout_s):
+            self._session.close()
+            state = f"its state is {self._state}" if self._state else "nothing is there"
+            raise Unreachable(f"no service at {address}: {state}")
+
+    def start(self, gone: Gone) -> None:
+        """See `Contact.start`."""
+        self._gone = gone
+
+    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+        """See `Contact.ask`."""
+        if id and payload is not None and not _HAS_ID.search(target):
+            word = hashlib.blake2b(id.encode(), digest_size=12).hexdigest()
+            target += f"{'&' if '?' in target else '?'}id=i{word}"
+        self._request(target, payload, f"{self._own}/0", answer)
+
+    def has_room(self, name: str) -> bool:
+        """See `Contact.has_room`: each listening has a topic of its own."""
+        return name not in self._ears
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """See `Contact.listen`."""
+        self._number += 1
+        more = f"{wish}&lease={LEASE_S:g}" if wish else f"lease={LEASE_S:g}"
+        target = f"{name}.listen".lstrip(".") + f"?{more}"
+        topic = f"{self._own}/{self._number}"
+        ear = _Ear(target, topic, Mailbox(self._host, wish, hear), [monotonic()], [])
+        self._ears[name] = ear
+
+        def answered(reply: Answer) -> None:
+            if reply.error:
+                self._ears.pop(name, None)
+            answer(reply)
+
+        self._request(target, "self", topic, answered)
+
+    def leave(self, name: str) -> None:
+        """See `Contact.leave`."""
+        ear = self._ears.pop(name, None)
+        if ear is not None:
+            target = f"{ear.target.partition('?')[0]}?remove"
+            self._request(target, "self", ear.topic, lambda reply: None)
+
+    def check(self, now: float) -> None:
+        """See `Contact.check`: that somebody is there the broker tells; leases are renewed."""
+        for ear in self._ears.values():
+            if now - ear.renewed_at[0] > LEASE_S / 3:
+                ear.renewed_at[0] = now
+                self._request(ear.target, "self", ear.topic, lambda reply: None)
+
+    def close(self) -> None:
+        """See `Contact.close`."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        self._ears.clear()
+        waiting, self._waiting = self._waiting, {}
+        for answer in waiting.values():
+            answer(Answer("the connection has ended", "no-service"))
+        self._session.close()
+
+    # Its own
+
+    def _request(
+        self, target: str, payload: Payload | None, reply_to: str, answer: Answering
+    ) -> None:
+        if not self._is_open:
+            answer(Answer("the connection has ended", "no-service"))
+            return
+        try:
+            name = parse_target(target).name
+        except PropertyError as error:
+            answer(Answer(str(error), error.code))
+            return
+        self._number += 1
+        mark = str(self._number).encode()
+        self._waiting[mark] = answer
+        _, is_given, parameters = target.partition("?")
+        topic = f"{self._root}/{topic_of(name)}/{'get' if payload is None else 'set'}"
+        more = (("parameters", parameters),) if is_given else ()
+        self._session.publish(
+            Message(topic, "" if payload is None else payload, reply_to, mark, more)
+        )
+
+    def _heard(self, message: Message) -> None:
+        """Take a message; on the thread of the session."""
+        if message.topic == f"{self._root}/{STATE}":
+            self._state = str(message.payload)
+            if self._state == READY:
+                self._is_ready.set()
+            elif self._is_ready.is_set():
+                self._went(f"the state of the service is {self._state}")
+            return
+        attributes = message.told("event")
+        if attributes is None:
+            reply = Answer(message.payload, message.told("code") or "")
+            if reply.error and isinstance(reply.payload, bytes):
+                reply = Answer(reply.payload.decode("utf-8", "replace"), reply.error)
+            self._host.post(lambda: self._answered(message.mark, reply))
+            return
+        head, _, name = attributes.partition(";name=")
+        event = read_event(name, message.payload, head)
+        self._host.post(lambda: self._take(message.topic, event))
+
+    def _answered(self, mark: bytes, reply: Answer) -> None:
+        answer = self._waiting.pop(mark, None)
+        if answer is not None:
+            answer(reply)
+
+    def _take(self, topic: str, event: Event) -> None:
+        for ear in self._ears.values():
+            mark = (event.revision, event.time, event.code)
+            # Else it was sent again, in case it had been lost.
+            if ear.topic == topic and ear.last != [mark]:
+                ear.last[:] = [mark]
+                ear.mailbox.put(event)
+
+    def _went(self, why: str) -> None:
+        if self._is_ready.is_set():
+            self._host.post(lambda: self._fail(why))
+
+    def _fail(self, why: str) -> None:
+        if self._is_open:
+            self.close()
+            self._gone(why)

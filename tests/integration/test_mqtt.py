@@ -1,0 +1,213 @@
+"""Properties through a real broker: mosquitto, begun by the test on a free port of this host."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from queue import SimpleQueue
+
+import pytest
+from conformance import Door, check_answers, check_events, subject
+from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
+from propertydoors import BOUND_S, Lines
+
+from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
+from rtkit.link.line_client import connect_unix
+from rtkit.property.service import Service
+from rtkit.proxy.bridge import bridge
+from rtkit.serving.serve import Served, serve
+
+pytestmark = pytest.mark.skipif(MOSQUITTO is None, reason="there is no mosquitto")
+
+
+@pytest.fixture
+def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    folder = Path(tempfile.mkdtemp(prefix="rtk"))
+    for name in ("run", "state"):
+        (folder / name).mkdir(mode=0o700)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
+    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
+    monkeypatch.setenv("RTKIT_MQTT_PASSWORD", PASSWORD)
+    yield folder
+    assert os.listdir(folder / "run") == []
+    shutil.rmtree(folder)
+
+
+@pytest.fixture
+def broker(place: Path) -> Iterator[Mosquitto]:
+    broker = Mosquitto(place)
+    yield broker
+    broker.stop()
+
+
+@pytest.fixture
+def service() -> Service:
+    return subject()
+
+
+@pytest.fixture
+def served(place: Path, service: Service) -> Iterator[Served]:
+    with serve(service, "robot", is_on_zenoh=False) as served:
+        yield served
+
+
+@pytest.fixture
+def ends() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+@pytest.fixture
+def stranger(broker: Mosquitto) -> Iterator[Stranger]:
+    stranger = Stranger(broker.port, "lab/robot/#")
+    yield stranger
+    stranger.close()
+
+
+@pytest.fixture
+def door(served: Served, broker: Mosquitto, place: Path, ends: ExitStack) -> Iterator[Door]:
+    """A way to the service through two proxies with the broker between them."""
+    near = ends.enter_context(bridge("robot", broker.address("lab"), allow_set=["*"]))
+    assert near.address == broker.address("lab/robot")
+    far = f"unix:{place}/far.sock"
+    ends.enter_context(bridge(near.address, far, allow_set=["*"], timeout_s=BOUND_S))
+    door = Lines(lambda: connect_unix(f"{place}/far.sock", BOUND_S))
+    yield door
+    door.close()
+    ends.close()
+
+
+def test_requests(door: Door) -> None:
+    check_answers(door)
+
+
+def test_events(door: Door, served: Served, service: Service) -> None:
+    check_events(door, service, served.owned)
+
+
+def test_values_are_retained_and_described(
+    served: Served, service: Service, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+) -> None:
+    known = stranger.known
+    ends.enter_context(bridge("robot", broker.address("lab")))
+    stranger.awaits(lambda: known.get("lab/robot/$state") == b"ready")
+    stranger.awaits(lambda: b"location" in known.get("lab/robot/$properties", b""))
+    expected = {
+        "speed": b"0.25",
+        "speed/$datatype": b"float",
+        "speed/$unit": b"m/s",
+        "speed/$format": b"-1:1",
+        "speed/$settable": b"true",
+        "serial/$settable": b"false",
+        "mode/$datatype": b"enum",
+        "mode/$format": b"idle,drive",
+        "count/$datatype": b"integer",
+        "arm/joint/1": b"0.5",
+        "a%20b": b"1",
+        "blob": b"\x00\xff\n{}",
+    }
+    stranger.awaits(lambda: all(known.get(f"lab/robot/{key}") == each
+                                for key, each in expected.items()))  # fmt: skip
+    assert "lab/robot/door_code" not in known
+    served.owned(lambda: service.update("speed", 0.5))
+    stranger.awaits(lambda: known["lab/robot/speed"] == b"0.5")
+    served.owned(lambda: service.add("gripper.force", 3, "number"))
+    stranger.awaits(lambda: known.get("lab/robot/gripper/force") == b"3")
+    stranger.awaits(lambda: known.get("lab/robot/gripper/force/$datatype") == b"float")
+    served.owned(lambda: service.remove("gripper"))
+    stranger.awaits(lambda: not any("gripper" in topic for topic in known))
+    late = Stranger(broker.port, "lab/robot/#")
+    late.awaits(lambda: late.known.get("lab/robot/speed") == b"0.5")
+    late.close()
+    ends.close()
+    stranger.awaits(lambda: known["lab/robot/$state"] == b"disconnected")
+
+
+def test_anybody_sets_what_is_allowed_and_hears_what_is_not(
+    served: Served, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+) -> None:
+    ends.enter_context(bridge("robot", broker.address("lab"), allow_set=["speed", "double"]))
+    stranger.awaits(lambda: stranger.known.get("lab/robot/$state") == b"ready")
+    stranger.publish("lab/robot/speed/set", "0.75")
+    stranger.awaits(lambda: stranger.known.get("lab/robot/speed") == b"0.75")
+    for number, (topic, payload) in enumerate(
+        [
+            ("speed/set", "7"),
+            ("count/set", "8"),
+            ("speed/get", ""),
+            ("nope/get", ""),
+            ("$odd/get", ""),
+            ("count/listen/set", "elsewhere"),
+            ("arm/properties/get", ""),
+        ]
+    ):
+        stranger.publish(f"lab/robot/{topic}", payload, b"%d" % number)
+    stranger.awaits(lambda: len(stranger.replies) == 6)
+    told = {mark: more.get("code") or payload for payload, more, mark in stranger.replies}
+    assert told == {
+        b"0": "bad-value",
+        b"1": "denied",
+        b"2": b"0.75",
+        b"3": "unknown",
+        b"5": "denied",
+        b"6": b"(angle joint)",
+    }
+    ends.close()
+
+
+def test_the_broker_goes_and_comes_back(
+    door: Door, broker: Mosquitto, served: Served, service: Service, stranger: Stranger
+) -> None:
+    with door.listen("count?queue=9") as events:
+        assert next(events).payload == "7"
+        broker.stop()
+        assert next(events).quality == "stale"
+        assert door.ask("count").error == "no-service"
+        served.owned(lambda: service.update("count", 8))
+        broker.start()
+        back = next(events)
+        assert (back.payload, back.quality) == ("8", "good")
+        assert door.ask("count").payload == "8"
+    stranger.awaits(lambda: stranger.known.get("lab/robot/count") == b"8")
+
+
+def test_the_owner_goes_and_comes_back(
+    place: Path, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+) -> None:
+    served = serve(subject(), "robot", is_on_zenoh=False)
+    ends.enter_context(bridge("robot", broker.address("lab")))
+    stranger.awaits(lambda: stranger.known.get("lab/robot/count") == b"7")
+    served.close()
+    second = subject()
+    second.update("count", 8)
+    second.remove("mode")
+    with serve(second, "robot", is_on_zenoh=False):
+        stranger.awaits(lambda: stranger.known.get("lab/robot/count") == b"8")
+        stranger.awaits(lambda: "lab/robot/mode" not in stranger.known)
+        ends.close()
+
+
+def test_what_is_refused(
+    served: Served, broker: Mosquitto, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(Malformed, match="not mqtt:USER@HOST"):
+        bridge("robot", f"mqtt:localhost:{broker.port}/lab")
+    with pytest.raises(Refused, match="on this host only"):
+        bridge("robot", "mqtt:robot@example.org/lab")
+    with pytest.raises(RtkitError, match="nothing is there"):
+        bridge(broker.address("lab/nobody"), "tcp:0", timeout_s=0.5)
+    monkeypatch.setenv("RTKIT_MQTT_PASSWORD", "guess")
+    with pytest.raises(Refused, match="refuses robot"):
+        bridge("robot", broker.address("lab"))
+    monkeypatch.delenv("RTKIT_MQTT_PASSWORD")
+    with pytest.raises(Refused, match="set RTKIT_MQTT_PASSWORD"):
+        bridge("robot", broker.address("lab"))
+    monkeypatch.setenv("RTKIT_MQTT_PASSWORD", PASSWORD)
+    said: SimpleQueue[str] = SimpleQueue()
+    broker.stop()
+    with pytest.raises(Unreachable, match="cannot reach localhost"):
+        bridge("robot", broker.address("lab"), said=said.put)
