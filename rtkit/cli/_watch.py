@@ -14,6 +14,14 @@ CLEAR = "\x1b[H\x1b[2J"
 """What a terminal takes to show nothing."""
 
 
+class WatchOption(click.Option):
+    """``--watch``, which takes seconds behind ``=`` only, and shows that."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        record = super().get_help_record(ctx)
+        return record and (record[0].replace(" SECONDS", "[=SECONDS]"), record[1])
+
+
 class MayWatch(click.Command):
     """Takes ``--watch`` with or without ``=SECONDS``, never the next argument."""
 

@@ -7,7 +7,7 @@ import click
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
 from rtkit.cli._properties import connected, joined, place_options, record, shown, write_raw
-from rtkit.cli._watch import MayWatch, watch
+from rtkit.cli._watch import MayWatch, WatchOption, watch
 
 
 @command("rtget", cls=MayWatch)
@@ -17,6 +17,7 @@ from rtkit.cli._watch import MayWatch, watch
 @click.option(
     "--watch",
     "period_s",
+    cls=WatchOption,
     type=click.FloatRange(min=0.05),
     metavar="SECONDS",
     help="Get again, every second or --watch=SECONDS, until interrupted.",

@@ -259,10 +259,10 @@ def _live(asked: Asked, live: Live) -> Found:
     return targets(asked.typed, live)
 
 
-def _value(asked: Asked, _live: Live) -> Found:
+def _value(asked: Asked, live: Live) -> Found:
     from rtkit.cli.prompt.properties import values
 
-    return values(asked.arguments[0], asked.typed)
+    return values(asked.arguments[0], asked.typed, live.timeout_s)
 
 
 def _classes(asked: Asked, _live: Live) -> Found | Files:

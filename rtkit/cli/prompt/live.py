@@ -23,10 +23,13 @@ class Live:
     """The tree that a path leads into.
 
     Facts are not decoded into records: importing those takes longer than all the rest.
+
+    Attributes:
+        timeout_s: Bound on each call [s].
     """
 
     def __init__(self, timeout_s: float, tree: Tree | None = None) -> None:
-        self._timeout_s = timeout_s
+        self.timeout_s = timeout_s
         self._tree = tree
         self._is_own_tree = tree is None
         self._parts: dict[tuple[str, ...], Plain] = {}
@@ -40,7 +43,7 @@ class Live:
         if self._tree is None:
             from rtkit.tree.connect import connect
 
-            self._tree = connect(place, self._timeout_s)
+            self._tree = connect(place, self.timeout_s)
         return self._tree
 
     def folder(self, typed: str) -> Node | None:

@@ -25,7 +25,7 @@ def targets(typed: str, live: Live) -> list[Candidate]:
     path, name = split(typed, working_directory())
     if path and typed.count(".") > path.rpartition("/")[2].count("."):
         front = typed[: len(typed) - len(name)]
-        return _steps(front, _names_of(path), name)
+        return _steps(front, _names_of(path, live.timeout_s), name)
     found = [*_of_services(typed), *_of_host(typed)]
     try:
         found += [_going_on(each) for each in paths(live, typed, Wanted(_has_properties))]
@@ -34,11 +34,11 @@ def targets(typed: str, live: Live) -> list[Candidate]:
     return found
 
 
-def values(target: str, typed: str) -> list[Candidate]:
+def values(target: str, typed: str, timeout_s: float) -> list[Candidate]:
     """Return what a property may be set to, as far as that is known: what it is."""
     from rtkit.tree.properties import Places
 
-    places = Places(working_directory(), "", _PATIENCE_S)
+    places = Places(working_directory(), "", timeout_s)
     try:
         place, end = places.find(target)
         present = _plain(str(end.ask(place.target()).value()))
@@ -69,11 +69,11 @@ def _going_on(candidate: Candidate) -> Candidate:
     return candidate if is_folder else candidate._replace(text=f"{candidate.text}.")
 
 
-def _names_of(path: str) -> list[str]:
+def _names_of(path: str, timeout_s: float) -> list[str]:
     from rtkit.tree.live_place import open_live
 
     try:
-        owner = open_live(path, _PATIENCE_S)
+        owner = open_live(path, timeout_s)
     except RtkitError:
         return []
     try:

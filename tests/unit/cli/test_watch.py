@@ -7,6 +7,8 @@ from collections.abc import Callable
 import pytest
 
 from rtkit.cli import _out
+from rtkit.cli._app import Main
+from rtkit.cli.rtget import main as rtget
 from rtkit.cli.rtls import main as rtls
 from rtkit.deployment import actions as act
 from rtkit.deployment.world import World
@@ -97,3 +99,11 @@ def test_what_follows_two_dashes_is_a_path(
 ) -> None:
     assert watch(["--", "--watch"])[0] == 1
     assert capsys.readouterr().err == "rtls: No such object: --watch\n"
+
+
+@pytest.mark.parametrize("command", [rtls, rtget])
+def test_help_shows_how_seconds_are_given(
+    command: Main, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert command(["-h"]) == 0
+    assert "--watch[=SECONDS]" in capsys.readouterr().out
