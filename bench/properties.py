@@ -6,20 +6,25 @@ import os
 import socket
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from queue import Empty, SimpleQueue
 
 import zenoh
 
 from bench.harness import Lines, Row, folders, paired, timed
 from rtkit.link import keys, places
 from rtkit.link.line_client import connect_unix
-from rtkit.link.properties import PropertyClient
+from rtkit.link.properties import Ear, PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
 
 _TIMES = 300
 _MANY = 1000
 _VERY_MANY = 100_000
+_TICKS = 500
+_LISTENERS = 10
 _BARE_ZENOH_IS = "bare zenoh queries to another process, same sockets, same bytes"
 _BARE_LINES_IS = "a loop that sends each line back, in another process"
 
@@ -111,7 +116,53 @@ print((made - begin) * 1e3, (listed - made) * 1e3,
         yield Row(label, unit, one, other, one / other, target, False, floor_is)
 
 
-PARTS = {"zenoh": _zenoh, "line": _line, "bulk": _bulk, "many": _very_many}
+def _events() -> Lines:
+    with _server(), _session(places.service_key_socket("bench")) as ours:
+        client = PropertyClient(ours, _key(), 10.0)
+        lost: list[int] = []
+        with _session(f"{places.runtime_dir()}/bare.zps") as bare, ExitStack() as stack:
+            ears = [stack.enter_context(client.listen("tick?queue=10000&initial=0"))
+                    for _ in range(_LISTENERS)]  # fmt: skip
+            heard: SimpleQueue[int] = SimpleQueue()
+            handler: zenoh.handlers.Callback[zenoh.Sample] = zenoh.handlers.Callback(
+                lambda sample: heard.put(_age(sample.payload.to_string())), indirect=False
+            )
+            for _ in range(_LISTENERS):
+                bare.declare_subscriber("bare/tick", handler)
+            for ear in ears:
+                threading.Thread(target=_hear, args=(ear, heard), daemon=True).start()
+
+            def figure(start: Callable[[], object]) -> float:
+                start()
+                ages = [heard.get(timeout=20.0) for _ in range(_LISTENERS)]
+                try:
+                    while len(ages) < _TICKS * _LISTENERS:
+                        ages.append(heard.get(timeout=2.0))
+                except Empty:
+                    lost.append(_TICKS * _LISTENERS - len(ages))
+                return sorted(ages)[len(ages) * 99 // 100] / 1e3
+
+            measured = paired(
+                lambda: figure(lambda: client.ask("run", str(_TICKS)).value()),
+                lambda: figure(lambda: _query(bare, f"bare/get?run={_TICKS}", None)),
+            )
+            what = f"property: 1000 events/s to {_LISTENERS} listeners, 99 %"
+            floor_is = "bare zenoh, one put for as many subscribers"
+            yield Row(f"{what} within", "us", *measured, 2.0, True, floor_is)
+            yield Row("property: those events that were lost", "", sum(lost), 0.0, 0.0, 0.0, False,
+                      "all are to come")  # fmt: skip
+
+
+def _age(text: str) -> int:
+    return time.perf_counter_ns() - int(text)
+
+
+def _hear(ear: Ear, heard: SimpleQueue[int]) -> None:
+    for event in ear:
+        heard.put(_age(str(event.payload)))
+
+
+PARTS = {"events": _events, "zenoh": _zenoh, "line": _line, "bulk": _bulk, "many": _very_many}
 
 
 def _run(script: str) -> list[float]:

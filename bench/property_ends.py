@@ -9,6 +9,8 @@ import os
 import socket
 import sys
 import threading
+import time
+from collections.abc import Callable
 
 import zenoh
 
@@ -24,8 +26,25 @@ def ours() -> None:
     service = Service()
     for index in range(1000):
         service.add(f"p{index}", float(index), "number")
-    with serve(service, "bench"):
+    service.add("tick", 0, "integer")
+    with serve(service, "bench") as served:
+
+        def run(count: object, given: object) -> None:
+            ticks = (int(str(count)), lambda now: served.update("tick", now))
+            threading.Thread(target=_tick, args=ticks, daemon=True).start()
+
+        service.add("run", 0, "integer", write=run)
         _wait()
+
+
+def _tick(count: int, tell: Callable[[int], object]) -> None:
+    """Tell the time [ns] a thousand times a second."""
+    begin = time.perf_counter_ns()
+    for index in range(count):
+        ahead = begin + index * 1_000_000 - time.perf_counter_ns()
+        if ahead > 0:
+            time.sleep(ahead / 1e9)
+        tell(time.perf_counter_ns())
 
 
 def bare_zenoh() -> None:
@@ -36,6 +55,10 @@ def bare_zenoh() -> None:
 
     def answer(query: zenoh.Query) -> None:
         length = int(query.parameters.get("n") or 0)
+        count = query.parameters.get("run")
+        if count is not None:
+            ticks = (int(count), lambda now: session.put("bare/tick", str(now)))
+            threading.Thread(target=_tick, args=ticks, daemon=True).start()
         text = kept.setdefault(length, "x" * length) if length else "2.5"
         query.reply(query.key_expr, text)
         query.drop()  # type: ignore[no-untyped-call]

@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from rtkit.link.http_client import HttpClient
 
 _PIECE = 1 << 16
+_FEW = 1 << 12
+"""Bytes that are enough for most: room for more costs time to make."""
+_SHORT = 256
+_MOST_KNOWN = 4096
+"""Targets of which a client remembers the request, and how long they may be."""
 _MOST_DRAINED = 1 << 22
 
 
@@ -40,6 +45,7 @@ class LineClient(Closing):
         self._timeout_s = timeout_s
         self._replies = Replies()
         self._inbox = Inbox()
+        self._gets: dict[str, bytes] = {}
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         """GET, or SET, and wait for the reply.
@@ -47,12 +53,16 @@ class LineClient(Closing):
         Raises:
             Unreachable: No reply in time, or the connection has ended.
         """
-        deadline = monotonic() + self._timeout_s
-        self._send(write_request(target, payload))
-        if not self._replies.waits:
+        if payload is None:
+            request = self._gets.get(target) or self._get(target)
+        else:
+            request = write_request(target, payload)
+        self._send(request)
+        if self._replies.is_idle:
             quick = self._quick()
             if quick is not None:
                 return quick
+        deadline = monotonic() + self._timeout_s
         while True:
             told = self._receive(deadline)
             if told is None:
@@ -61,6 +71,13 @@ class LineClient(Closing):
                 self._inbox.put(told)
             else:
                 return told[1]
+
+    def _get(self, target: str) -> bytes:
+        """Return the request that gets a target, and remember it."""
+        request = write_request(target, None)
+        if len(target) < _SHORT and len(self._gets) < _MOST_KNOWN:
+            self._gets[target] = request
+        return request
 
     def event(self, timeout_s: float | None = None) -> Event | None:
         """Return the next event, None if none came in time; without a bound it waits for ever.
@@ -118,7 +135,7 @@ class LineClient(Closing):
     def _quick(self) -> Answer | None:
         """Return what nearly all replies are: one line with a value, and nothing behind it."""
         try:
-            data = self._end.recv(_PIECE)
+            data = self._end.recv(_FEW)
         except OSError:
             return None
         if data[:2] == b"= " and data[2:3] != b"{" and data.find(b"\n") == len(data) - 1:

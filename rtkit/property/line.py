@@ -259,21 +259,22 @@ def _tail(payload: Payload) -> bytes:
 
 
 class Replies:
-    """What a service sends, as replies and events."""
+    """What a service sends, as replies and events.
+
+    Attributes:
+        is_idle: Nothing has begun that was not given.
+    """
 
     def __init__(self, longest: int = 1 << 26) -> None:
         self._splitter = Splitter(longest)
         self._head: tuple[str, str] | None = None
         self._length = 0
+        self.is_idle = True
 
     def feed(self, data: bytes) -> None:
         """Take what came."""
+        self.is_idle = False
         self._splitter.feed(data)
-
-    @property
-    def waits(self) -> bool:
-        """Whether something has begun and was not given."""
-        return self._splitter.waits or self._head is not None
 
     def next(self) -> tuple[str, Answer] | Event | None:
         """Return the next reply with its id, or the next event; None if there is none yet.
@@ -281,6 +282,11 @@ class Replies:
         Raises:
             PropertyError: ``syntax``: it speaks no line protocol; ``too-large``.
         """
+        told = self._next()
+        self.is_idle = self._head is None and not self._splitter.waits
+        return told
+
+    def _next(self) -> tuple[str, Answer] | Event | None:
         if self._head is None:
             raw = self._splitter.line()
             if raw is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     from rtkit.property.listening import Listener
 
 
+_ENDS = re.compile(r"[\r\n]")
+
+
 class Node:
     """A property; there may be very many, so it holds no more than it must.
 
@@ -27,8 +31,8 @@ class Node:
     """
 
     __slots__ = (
-        "_payload", "function", "history", "listeners", "name", "quality", "reader", "revision",
-        "spec", "time", "value", "writer",
+        "_line", "_payload", "function", "history", "listeners", "name", "quality", "reader",
+        "revision", "spec", "time", "value", "writer",
     )  # fmt: skip
 
     def __init__(self, name: str, spec: Spec, value: Content | None, time: float) -> None:
@@ -44,6 +48,7 @@ class Node:
         self.listeners: list[Listener] | None = None
         self.history: deque[tuple[float, str, Payload]] | None = None
         self._payload: Payload | None = None
+        self._line: bytes | None = None
 
     @property
     def payload(self) -> Payload:
@@ -55,6 +60,18 @@ class Node:
             payload = self._payload = to_payload(self.spec.type, self.value)
         return payload
 
+    @property
+    def line(self) -> bytes:
+        """The value as the reply of one line, written once; empty if it takes more than that."""
+        line = self._line
+        if line is None:
+            text = self.payload
+            line = b""
+            if isinstance(text, str) and text and text[0] != "{" and not _ENDS.search(text):
+                line = b"= %b\n" % text.encode("utf-8", "surrogateescape")
+            self._line = line
+        return line
+
     def put(self, value: Content, time: float, quality: str = "good") -> bool:
         """Have a value in force; return whether it differs from the one before.
 
@@ -64,6 +81,7 @@ class Node:
         payload = to_payload(self.spec.type, value)
         has_changed = self.value is None or payload != self.payload or quality != self.quality
         self.value, self._payload, self.time, self.quality = value, payload, time, quality
+        self._line = None
         if has_changed:
             self.revision += 1
         if self.history is not None:

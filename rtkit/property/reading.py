@@ -22,6 +22,7 @@ class Limits(NamedTuple):
 
 
 LIMITS = Limits()
+_SHORT = 32
 _LONGEST_NUMBER = 1000
 """Digits of an integer; to read one takes the square of its length."""
 
@@ -86,7 +87,19 @@ def read(text: str, limits: Limits = LIMITS) -> Value:
     """
     if len(text) > limits.text:
         raise PropertyError("too-large", f"longer than {limits.text} characters")
-    return read_item(text, 0, Budget(limits))
+    number = lone_number(text)
+    return number if number is not None else read_item(text, 0, Budget(limits))
+
+
+def lone_number(text: str) -> float | None:
+    """Return the number that a text is, None if it is none or a long one.
+
+    What is set is most often one, and as often as a loop turns.
+    """
+    number = _NUMBER.fullmatch(text) if len(text) < _SHORT else None
+    if number is None:
+        return None
+    return float(text) if number[1] is None else int(text)
 
 
 def read_item(text: str, depth: int, budget: Budget) -> Value:

@@ -20,6 +20,7 @@ from rtkit.property.naming import Target, parse_target
 from rtkit.property.node import Node
 from rtkit.property.once import Once
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters
+from rtkit.property.quick import Quick
 from rtkit.property.reading import read
 from rtkit.property.registry import Place, Registry
 from rtkit.property.spec import Reader, Spec, Writer, plain
@@ -35,6 +36,7 @@ class Service:
 
     Attributes:
         on_refusal: Hears of each request that was denied: who, method, target.
+        quick: Answers a request line of the kind that most are.
         on_names: Called before names are told or missed, to have those that there are now.
     """
 
@@ -54,6 +56,8 @@ class Service:
         self.on_names: Callable[[], object] | None = None
         self._nodes = self.registry.nodes
         self._once = Once()
+        self._quick = Quick(self)
+        self.quick = self._quick.reply
         self._started = wall()
 
     # What the owner does.
@@ -103,6 +107,7 @@ class Service:
         Raises:
             PropertyError: ``unknown``.
         """
+        self._quick.forget()
         for node in self.registry.remove(name):
             self.listeners.end_all(node)
             if self.listeners.of_names:
@@ -146,18 +151,14 @@ class Service:
 
     # What doors do.
 
-    def kept(self, name: str) -> bytes | None:
-        """Return a value as a line holds it, if it is kept here and fits on one.
+    def set_plain(self, node: Node, payload: Payload) -> None:
+        """Carry out a SET of a property with nothing else to it, for who may.
 
-        A door may answer a plain GET with it, once it has seen that the caller may.
+        Raises:
+            PropertyError: As answered.
         """
-        node = self._nodes.get(name)
-        if node is None or node.reader is not None or node.value is None:
-            return None
-        text = node.payload
-        if not isinstance(text, str) or not text or text[0] == "{" or "\n" in text or "\r" in text:
-            return None
-        return text.encode("utf-8", "surrogateescape")
+        self.check_writable(node, node.name)
+        self.apply(node, node.spec.within(from_payload(node.spec.type, payload)))
 
     def revision(self, name: str) -> int | None:
         """Return the revision of a property, None of what is none."""
@@ -199,8 +200,7 @@ class Service:
         is_plain = node is not None and not node.function and not ask.id
         if is_plain and ask.payload is not None and ask.caller.may("SET", ask.target):
             assert node is not None
-            self.check_writable(node, ask.target)
-            self.apply(node, node.spec.admit(from_payload(node.spec.type, ask.payload)))
+            self.set_plain(node, ask.payload)
             return DONE
         target = parse_target(ask.target)
         if target.service and target.service != self.name:
@@ -358,7 +358,7 @@ class Service:
         if place.path:
             value = self._with_part(node, place, ask.payload)
         else:
-            value = node.spec.admit(from_payload(node.spec.type, ask.payload))
+            value = node.spec.within(from_payload(node.spec.type, ask.payload))
         self.apply(node, value, given)
         return Answer(self._get(Target(target.name, {}), ask)) if has_echo else DONE
 
@@ -383,8 +383,8 @@ class Service:
         Raises:
             PropertyError: What the writer raised; the old value is in force.
         """
-        to_payload(node.spec.type, value)
         if node.writer is not None:
+            to_payload(node.spec.type, value)
             try:
                 changed = node.writer(value, parameters)
             except PropertyError:

@@ -70,7 +70,14 @@ class Spec:
         Raises:
             PropertyError: ``bad-value``: of another type, outside of the range, no choice.
         """
-        value = check(self.type, value)
+        return self.within(check(self.type, value))
+
+    def within(self, value: Content) -> Content:
+        """Return a value of the right type if it may be set.
+
+        Raises:
+            PropertyError: ``bad-value``: outside of the range, no choice.
+        """
         if self.minimum is not None or self.maximum is not None:
             for number in _numbers(value):
                 self._check_range(number)

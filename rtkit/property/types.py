@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.reading import LIMITS, read
+from rtkit.property.reading import LIMITS, lone_number, read
 from rtkit.property.values import Element, Value, Word, is_number, is_vector, kind_of
 from rtkit.property.writing import write
 
@@ -133,6 +133,10 @@ def from_payload(kind: Type, payload: str | bytes) -> Content:
     Raises:
         PropertyError: ``syntax``, ``too-large``, ``bad-value``.
     """
+    if kind.base == "number" and isinstance(payload, str):
+        number = lone_number(payload)
+        if number is not None:
+            return number
     if kind.base == "bytes":
         raw = payload if isinstance(payload, bytes) else payload.encode("utf-8", "surrogateescape")
         return _bounded(raw)

@@ -28,6 +28,8 @@ def write(value: Value, depth: int = 0) -> str:
     Raises:
         PropertyError: ``too-large``: nested too deep; ``bad-value``: no text stands for it.
     """
+    if type(value) is float:
+        return repr(value)
     if isinstance(value, tuple):
         if depth >= LIMITS.depth:
             raise PropertyError("too-large", f"nested deeper than {LIMITS.depth}")

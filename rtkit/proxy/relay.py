@@ -69,8 +69,8 @@ class Relay:
     def poll(self) -> None:
         """See `Owner.poll`."""
 
-    def kept(self, name: str) -> bytes | None:
-        """See `Owner.kept`: nothing is."""
+    def quick(self, line: bytes, caller: Caller) -> bytes | None:
+        """See `Owner.quick`: nothing is kept here."""
         return None
 
     def is_plain(self, name: str) -> bool:

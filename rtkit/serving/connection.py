@@ -21,10 +21,11 @@ from rtkit.serving.pace import too_fast
 if TYPE_CHECKING:
     from rtkit.serving.host import End, Host
     from rtkit.serving.login import Login
-    from rtkit.serving.owner import Owner
     from rtkit.serving.room import Room
 
 _PIECE = 1 << 16
+_FEW = 1 << 12
+"""Bytes that are enough for most requests: room for more costs time to make."""
 _HIGH = 1 << 18
 """Bytes that wait to be sent, above which no further request is taken."""
 _ROOM_FOR_EVENTS = 1 << 15
@@ -62,7 +63,8 @@ class Connection(Caller):
         self._end = end
         self._service = service
         self._login = login
-        self._requests = Requests(room.limits.size)
+        self._longest = room.limits.size
+        self._requests = Requests(self._longest)
         self._out = bytearray()
         self._order = InOrder(self._put)
         self._is_working = False
@@ -100,35 +102,37 @@ class Connection(Caller):
 
     # Tenant
 
-    def ready(self, mask: int) -> None:
+    def ready(self, mask: int) -> bool:
         """See `Tenant.ready`."""
         if mask & select.EPOLLOUT:
             self._send()
         if mask & ~select.EPOLLOUT and self.is_open:
             try:
-                data = self._end.recv(_PIECE)
+                data = self._end.recv(_PIECE if self._is_half else _FEW)
             except BlockingIOError:
-                return
+                return False
             except OSError:
                 data = b""
             if not data:
                 self.close()
-                return
-            self._moved_at = monotonic()
+                return False
             if self._is_answered(data):
-                return
+                return not self._out
+            self._moved_at = monotonic()
             self._requests.feed(data)
         if self.is_open:
             self._work()
+        return False
 
     def _is_answered(self, data: bytes) -> bool:
         """Answer what nearly all requests are: one line, about a property that is kept here."""
-        is_busy = self._out or self._is_half or self._order.waiting or self._is_closing
-        is_bounded = self._pace is not None or len(data) > self._room.limits.size
-        if is_busy or is_bounded or not self.identity or data.find(b"\n") != len(data) - 1:
+        if self._out or self._is_half or self._order.waiting or self._is_closing:
+            return False
+        is_allowed = self.identity and self._pace is None and len(data) <= self._longest
+        if not is_allowed or data.find(b"\n") != len(data) - 1:
             return False
         service = self._host.services.get(self._service)
-        reply = None if service is None else self._plain_reply(service, data)
+        reply = None if service is None else service.quick(data, self)
         if reply is None:
             return False
         try:
@@ -137,23 +141,9 @@ class Connection(Caller):
             sent = 0
         if sent < len(reply) or self._listeners:
             self._out += reply[sent:]
+            self._moved_at = monotonic()
             self._send()
         return True
-
-    def _plain_reply(self, service: Owner, data: bytes) -> bytes | None:
-        """Return the reply to such a line, None if it is none."""
-        if data[:4] == b"GET ":
-            name = data[4:-1].decode("latin-1")
-            text = service.kept(name)
-            return b"= %b\n" % text if text is not None and self.may("GET", name) else None
-        head, _, raw = data[4:-1].partition(b" ")
-        name = head.decode("latin-1")
-        is_odd = raw[:1] == b"{" or raw[-1:] == b"\r" or not raw.isascii()
-        if data[:4] != b"SET " or is_odd or not service.is_plain(name):
-            return None
-        answers: list[Answer] = []
-        service.handle(Ask(name, raw.decode("ascii"), answers.append, self))
-        return write_answer(answers[0])
 
     def _work(self) -> None:
         """Take the requests that are there, as long as replies are read."""

@@ -53,8 +53,8 @@ class End(Protocol):
 class Tenant(Protocol):
     """Something with a socket that the loop serves."""
 
-    def ready(self, mask: int) -> None:
-        """Hear that the socket can be read or written."""
+    def ready(self, mask: int) -> bool | None:
+        """Hear that the socket can be read or written; return True if nothing is left to do."""
         ...
 
     def flush(self, now: float) -> float | None:
@@ -188,22 +188,31 @@ class Host:
     def run(self) -> None:
         """Serve until the host is closed."""
         wait_s: float | None = None
+        tidy_at = 0.0
         own = self._wake.fileno()
         poll, tenants, lock = self._epoll.poll, self._tenants, self.lock
         while not self._is_ended.is_set():
             ready = poll(wait_s)
             with lock:
+                is_quiet = bool(ready)
                 for number, mask in ready:
                     tenant = tenants.get(number)
                     if tenant is not None:
-                        tenant.ready(mask)
+                        is_quiet = bool(tenant.ready(mask)) and is_quiet
                     elif number == own:
+                        is_quiet = False
                         self._is_woken = False
                         with contextlib.suppress(BlockingIOError):
                             self._wake.recv(4096)
+                now = time.monotonic()
+                if is_quiet and not (self._dirty or self._posted) and now < tidy_at:
+                    # Requests that were answered at once, as most are: all else is as it was.
+                    wait_s = tidy_at - now
+                    continue
                 while self._posted:
                     self._posted.popleft()()
-                wait_s = self._tidy(time.monotonic())
+                wait_s = self._tidy(now)
+                tidy_at = now if wait_s is None else now + wait_s
 
     def _tidy(self, now: float) -> float | None:
         """Send, poll, end leases; return how long there is nothing to do [s]."""

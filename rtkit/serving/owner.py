@@ -21,8 +21,8 @@ class Owner(Protocol):
         """Whether something that is listened to is to be read anew from time to time."""
         ...
 
-    def kept(self, name: str) -> bytes | None:
-        """Return a value as a line holds it, None unless it is known without asking anybody."""
+    def quick(self, line: bytes, caller: Caller) -> bytes | None:
+        """Return the reply to a request line, None unless it takes only a look."""
         ...
 
     def is_plain(self, name: str) -> bool:
