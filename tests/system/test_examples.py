@@ -192,9 +192,7 @@ ENDLESS = {
     "rtstate --follow robot.xml",
     "rttop",
     "rttop -s CPU% /localhost/manager.mgr",
-    "rtserve simple_pid:PID pid -a 1 -a 0.1",
-    "rtserve ./arm.py:Arm robots/arm --port 0",
-    "rtserve ./arm.py:Arm arm --serial /dev/ttyS0 --allow-set 'angle*'",
+    *(line for line, _ in EXAMPLES["rtserve"]),
     "rtvlog /localhost/Robot0.rtc",
     "rtvlog -l warn /",
     "rtvlog -f stdout /localhost/manager.mgr/drives.mgr",
@@ -249,7 +247,7 @@ class World:
     def _globbed(self, word: str) -> list[str]:
         if "*" not in word or " " in word or "'" in word or "/" in word or word == "Motor*.rtc":
             return [word]
-        return sorted(path.name for path in self.folder.glob(word))
+        return sorted(path.name for path in self.folder.glob(word)) or [word]
 
     def _do(self, what: str, *names: str) -> None:
         if what == "kill":
@@ -288,7 +286,7 @@ def wrong_of(world: World, names: list[str]) -> dict[str, tuple[int, str]]:
                 status, told = world.type(each)
                 if status:
                     wrong[f"{line}: before it: {each}"] = (status, told)
-            typed = line.replace("2811", PORT).replace("/dev/ttyS0", DEVICE)
+            typed = line.replace("2811", PORT).replace("8080", PORT).replace("/dev/ttyS0", DEVICE)
             status, told = world.type(typed, is_endless=line in ENDLESS)
             expected = (-signal.SIGINT, 0) if line in ENDLESS else STATUS.get(line, (0,))
             if status not in expected or "Traceback" in told:
