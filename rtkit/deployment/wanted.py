@@ -20,6 +20,7 @@ from rtkit.deployment.described import (
     service_port,
     sets_of,
 )
+from rtkit.deployment.health import HEALTH, read_rules
 from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, is_cost
@@ -198,8 +199,9 @@ def _component(
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
-    policy = {key: value for key, value in own.items() if is_policy(key)}
+    policy = {k: v for k, v in own.items() if is_policy(k) or k.startswith(HEALTH)}
     read_policy(policy)
+    read_rules(policy)
     if is_stand_in:
         stand_in = _as_stand_in(made, component, create, choices, is_marked)
         text = str(parse_create(stand_in.create).with_options(**policy))

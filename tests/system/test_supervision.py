@@ -177,3 +177,53 @@ def test_what_the_manager_says_holds_for_all(manager: Any, tree: Tree) -> None:
         kill(tree, slave)
     until(lambda: has_restarts(tree, "A", 1), "A")
     assert facts(tree, "B").zombie == "signal 9"
+
+
+SICK = '''
+import os
+import time
+from rtkit.component import Component, OutPort, TimedLong
+
+
+class Sick(Component):
+    """Writes 100 values a second until the file `sick` lies there: then none, or it hangs."""
+
+    rate = 100.0
+    out = OutPort(TimedLong)
+
+    def on_execute(self, context):
+        path = os.environ["RTKIT_STATE_DIR"] + "/sick"
+        if not os.path.exists(path):
+            self.out.write(TimedLong())
+        elif self.options.get("hangs"):
+            os.unlink(path)
+            time.sleep(1000)
+
+
+def SickInit(manager):
+    manager.register_factory(Sick)
+'''
+
+
+def test_who_is_not_well_is_shown_or_made_again(manager: Any, tree: Tree) -> None:
+    (manager.modules / "Sick.py").write_text(SICK)
+    sick = Path(manager.environment["RTKIT_STATE_DIR"]) / "sick"
+    apply(
+        tree,
+        Create("Sick?instance_name=A&manager_name=a&rtkit.health.rate.out=10-1000:degrade"),
+        ChangeState("A", "0", Transition.ACTIVATE),
+    )
+    sick.touch()
+    until(lambda: "degraded: out carries" in facts(tree, "A").trouble, "a low rate")
+    assert "(degraded: out carries" in manager.ok("rtls -l /localhost/A.rtc")
+    sick.unlink()
+    until(lambda: not facts(tree, "A").trouble, "the usual rate")
+    stuck = "&hangs=1&rtkit.health.stuck=restart&exec_cxt.callback_deadline=0.2"
+    apply(
+        tree,
+        Create(f"Sick?instance_name=B&manager_name=b{stuck}"),
+        ChangeState("B", "0", Transition.ACTIVATE),
+    )
+    sick.touch()
+    until(partial(is_at_work, tree, "B", 1), "the end of a callback that hangs")
+    assert "not well: " in facts(tree, "B").restarted_for

@@ -61,6 +61,7 @@ from rtkit.manager.core.supervising import Supervisor
 from rtkit.manager.core.surveying import Survey
 from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.trial import TRIAL
+from rtkit.manager.core.wellbeing import Wellbeing
 from rtkit.manager.core.wishes import Need, Procedure
 from rtkit.property.exchange import Reply
 from rtkit.records import replace
@@ -95,7 +96,8 @@ class Core:
         self._keeping = Keeping(state, self._out, self._tasks)
         self._supervisor = Supervisor(state, self._tasks)
         self._announcer = Announcer(state, self._out)
-        self._survey = Survey(state, self._out, self._announcer.run_id)
+        wellbeing = Wellbeing(state, self._supervisor, self._tasks)
+        self._survey = Survey(state, self._out, self._announcer.run_id, wellbeing)
         self._is_stopping = False
         self._now = 0.0
         self._is_restored = False
@@ -156,8 +158,9 @@ class Core:
             case Tick():
                 pass
         self._tasks.run(now)
-        self._keeping.run()
         until = self._survey.run(now)
+        self._tasks.run_new(now)  # what figures have given cause for
+        self._keeping.run()
         if until is not None:
             self._out.append(WakeAt(until))
         self._announcer.run()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rtkit.deployment.supervision import Policy, read_policy, restart_of
+from rtkit.deployment.health import Reaction, read_rules
+from rtkit.deployment.supervision import Policy, Restart, read_policy, restart_of
 from rtkit.manager.core.state import State
 from rtkit.rtc.create import parse_create
 
@@ -17,6 +18,10 @@ def policy_of(state: State, create: str) -> Policy:
         Malformed: It makes no sense.
     """
     made = parse_create(create)
+    rules = read_rules(made.options)
     default = restart_of(DEFAULT, state.settings.text(DEFAULT))
     of_slave = f"{DEFAULT}.{made.place or state.name}"
-    return read_policy(made.options, restart_of(of_slave, state.settings.text(of_slave), default))
+    default = restart_of(of_slave, state.settings.text(of_slave), default)
+    if any(rule.reaction is Reaction.RESTART for rule in rules) and default is Restart.NEVER:
+        default = Restart.ON_FAILURE
+    return read_policy(made.options, default)

@@ -12,6 +12,7 @@ from typing import Any
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.health import read_rules
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.claims import claim_name, names_elsewhere
 from rtkit.manager.core.composition import process_of_members
@@ -159,6 +160,8 @@ def _create(state: State, action: act.Create) -> Procedure:
     if instance not in state.kept.revived:  # by a user: what was before is forgiven
         state.watched.pop(instance, None)
     state.kept.made(instance, str(made), names, action.pattern)
+    if read_rules(made.options):
+        state.ruled.add(instance)
     if names != claim.names:
         yield Tell(process, remember(state, instance))
     return Result(value=instance)

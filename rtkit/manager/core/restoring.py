@@ -14,6 +14,7 @@ from typing import Any
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.batch import results_to_text
+from rtkit.deployment.health import read_rules
 from rtkit.errors import Malformed, RtkitError
 from rtkit.manager.core.kept import Kept, Wish
 from rtkit.manager.core.procedures import procedure_for
@@ -134,6 +135,9 @@ def _adopt(state: State) -> None:
         kept.found(instance)
         if instance not in kept.components and facts.create and not facts.is_stand_in:
             kept.adopt(facts)
+    for instance, wish in kept.components.items():
+        if read_rules(parse_create(wish.create).options):
+            state.ruled.add(instance)
     for wire in state.connectors.values():
         if all(end.instance in kept.components for end in wire.ports):
             kept.wire(wire)

@@ -156,6 +156,9 @@ class State:
         remark: What is to be told of the store of an earlier manager; mostly empty.
         watched: What has been done about the ends of components, by instance.
         returning: Instances that are to be made again.
+        unwell: Those of them that live, and are to be ended first.
+        ruled: Instances with rules of health.
+        degraded: Which of those rules are broken and shown, by instance.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
     """
@@ -189,6 +192,9 @@ class State:
     remark: str = ""
     watched: dict[str, Watched] = field(default_factory=dict)
     returning: set[str] = field(default_factory=set)
+    unwell: set[str] = field(default_factory=set)
+    ruled: set[str] = field(default_factory=set)
+    degraded: dict[str, str] = field(default_factory=dict)
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
@@ -197,7 +203,8 @@ class State:
         watched = self.watched.get(instance)
         is_given_up = watched is not None and watched.ledger.is_given_up
         told = process.stuck.get(instance, "") or process.silence
-        return told or "in Error, given up after restarts" * is_given_up
+        told = told or self.degraded.get(instance, "")
+        return told or "given up after restarts" * is_given_up
 
     def trouble_in(self, process: Process) -> str:
         """Return what is wrong with a process and is shown at none of its components."""

@@ -64,7 +64,7 @@ class Supervisor:
         policies = {each: self.policy(each) for each in instances if each not in state.returning}
         critical = [each for each, policy in policies.items() if policy.is_critical]
         if critical:
-            self._tasks.begin(_stop_system(state, critical, why), _STOP_S, _ignore)
+            self.stop_all(critical, why)
         waits = {}
         for instance, policy in policies.items():
             if not policy.wants(why != _ORDERLY):
@@ -82,6 +82,10 @@ class Supervisor:
             state.returning.update(waits)
             again = self._bring_back(tuple(waits), max(waits.values()), why)
             self._tasks.begin(again, _REVIVE_S, _ignore)
+
+    def stop_all(self, critical: Collection[str], why: str) -> None:
+        """Deactivate everything, since these were lost or are not well."""
+        self._tasks.begin(_stop_system(self._state, critical, why), _STOP_S, _ignore)
 
     def heard(self, facts: ComponentFacts, now: float) -> None:
         """Take note of how a component is: in Error it counts as lost."""
@@ -132,6 +136,7 @@ class Supervisor:
             yield from revive(state, still, failed)
         finally:
             state.returning.difference_update(instances)
+            state.unwell.difference_update(instances)
         now = yield Clock()
         for instance in still:
             if lives(state, instance):
@@ -148,7 +153,8 @@ class Supervisor:
             return False
         if instance in state.ending or instance in state.claims:
             return False
-        return not lives(state, instance) or _is_in_error(state.components[instance])
+        is_bad = instance in state.unwell or not lives(state, instance)
+        return is_bad or _is_in_error(state.components[instance])
 
     def _note(self, instance: str, why: str) -> None:
         state = self._state

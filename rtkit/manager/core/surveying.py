@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
 from rtkit.deployment.figures import FIGURES, PERIOD_S, ComponentFigures, ProcessFigures
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Instruction, Publish, SendToHolder
@@ -12,13 +15,27 @@ _PATIENCE_S = 0.25
 """How long the answers of busy processes are waited for [s]."""
 
 
+class Judge(Protocol):
+    """Who wants figures for himself."""
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether he wants any."""
+
+    def judge(self, answers: Mapping[int, Sequence[ComponentFigures]], now: float) -> None:
+        """Take them, by process."""
+
+
 class Survey:
     """The figures that were asked for and have come; `out` collects what the shell is to do."""
 
-    def __init__(self, state: State, out: list[Instruction], run_id: str) -> None:
+    def __init__(
+        self, state: State, out: list[Instruction], run_id: str, judge: Judge | None = None
+    ) -> None:
         self._state = state
         self._out = out
         self._run_id = run_id
+        self._judge = judge
         self._is_heard = False
         self._number = 0
         self._ask_at = 0.0
@@ -47,11 +64,14 @@ class Survey:
 
     def run(self, now: float) -> float | None:
         """Ask, or tell, when it is time; return when it is time for the next [s]."""
-        if not self._is_heard:
+        if not self._is_heard and not (self._judge is not None and self._judge.is_needed):
             return None
         if self._tell_by is not None and (not self._asked or now >= self._tell_by):
             self._tell_by = None
-            self._tell()
+            if self._is_heard:
+                self._tell()
+            if self._judge is not None:
+                self._judge.judge(self._answers, now)
         if self._tell_by is None and now >= self._ask_at:
             late_s = now - self._ask_at
             self._ask_at = now + PERIOD_S - (late_s if late_s < PERIOD_S else 0.0)

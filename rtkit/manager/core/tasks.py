@@ -126,6 +126,11 @@ class Tasks:
         if self._deadlines and self._deadlines[0][0] < math.inf:
             self._out.append(WakeAt(self._deadlines[0][0]))
 
+    def run_new(self, now: float) -> None:
+        """Go on with what was begun since `run`, if there is any."""
+        if self._ready:
+            self.run(now)
+
     def new_process(self, name: str, pid: int = 0, *, trial_of: str = "") -> Process:
         """Enter another slave into the state, under a key that was never used."""
         process = Process(next(self._keys), name, pid, trial_of=trial_of)

@@ -268,3 +268,61 @@ def test_what_slave_and_manager_say_holds_for_who_says_nothing() -> None:
         shell.end(key)
     come_back(shell)
     assert [bool(each.zombie) for each in shell.state.components.values()] == [True, True, False]
+
+
+def tell_figures(shell: FakeShell, written: int) -> None:
+    """Wait until a holder is asked for figures, and tell them."""
+    while not (asked := [key for key, message in shell.told if message["op"] == "figures"]):
+        shell.wait(0.1)
+    shell.told.clear()
+    for key in asked:
+        shell.say(key, figures=[{"instance": "A", "contexts": [], "written": {"out": written}}])
+    shell.wait(0.1)
+
+
+def at_work(rule: str, **options: str) -> FakeShell:
+    """A core with a component that has a rule on what it writes, and is active."""
+    shell = FakeShell()
+    make(shell, "A", **{"health.rate.out": rule, **options})
+    active = in_error("A", LifeCycleState.ACTIVE)
+    shell.say(shell.state.holders["A"], facts={**active, "cause": ""})
+    do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
+    for count in (100, 200):
+        tell_figures(shell, count)
+    assert not shell.state.components["A"].trouble
+    return shell
+
+
+def test_a_component_that_is_not_well_says_so_until_it_is_well_again() -> None:
+    shell = at_work("50-200:degrade")
+    tell_figures(shell, 201)
+    assert "degraded: out carries" in shell.state.components["A"].trouble
+    tell_figures(shell, 300)
+    assert not shell.state.components["A"].trouble
+
+
+def test_one_that_is_not_well_is_made_again() -> None:
+    shell = at_work("50-200:restart")
+    tell_figures(shell, 201)
+    assert come_back(shell, 1.0) == ["delete", "create", "change_state"]
+    assert "not well: out carries" in shell.state.components["A"].restarted_for
+
+
+def test_one_that_is_not_well_is_rested_and_with_it_all_if_it_is_critical() -> None:
+    for critical in ("no", "yes"):
+        shell = at_work("50-200:stop", critical=critical)
+        tell_figures(shell, 201)
+        (call,) = shell.calls
+        assert (call.op, call.message["transition"]) == ("change_state", "deactivate")
+
+
+def test_nobody_is_asked_for_figures_when_there_is_no_rule() -> None:
+    shell = at_work("50-200:degrade")
+    key = shell.state.holders["A"]
+    shell.ask(act.Delete("A"))
+    shell.serve()
+    shell.end(key, "exit status 0")
+    shell.wait(5.0)
+    shell.told.clear()
+    shell.wait(100.0)
+    assert not shell.told

@@ -1,0 +1,192 @@
+"""Rules of health: what a component must do to count as well, judged from figures; plain code.
+
+``rtkit.health.stuck`` tells of callbacks that do not come back, ``rtkit.health.overrun`` of cycles
+that take longer than so many seconds, ``rtkit.health.rate.PORT`` of ports that carry less or more
+than ``MIN-MAX`` values a second, ``rtkit.health.value.PARAMETER`` of a parameter that is not as
+told (``<5``, ``>=0``, ``=on``). Each has as its value, after a colon, what is done about it.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import lru_cache
+from math import inf, isfinite
+from typing import NamedTuple
+
+from rtkit.deployment.figures import ComponentFigures
+from rtkit.errors import Malformed
+
+HEALTH = "rtkit.health."
+"""What the properties of rules begin with."""
+
+_COMPARE: Mapping[str, Callable[[float, float], bool]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+
+
+class Reaction(StrEnum):
+    """What is done about a component that is not well."""
+
+    LOG = "log"
+    DEGRADE = "degrade"
+    RESTART = "restart"
+    STOP = "stop"
+
+
+class Rule(NamedTuple):
+    """One rule.
+
+    Attributes:
+        kind: ``stuck``, ``overrun``, ``rate`` or ``value``.
+        name: Of the port or parameter; empty for the others.
+        least: Lowest rate [Hz].
+        most: Highest rate [Hz], or the longest cycle [s].
+        condition: What a parameter must be: an operator and a value.
+    """
+
+    kind: str
+    reaction: Reaction
+    name: str = ""
+    least: float = 0.0
+    most: float = inf
+    condition: tuple[str, str] = ("", "")
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """What is known of a component at one moment.
+
+    Attributes:
+        at_s: When it was counted, monotonic [s].
+        is_active: Whether it is Active; rates and cycles say nothing of one that is not.
+        values: Its parameters in use.
+        stuck: Which callback does not come back; empty for none.
+    """
+
+    at_s: float
+    is_active: bool
+    figures: ComponentFigures
+    values: Mapping[str, str]
+    stuck: str = ""
+
+
+def read_rules(options: Mapping[str, str]) -> tuple[Rule, ...]:
+    """Return the rules that the properties of a component say.
+
+    Raises:
+        Malformed: One makes no sense; names it.
+    """
+    told = tuple(sorted((k, v) for k, v in options.items() if k.startswith(HEALTH)))
+    return _read(told) if told else ()
+
+
+@lru_cache(maxsize=256)
+def _read(told: tuple[tuple[str, str], ...]) -> tuple[Rule, ...]:
+    return tuple(_rule(key, *_parts(key, text)) for key, text in told)
+
+
+def _parts(key: str, text: str) -> tuple[str, Reaction]:
+    said, colon, word = text.rpartition(":")
+    if not colon:
+        said, word = ("", text) if key == f"{HEALTH}stuck" else (text, Reaction.LOG)
+    try:
+        return said.strip(), Reaction(word.strip().lower())
+    except ValueError:
+        raise Malformed(f"{key}: not one of {', '.join(Reaction)}: {word.strip()}") from None
+
+
+def _rule(key: str, said: str, reaction: Reaction) -> Rule:
+    kind, _, name = key.removeprefix(HEALTH).partition(".")
+    if kind == "stuck" and not name and not said:
+        return Rule(kind, reaction)
+    if kind == "overrun" and not name:
+        return Rule(kind, reaction, most=_number(key, said, "s"))
+    if kind == "rate" and name:
+        least, dash, most = said.partition("-")
+        if not dash:
+            raise Malformed(f"{key}: not MIN-MAX [Hz]: {said}")
+        rule = Rule(kind, reaction, name, _number(key, least, "Hz"), _number(key, most, "Hz"))
+        if rule.least > rule.most:
+            raise Malformed(f"{key}: the lowest rate is above the highest: {said}")
+        return rule
+    if kind == "value" and name:
+        sign = next((each for each in (*_COMPARE, "=") if said.startswith(each)), "")
+        value = said.removeprefix(sign).strip()
+        if not sign or (sign != "=" and not _is_number(value)):
+            raise Malformed(f"{key}: not <, <=, >, >= and a number, or = and a value: {said}")
+        return Rule(kind, reaction, name, condition=(sign, value))
+    known = "stuck, overrun, rate.PORT, value.PARAMETER"
+    raise Malformed(f"unknown rule of health: {key} (one of {known})")
+
+
+def _number(key: str, text: str, unit: str) -> float:
+    if not _is_number(text) or float(text) < 0:
+        raise Malformed(f"{key}: not a number of 0 or more [{unit}]: {text.strip()}")
+    return float(text)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def broken(
+    rules: tuple[Rule, ...], before: Sample | None, now: Sample
+) -> Iterator[tuple[Rule, str]]:
+    """Yield the rules that a component breaks, and how."""
+    for rule in rules:
+        why = _JUDGES[rule.kind](rule, before, now)
+        if why:
+            yield rule, why
+
+
+def _stuck(_rule: Rule, _before: Sample | None, now: Sample) -> str:
+    return now.stuck
+
+
+def _overrun(rule: Rule, _before: Sample | None, now: Sample) -> str:
+    longest_s = max((each.longest_s for each in now.figures.contexts), default=0.0)
+    if not now.is_active or longest_s <= rule.most:
+        return ""
+    return f"a cycle took {longest_s:.3g} s, more than {rule.most:g} s"
+
+
+def _rate(rule: Rule, before: Sample | None, now: Sample) -> str:
+    if before is None or not (before.is_active and now.is_active) or now.at_s <= before.at_s:
+        return ""
+    counts = [{**each.figures.read, **each.figures.written} for each in (before, now)]
+    if any(rule.name not in each for each in counts):
+        return f"no port {rule.name}"
+    rate = (counts[1][rule.name] - counts[0][rule.name]) / (now.at_s - before.at_s)
+    if rule.least <= rate <= rule.most:
+        return ""
+    side = f"less than {rule.least:g}" if rate < rule.least else f"more than {rule.most:g}"
+    return f"{rule.name} carries {rate:.3g} values a second, {side}"
+
+
+def _value(rule: Rule, _before: Sample | None, now: Sample) -> str:
+    sign, wanted = rule.condition
+    value = now.values.get(rule.name)
+    if value is None:
+        return f"no parameter {rule.name}"
+    if sign == "=":
+        is_so = value == wanted
+    else:
+        is_so = _is_number(value) and _COMPARE[sign](float(value), float(wanted))
+    return "" if is_so else f"{rule.name} is {value}, not {sign}{wanted}"
+
+
+_JUDGES: Mapping[str, Callable[[Rule, Sample | None, Sample], str]] = {
+    "stuck": _stuck,
+    "overrun": _overrun,
+    "rate": _rate,
+    "value": _value,
+}

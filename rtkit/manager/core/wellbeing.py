@@ -1,0 +1,125 @@
+"""Judges once a second whether components are well that have rules, and does what those say."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.health import Reaction, Rule, Sample, broken, read_rules
+from rtkit.errors import RtkitError
+from rtkit.manager.core.procedures import procedure_for
+from rtkit.manager.core.restoring import lives
+from rtkit.manager.core.state import State
+from rtkit.manager.core.supervising import Supervisor
+from rtkit.manager.core.tasks import Tasks
+from rtkit.manager.core.wishes import Procedure
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import LifeCycleState, Transition
+
+_log = logging.getLogger(__name__)
+_STOP_S = 5.0
+"""How long a component that is not well may take to come to rest [s]."""
+
+
+class Wellbeing:
+    """What was seen of components with rules, and which rules they break."""
+
+    def __init__(self, state: State, supervisor: Supervisor, tasks: Tasks) -> None:
+        self._state = state
+        self._supervisor = supervisor
+        self._tasks = tasks
+        self._samples: dict[str, Sample] = {}
+        self._broken: dict[tuple[str, Rule], str] = {}
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether any component has rules."""
+        return bool(self._state.ruled)
+
+    def judge(self, answers: Mapping[int, Sequence[ComponentFigures]], now: float) -> None:
+        """Judge all that have rules by the figures of their processes, at `now` [s]."""
+        state = self._state
+        figures = {each.instance: each for every in answers.values() for each in every}
+        for instance in list(state.ruled):
+            wish = state.kept.components.get(instance)
+            if wish is None:
+                state.ruled.discard(instance)
+            if wish is None or instance in state.returning or not lives(state, instance):
+                self._forget(instance)
+                continue
+            sample = self._sample(instance, figures.get(instance), now)
+            before = self._samples.get(instance)
+            self._samples[instance] = sample
+            rules = read_rules(parse_create(wish.create).options)
+            self._react(instance, dict(broken(rules, before, sample)), now)
+
+    def _sample(self, instance: str, figures: ComponentFigures | None, now: float) -> Sample:
+        state = self._state
+        facts, process = state.components[instance], state.process_of(instance)
+        contexts = facts.contexts
+        return Sample(
+            at_s=now,
+            is_active=figures is not None
+            and any(each.state is LifeCycleState.ACTIVE for each in contexts),
+            figures=figures or ComponentFigures(instance),
+            values=facts.sets.get(facts.active_set, {}),
+            stuck=process.stuck.get(instance, "") if process is not None else "",
+        )
+
+    def _react(self, instance: str, now_broken: Mapping[Rule, str], now: float) -> None:
+        for key in [each for each in self._broken if each[0] == instance]:
+            if key[1] not in now_broken:
+                del self._broken[key]
+                _log.info("%s is well again (%s)", instance, key[1].kind)
+        for rule, why in now_broken.items():
+            is_new = (instance, rule) not in self._broken
+            self._broken[instance, rule] = why
+            if is_new:
+                self._act(instance, rule, why, now)
+        degraded = [why for (i, r), why in self._broken.items() if (i, r.reaction) == _of(instance)]
+        text = f"degraded: {degraded[0]}" if degraded else ""
+        if self._state.degraded.get(instance, "") != text:
+            self._state.degraded[instance] = text
+            process = self._state.process_of(instance)
+            if process is not None:
+                trouble = self._state.trouble_of(instance, process)
+                self._state.update(instance, trouble=trouble)
+
+    def _act(self, instance: str, rule: Rule, why: str, now: float) -> None:
+        _log.warning("%s is not well: %s (%s)", instance, why, rule.reaction.value)
+        if rule.reaction is Reaction.RESTART:
+            self._state.unwell.add(instance)
+            self._supervisor.lost([instance], f"not well: {why}", now)
+            self._forget(instance)  # it begins anew
+            if instance not in self._state.returning:
+                self._state.unwell.discard(instance)
+        elif rule.reaction is Reaction.STOP:
+            if self._supervisor.policy(instance).is_critical:
+                self._supervisor.stop_all([instance], why)
+            else:
+                self._tasks.begin(_rest(self._state, instance), _STOP_S)
+
+    def _forget(self, instance: str) -> None:
+        self._samples.pop(instance, None)
+        self._state.degraded.pop(instance, None)
+        for key in [each for each in self._broken if each[0] == instance]:
+            del self._broken[key]
+
+
+def _of(instance: str) -> tuple[str, Reaction]:
+    return instance, Reaction.DEGRADE
+
+
+def _rest(state: State, instance: str) -> Procedure:
+    """Deactivate a component where it is active."""
+    for context in state.components[instance].contexts:
+        if context.state is LifeCycleState.ACTIVE:
+            rest = act.ChangeState(instance, context.id, Transition.DEACTIVATE)
+            try:
+                yield from procedure_for(rest, state)
+            except RtkitError as error:
+                _log.error("cannot deactivate %s: %s", instance, error)
+    return Result()
