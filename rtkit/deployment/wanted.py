@@ -23,7 +23,6 @@ from rtkit.deployment.described import (
 from rtkit.deployment.health import HEALTH, read_rules
 from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
-from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, is_cost
 from rtkit.deployment.port_types import settle_types
 from rtkit.deployment.supervision import is_policy, read_policy
 from rtkit.deployment.system import (
@@ -214,6 +213,10 @@ def _component(
 def _costs(instance: str, text: str) -> dict[str, float]:
     """Return what kinds of steps cost by ``NUMBER``, any interruption, or ``KIND=NUMBER,…``."""
     costs: dict[str, float] = {}
+    if not text:
+        return costs
+    from rtkit.deployment.planning.model import DEFAULT_COSTS, INTERRUPTIONS, is_cost
+
     for item in filter(None, map(str.strip, text.split(","))):
         kind, equals, number = item.rpartition("=")
         kinds = (kind.strip(),) if equals else INTERRUPTIONS

@@ -10,7 +10,7 @@ from rtkit.profile.common import Property
 OWN_PREFIX = "rtkit."
 """Names of rtkit's own extension properties begin with this."""
 
-_IDL_FORM = re.compile(r"\s*IDL:(.*?):([0-9.]+)\s*", re.DOTALL | re.IGNORECASE)
+_IDL_FORM = r"\s*IDL:(.*?):([0-9.]+)\s*"
 
 
 def strip_instance(port_name: str, instance_name: str) -> str:
@@ -33,7 +33,7 @@ def normal_data_type(text: str) -> str:
     """
     name = text.strip()
     version = "1.0"
-    given = _IDL_FORM.fullmatch(name)
+    given = re.fullmatch(_IDL_FORM, name, re.DOTALL | re.IGNORECASE) if ":" in name else None
     if given:
         name, version = given[1], given[2]
     name = name.replace("::", "/").strip("/ ")

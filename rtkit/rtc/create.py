@@ -15,7 +15,7 @@ from rtkit.errors import Malformed
 from rtkit.records import dataclass, field
 
 _ESCAPED = "%&=?"
-_ESCAPES = re.compile("(?:%[0-9A-Fa-f]{2})+")
+_ESCAPES = "(?:%[0-9A-Fa-f]{2})+"
 _NEVER_EMPTY = ("instance_name", "manager_name", "manager_address", "manager", "language")
 FRESH_SLAVE = "manager_%p"
 """Value of ``manager_name`` that asks for a slave of its own, named after its process."""
@@ -121,4 +121,4 @@ def _unescape(value: str, text: str) -> str:
             hint = "a per cent sign is %25"
             raise Malformed(f"{escapes[0]} is no UTF-8 ({hint}) in create string: {text}") from None
 
-    return _ESCAPES.sub(read, value) if "%" in value else value
+    return re.sub(_ESCAPES, read, value) if "%" in value else value
