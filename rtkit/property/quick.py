@@ -30,6 +30,8 @@ class Quick:
         """Return the reply to a whole request line, None if it has to go the long way."""
         is_get = line.startswith(b"GET ")
         end = len(line) - 1 if is_get else line.find(b" ", 4)
+        if end < 0:
+            return None
         name = line[4:end]
         node = self._known.get(name) or self._found(name)
         if node is None or node.reader is not None or node.value is None:

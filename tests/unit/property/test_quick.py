@@ -1,0 +1,65 @@
+"""The short way answers as the long one does, or not at all."""
+
+from __future__ import annotations
+
+import pytest
+from conformance import subject
+
+from rtkit.property.access import read_policy
+from rtkit.property.line import Requests, write_answer
+from rtkit.property.messages import Answer, Ask, Caller
+from rtkit.property.service import Service
+
+LINES = [
+    b"GET speed", b"GET speed ", b"GET  speed", b"GET speed\r", b"GET", b"GET ", b"SET", b"SET ",
+    b"SET speed", b"SET speed ", b"SET speed 0.5", b"SET speed 0.5\r", b"SET speed  0.5 ",
+    b"SET speed +.5", b"SET speed 1e-3", b"SET speed -0.0", b"SET speed 2", b"SET speed nan",
+    b"SET speed inf", b"SET speed (", b"SET speed {3}", b"SET speed true", b"SET speed?if=1 0.1",
+    b"SET notes", b"SET notes ", b"SET notes SET notes", b"SET notes {3}", b"SET notes a b  c ",
+    b"SET count 007", b"SET count 1.0", b"SET count " + b"9" * 40, b"SET count " + b"9" * 1001,
+    b"SET name word", b'SET name "a b"', "SET name späße".encode(), b"SET name \xff",
+    b"SET serial X", b"SET door_code open", b"GET door_code", b"SET fussy odd", b"GET broken",
+    b"GET location.x", b"SET location.x 3", b"GET blob", b"SET blob abc", b"GET double",
+    b"SET double 3", b"GET sp\xffeed", b"XET speed", b"SETspeed 1", b"#7 GET speed", b"", b" ",
+    b"GET %73peed", b"SET arm.angle 5", b"SET arm.angle red", b"GET arm", b"SET mode drive",
+    b"SET mode fly",
+]  # fmt: skip
+ENDS = ("speed", "notes", "count", "name", "arm.angle", "mode", "location", "blob")
+
+
+def _long(service: Service, line: bytes, caller: Caller) -> bytes:
+    requests = Requests()
+    requests.feed(line)
+    asked = requests.next()
+    assert asked is not None
+    assert asked.error is None, "the short way took what is no request"
+    answers: list[Answer] = []
+    service.handle(Ask(asked.target, asked.payload, answers.append, caller))
+    return write_answer(answers[0])
+
+
+@pytest.mark.parametrize("rules", ["", "deny * * SET arm\ndeny * * GET notes"])
+def test_it_comes_to_the_same(rules: str) -> None:
+    short, long = subject(), subject()
+    caller = Caller("known")
+    caller.access = read_policy(rules).access("unix")
+    taken = 0
+    for line in LINES * 2:
+        reply = short.quick(line + b"\n", caller)
+        if reply is None:
+            continue
+        taken += 1
+        assert reply == _long(long, line + b"\n", caller), line
+        assert [short.get(name) for name in ENDS] == [long.get(name) for name in ENDS], line
+    assert taken > 40
+
+
+def test_it_knows_of_names_that_come_and_go() -> None:
+    service, caller = subject(), Caller("known")
+    assert service.quick(b"GET count\n", caller) == b"= 7\n"
+    service.remove("count")
+    assert service.quick(b"GET count\n", caller) is None
+    service.add("count", 3, "integer")
+    assert service.quick(b"GET count\n", caller) == b"= 3\n"
+    assert service.quick(b"SET count 4\n", Caller("")) is None
+    assert service.quick(b"GET count\n", caller) == b"= 3\n"
