@@ -245,7 +245,7 @@ class World:
         return status, text[-300:]
 
     def _globbed(self, word: str) -> list[str]:
-        if "*" not in word or " " in word or "'" in word or "/" in word or word == "Motor*.rtc":
+        if not word.startswith("*."):  # any other pattern is quoted, and for the command
             return [word]
         return sorted(path.name for path in self.folder.glob(word)) or [word]
 
