@@ -29,7 +29,7 @@ static uint32_t milliseconds(void)
 
 /* What it knows */
 
-static int32_t speed = 250, count = 7, angle = 3, joint = 500, clamped = 5, blank = 1;
+static int32_t speed = 250, count = 7, angle = 3, joint = 500, clamped = 5, blank = 1, presses;
 static int32_t location[6] = {1000, 2000, 0, 0, 0, 500}, colour[3] = {1, 0, 0};
 static uint8_t mode, is_on = 1, fussy;
 static char name[24] = "rover", label[24] = "two words";
@@ -83,6 +83,15 @@ static enum ps_code set_fussy(const struct ps_property *property, const char *va
     return code != PS_OK ? code : taste == 1 ? PS_BAD_VALUE : taste == 2 ? PS_INTERNAL : PS_OK;
 }
 
+static enum ps_code set_press(const struct ps_property *property, const char *value)
+{
+    (void)property;
+    if (strcmp(value, "true") != 0)
+        return PS_BAD_VALUE;
+    presses++;
+    return PS_OK;
+}
+
 static enum ps_code set_door_code(const struct ps_property *property, const char *value)
 {
     static const char *const CODES[] = {"sesame"};
@@ -94,7 +103,8 @@ static enum ps_code set_door_code(const struct ps_property *property, const char
 #define ANY INT32_MIN + 1, INT32_MAX
 static const struct ps_number SPEED = {&speed, -1000, 1000, 3}, COUNT = {&count, ANY, 0},
                               ANGLE = {&angle, ANY, 0}, JOINT = {&joint, ANY, 3},
-                              CLAMPED = {&clamped, ANY, 0}, BLANK = {&blank, ANY, 0};
+                              CLAMPED = {&clamped, ANY, 0}, BLANK = {&blank, ANY, 0},
+                              PRESSES = {&presses, ANY, 0};
 static const struct ps_number LOCATION[] = {
     {&location[0], ANY, 3}, {&location[1], ANY, 3}, {&location[2], ANY, 3},
     {&location[3], ANY, 3}, {&location[4], ANY, 3}, {&location[5], ANY, 3}};
@@ -132,6 +142,8 @@ static const struct ps_property TABLE[] = {
     {"broken", get_broken, NULL, NULL},
     {"clamped", ps_get_number, set_clamped, &CLAMPED},
     {"fussy", ps_get_choice, set_fussy, &FUSSY},
+    {"button.press", NULL, set_press, NULL},
+    {"button.presses", ps_get_number, NULL, &PRESSES},
     {"uptime", get_uptime, NULL, NULL},
 };
 

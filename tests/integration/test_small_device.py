@@ -85,6 +85,14 @@ def test_it_answers_alike_where_lines_are_damaged(ask: Asked, cable: Cable) -> N
         assert client.ask("count").payload == "123"
 
 
+def test_what_is_asked_again_acts_once(ask: Asked, cable: Cable) -> None:
+    cable.noise = noise(11, one_in=4)
+    with ask("1") as client:
+        for _ in range(40):
+            assert client.ask("button.press", "true").error == ""
+        assert client.ask("button.presses").payload == "40"
+
+
 def test_each_thing_left_out_is_about_something_and_is_said() -> None:
     assert len(small_rows()) > 65
     told = (EMBEDDED / "README.md").read_text(encoding="utf-8")
