@@ -74,7 +74,9 @@ def has_restarts(tree: Tree, instance: str, count: int) -> bool:
 
 
 def is_at_work(tree: Tree, instance: str, restarts: int) -> bool:
-    return has_restarts(tree, instance, restarts) and facts(tree, instance).state == "Active"
+    told = facts(tree, instance)
+    is_over = bool(told.restarted_for) and told.state == "Active"
+    return has_restarts(tree, instance, restarts) and is_over
 
 
 def apply(tree: Tree, *actions: Any) -> None:

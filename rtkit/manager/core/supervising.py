@@ -159,7 +159,8 @@ class Supervisor:
     def _note(self, instance: str, why: str) -> None:
         state = self._state
         watched = state.watched.get(instance, Watched())
-        watched = replace(watched, restarts=watched.restarts + 1, why=why)
+        made = state.components[instance].restarts  # also those that ended before they were done
+        watched = replace(watched, restarts=max(watched.restarts + 1, made), why=why)
         state.watched[instance] = watched
         state.update(instance, restarts=watched.restarts, restarted_for=why)
         _log.warning("%s was made again (%d.): %s", instance, watched.restarts, why)
