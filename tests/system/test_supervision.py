@@ -75,8 +75,8 @@ def has_restarts(tree: Tree, instance: str, count: int) -> bool:
 
 def is_at_work(tree: Tree, instance: str, restarts: int) -> bool:
     told = facts(tree, instance)
-    is_over = bool(told.restarted_for) and told.state == "Active"
-    return has_restarts(tree, instance, restarts) and is_over
+    is_over = not told.zombie and told.restarts == restarts and bool(told.restarted_for)
+    return is_over and told.state == "Active"
 
 
 def apply(tree: Tree, *actions: Any) -> None:
