@@ -7,9 +7,9 @@ no effect is asked again. Nobody hears a client leave, so it listens with a leas
 
 from __future__ import annotations
 
-import contextlib
 import os
 import select
+import threading
 import time
 from collections.abc import Iterator
 from time import monotonic
@@ -60,6 +60,7 @@ class SerialClient(Closing):
         self._usual_s = _PATIENCE_S / _TIMES_USUAL
         self._seen: dict[str, tuple[int, float, str, Payload]] = {}
         self._leases: dict[str, float] = {}
+        self._closing = threading.Lock()
         self._waker = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
     @property
@@ -206,8 +207,9 @@ class SerialClient(Closing):
 
     def wake(self) -> None:
         """Have `event` return None at once, or as soon as it is called; from any thread."""
-        with contextlib.suppress(OSError):  # it may be closed by now
-            os.eventfd_write(self._waker, 1)
+        with self._closing:
+            if self._waker >= 0:
+                os.eventfd_write(self._waker, 1)
 
     def event(self, timeout_s: float | None = None) -> Event | None:
         """Return the next event, None if none came in time; without a bound it waits for ever.
@@ -323,10 +325,11 @@ class SerialClient(Closing):
 
     def close(self) -> None:
         """End the conversation."""
-        if self._waker >= 0:
-            self._end.close()
-            os.close(self._waker)
-            self._waker = -1
+        with self._closing:
+            if self._waker >= 0:
+                self._end.close()
+                os.close(self._waker)
+                self._waker = -1
 
 
 def connect_serial(address: str, timeout_s: float) -> SerialClient:
