@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
 from math import inf, isfinite
@@ -18,6 +17,7 @@ from typing import NamedTuple
 
 from rtkit.deployment.figures import ComponentFigures
 from rtkit.errors import Malformed
+from rtkit.records import dataclass
 
 HEALTH = "rtkit.health."
 """What the properties of rules begin with."""

@@ -7,11 +7,11 @@ a tenth; after five within 60 s it is given up. 30 s of health make all forgotte
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import isfinite
 
 from rtkit.errors import Malformed
+from rtkit.records import dataclass, replace
 
 RESTART = "rtkit.restart"
 """Property of a component: ``never``, ``on-failure`` or ``always``."""

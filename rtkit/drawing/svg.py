@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 
 from rtkit.drawing.layout import Layout, Point
@@ -21,6 +20,7 @@ from rtkit.drawing.scene import (
     header_height,
     port_offset,
 )
+from rtkit.xmltext import NOT_IN_XML
 
 FONT = "font-family=\"'Noto Sans', 'DejaVu Sans', 'Helvetica Neue', Arial, sans-serif\""
 _MARGIN = 24
@@ -47,7 +47,6 @@ STYLE = """
 .rt-back{fill:#ffffff}
 .rt-caption{font-size:15px;font-weight:bold;fill:#1a202c}
 """
-_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _ESCAPES = str.maketrans(
     {"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;"}
 )
@@ -55,7 +54,7 @@ _ESCAPES = str.maketrans(
 
 def escaped(text: str) -> str:
     """Return a text as it may stand in SVG or HTML, inside elements and attributes."""
-    return _ILLEGAL.sub("\ufffd", text).translate(_ESCAPES)
+    return NOT_IN_XML.sub("\ufffd", text).translate(_ESCAPES)
 
 
 def scene_svg(scene: Scene, layout: Layout, title: str = "") -> str:

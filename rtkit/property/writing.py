@@ -10,13 +10,13 @@ import re
 from rtkit.property.codes import PropertyError
 from rtkit.property.reading import CONTROL, LIMITS, read
 from rtkit.property.values import Element, Value, Word
+from rtkit.xmltext import NOT_IN_XML
 
 _ATOM = re.compile(rf"[^\s()<>\"{{}}{CONTROL}]+")
 _PLAIN = re.compile(rf"[^\"\\{CONTROL}\ud800-\udfff]*")
 _SPECIAL = re.compile(rf"[\"\\{CONTROL}]")
 _SHORT = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
-_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 _MARKUP = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}
 _IN_LEAF = str.maketrans(_MARKUP)
 _IN_ATTRIBUTE = str.maketrans({**_MARKUP, '"': "&quot;"})
@@ -84,7 +84,7 @@ def _element(element: Element, depth: int) -> str:
         raise PropertyError("too-large", f"nested deeper than {LIMITS.depth}")
     parts = [f"<{_checked(element.name)}"]
     for name, text in element.attributes.items():
-        if _NOT_XML.search(text):
+        if NOT_IN_XML.search(text):
             raise PropertyError("bad-value", f"attribute {name} has a character XML does not know")
         parts.append(f' {_checked(name)}="{text.translate(_IN_ATTRIBUTE)}"')
     if element.children:
@@ -104,7 +104,7 @@ def _leaf(value: Value, depth: int) -> str:
 
 def _is_bare(text: str) -> bool:
     """Whether a string needs no quotes in a leaf: because it reads as nothing else."""
-    if not text or text != text.strip(" \t\r\n") or _NOT_XML.search(text):
+    if not text or text != text.strip(" \t\r\n") or NOT_IN_XML.search(text):
         return False
     try:
         read(text)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 
 from rtkit.report.finding import ERROR, Checked
 from rtkit.report.plain import plain_line
+from rtkit.xmltext import NOT_IN_XML
 
-_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _NEW_LINE = "\n"
 _TEXT = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"}
 _TEXT_ESCAPES = str.maketrans(_TEXT)
@@ -56,8 +55,8 @@ def _case(each: Checked, tool: str) -> Iterator[str]:
 
 
 def _text(text: str) -> str:
-    return _ILLEGAL.sub("\ufffd", text).translate(_TEXT_ESCAPES)
+    return NOT_IN_XML.sub("\ufffd", text).translate(_TEXT_ESCAPES)
 
 
 def _value(text: str) -> str:
-    return _ILLEGAL.sub("\ufffd", text).translate(_VALUE_ESCAPES)
+    return NOT_IN_XML.sub("\ufffd", text).translate(_VALUE_ESCAPES)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Collection, Generator, Iterable
-from dataclasses import replace
 from typing import Any
 from zlib import crc32
 
@@ -31,6 +30,7 @@ from rtkit.manager.core.stopping import end_slaves, grace_s
 from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.wishes import Ask, Clock, Pause, Procedure
 from rtkit.manager.core.wishes import Wish as Yielded
+from rtkit.records import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 _log = logging.getLogger(__name__)
