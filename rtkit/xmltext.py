@@ -5,5 +5,14 @@ from __future__ import annotations
 import re
 
 # Told by what it is rather than by what it is not: that compiles in a tenth of the time.
-NOT_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
-"""One character that no XML document may contain, not even as a reference."""
+_NOT_IN_XML = "[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]"
+
+
+def bad_character(text: str) -> re.Match[str] | None:
+    """Return the first character that no XML document may contain, not even as a reference."""
+    return None if text.isprintable() else re.search(_NOT_IN_XML, text)
+
+
+def without_bad_characters(text: str) -> str:
+    """Return the text with a replacement character for each that XML cannot carry."""
+    return text if text.isprintable() else re.sub(_NOT_IN_XML, "\ufffd", text)

@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import is_dataclass
 from enum import Enum
 from importlib import import_module
 
 from rtkit.component.standard import HOMES
 from rtkit.errors import Malformed
+from rtkit.records import is_record
 
 ANY = "any"
 """Data type of a port that carries bytes of whatever type."""
@@ -59,7 +59,7 @@ def register_all(names: Mapping[str, object], scope: str) -> None:
     for name, cls in names.items():
         if not isinstance(cls, type) or cls.__module__ != names["__name__"]:
             continue
-        if is_dataclass(cls) or issubclass(cls, Enum):
+        if is_record(cls) or hasattr(cls, "__dataclass_fields__") or issubclass(cls, Enum):
             register(cls, f"{scope}::{name}")
 
 

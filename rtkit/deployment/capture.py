@@ -8,8 +8,6 @@ from rtkit.component.options import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.deployment import extension
 from rtkit.deployment.described import interfaces_to_text, is_run_time
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.health import HEALTH
-from rtkit.deployment.supervision import is_policy
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import Property
 from rtkit.records import dataclass
@@ -197,7 +195,7 @@ def _origin(facts: ComponentFacts, snapshot: Snapshot) -> tuple[Property, ...]:
     if create is not None:
         properties[extension.CREATE] = str(create)
     for key, value in extension.options_of(facts).items():
-        if key.startswith((f"{extension.STAND_IN}.", HEALTH)) or is_policy(key):
+        if key.startswith(f"{extension.STAND_IN}.") or extension.is_policy(key):
             properties[key] = value
     module = "" if facts.is_stand_in else facts.module or _module(facts, snapshot)
     if module:

@@ -46,8 +46,23 @@ STATED_KIND = "rtkit.kind."
 """Option: the kind of the context that follows, as the profile writes it."""
 UNSTATED = "rtkit.unstated"
 """Option: what the profile leaves open: ``active-set``, ``set:NAME``, comma separated."""
+RESTART = "rtkit.restart"
+"""Property of a component: ``never``, ``on-failure`` or ``always``."""
+RESTART_DELAY = f"{RESTART}.delay"
+"""Property of a component: how long the first restart waits [s]."""
+RESTART_LIMIT = f"{RESTART}.limit"
+"""Property of a component: how many restarts within 60 s are made."""
+CRITICAL = "rtkit.critical"
+"""Property of a component: ``yes`` if its loss stops the system."""
+HEALTH = "rtkit.health."
+"""Property of a component, with the name of a rule: what it must do to count as well."""
 TRANSMIT = "standin.transmit"
 """Option: ``default`` to have a stand-in write default values."""
+
+
+def is_policy(key: str) -> bool:
+    """Whether a property tells what is done about an end or bad health, perhaps misspelt."""
+    return key in (RESTART, CRITICAL) or key.startswith((f"{RESTART}.", f"{CRITICAL}.", HEALTH))
 
 
 def options_of(facts: ComponentFacts) -> Mapping[str, str]:

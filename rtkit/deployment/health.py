@@ -15,12 +15,10 @@ from functools import lru_cache
 from math import inf, isfinite
 from typing import NamedTuple
 
+from rtkit.deployment.extension import HEALTH
 from rtkit.deployment.figures import ComponentFigures
 from rtkit.errors import Malformed
 from rtkit.records import dataclass
-
-HEALTH = "rtkit.health."
-"""What the properties of rules begin with."""
 
 _COMPARE: Mapping[str, Callable[[float, float], bool]] = {
     "<=": operator.le,

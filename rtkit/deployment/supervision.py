@@ -10,19 +10,18 @@ from collections.abc import Mapping
 from enum import StrEnum
 from math import isfinite
 
+from rtkit.deployment.extension import (
+    CRITICAL,
+    HEALTH,
+    RESTART,
+    RESTART_DELAY,
+    RESTART_LIMIT,
+    is_policy,
+)
 from rtkit.errors import Malformed
 from rtkit.records import dataclass, replace
 
-RESTART = "rtkit.restart"
-"""Property of a component: ``never``, ``on-failure`` or ``always``."""
-DELAY = "rtkit.restart.delay"
-"""Property of a component: how long the first restart waits [s]."""
-LIMIT = "rtkit.restart.limit"
-"""Property of a component: how many restarts within 60 s are made."""
-CRITICAL = "rtkit.critical"
-"""Property of a component: ``yes`` if its loss stops the system."""
-
-KEYS = (RESTART, DELAY, LIMIT, CRITICAL)
+_KEYS = (RESTART, RESTART_DELAY, RESTART_LIMIT, CRITICAL)
 
 WINDOW_S = 60.0
 """Restarts within this time are counted [s]."""
@@ -35,11 +34,6 @@ MOST = 5
 JITTER = 0.1
 """By how much of itself a wait may be shorter or longer."""
 _YES, _NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0", "")
-
-
-def is_policy(key: str) -> bool:
-    """Whether a property is one of supervision, perhaps misspelt."""
-    return key in (RESTART, CRITICAL) or key.startswith((f"{RESTART}.", f"{CRITICAL}."))
 
 
 class Restart(StrEnum):
@@ -77,13 +71,13 @@ def read_policy(options: Mapping[str, str], default: Restart = Restart.NEVER) ->
         Malformed: One makes no sense; names it.
     """
     for key in options:
-        if is_policy(key) and key not in KEYS:
-            raise Malformed(f"unknown property of supervision: {key} (one of {', '.join(KEYS)})")
+        if is_policy(key) and not key.startswith(HEALTH) and key not in _KEYS:
+            raise Malformed(f"unknown property of supervision: {key} (one of {', '.join(_KEYS)})")
     restart = restart_of(RESTART, options.get(RESTART, ""), default)
-    delay_s = _number(DELAY, options.get(DELAY, "0.1"), 0.0, LONGEST_S, "s")
-    limit = _number(LIMIT, options.get(LIMIT, str(MOST)), 1, MOST, "restarts")
+    delay_s = _number(RESTART_DELAY, options.get(RESTART_DELAY, "0.1"), 0.0, LONGEST_S, "s")
+    limit = _number(RESTART_LIMIT, options.get(RESTART_LIMIT, str(MOST)), 1, MOST, "restarts")
     if limit != int(limit):
-        raise Malformed(f"{LIMIT}: not a whole number: {options[LIMIT]}")
+        raise Malformed(f"{RESTART_LIMIT}: not a whole number: {options[RESTART_LIMIT]}")
     word = options.get(CRITICAL, "").strip().lower()
     if word not in _YES + _NO:
         raise Malformed(f"{CRITICAL}: neither yes nor no: {options[CRITICAL]}")

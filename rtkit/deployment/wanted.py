@@ -20,11 +20,9 @@ from rtkit.deployment.described import (
     service_port,
     sets_of,
 )
-from rtkit.deployment.health import HEALTH, read_rules
 from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.port_types import settle_types
-from rtkit.deployment.supervision import is_policy, read_policy
 from rtkit.deployment.system import (
     BadComponent,
     KnownType,
@@ -198,9 +196,9 @@ def _component(
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
-    policy = {k: v for k, v in own.items() if is_policy(k) or k.startswith(HEALTH)}
-    read_policy(policy)
-    read_rules(policy)
+    policy = {k: v for k, v in own.items() if extension.is_policy(k)}
+    if policy:
+        _check_policy(policy)
     if is_stand_in:
         stand_in = _as_stand_in(made, component, create, choices, is_marked)
         text = str(parse_create(stand_in.create).with_options(**policy))
@@ -208,6 +206,14 @@ def _component(
     module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
     text = str(_create(create, made).with_options(**policy)) if create else ""
     return replace(made, create=text, module=module), where.note
+
+
+def _check_policy(options: Mapping[str, str]) -> None:
+    from rtkit.deployment.health import read_rules
+    from rtkit.deployment.supervision import read_policy
+
+    read_policy(options)
+    read_rules(options)
 
 
 def _costs(instance: str, text: str) -> dict[str, float]:

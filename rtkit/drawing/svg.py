@@ -20,7 +20,7 @@ from rtkit.drawing.scene import (
     header_height,
     port_offset,
 )
-from rtkit.xmltext import NOT_IN_XML
+from rtkit.xmltext import without_bad_characters
 
 FONT = "font-family=\"'Noto Sans', 'DejaVu Sans', 'Helvetica Neue', Arial, sans-serif\""
 _MARGIN = 24
@@ -54,7 +54,7 @@ _ESCAPES = str.maketrans(
 
 def escaped(text: str) -> str:
     """Return a text as it may stand in SVG or HTML, inside elements and attributes."""
-    return NOT_IN_XML.sub("\ufffd", text).translate(_ESCAPES)
+    return without_bad_characters(text).translate(_ESCAPES)
 
 
 def scene_svg(scene: Scene, layout: Layout, title: str = "") -> str:

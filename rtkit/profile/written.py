@@ -8,7 +8,7 @@ from typing import Any
 from rtkit.errors import Malformed
 from rtkit.profile.spec import FLAG, REAL, WHOLE, WHOLE_FORM, Attr, Child, Spec, is_real
 from rtkit.profile.xmlnames import short, split
-from rtkit.xmltext import NOT_IN_XML
+from rtkit.xmltext import bad_character
 
 _LOCAL_NAME = re.compile(r"[^\W\d][\w.-]*")
 
@@ -19,7 +19,7 @@ def check_text(text: str) -> str:
     Raises:
         Malformed: It has a character that XML cannot carry.
     """
-    bad = None if text.isprintable() else NOT_IN_XML.search(text)
+    bad = bad_character(text)
     if bad:
         around = text[max(0, bad.start() - 20) : bad.start()]
         raise Malformed(f"character {bad[0]!r} after {around!r} cannot be written to XML")

@@ -10,7 +10,7 @@ import re
 from rtkit.property.codes import PropertyError
 from rtkit.property.reading import CONTROL, LIMITS, read
 from rtkit.property.values import Element, Value, Word
-from rtkit.xmltext import NOT_IN_XML
+from rtkit.xmltext import bad_character
 
 _ATOM = re.compile(rf"[^\s()<>\"{{}}{CONTROL}]+")
 _PLAIN = re.compile(rf"[^\"\\{CONTROL}\ud800-\udfff]*")
@@ -84,7 +84,7 @@ def _element(element: Element, depth: int) -> str:
         raise PropertyError("too-large", f"nested deeper than {LIMITS.depth}")
     parts = [f"<{_checked(element.name)}"]
     for name, text in element.attributes.items():
-        if NOT_IN_XML.search(text):
+        if bad_character(text):
             raise PropertyError("bad-value", f"attribute {name} has a character XML does not know")
         parts.append(f' {_checked(name)}="{text.translate(_IN_ATTRIBUTE)}"')
     if element.children:
@@ -104,7 +104,7 @@ def _leaf(value: Value, depth: int) -> str:
 
 def _is_bare(text: str) -> bool:
     """Whether a string needs no quotes in a leaf: because it reads as nothing else."""
-    if not text or text != text.strip(" \t\r\n") or NOT_IN_XML.search(text):
+    if not text or text != text.strip(" \t\r\n") or bad_character(text):
         return False
     try:
         read(text)

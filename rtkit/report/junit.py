@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from rtkit.report.finding import ERROR, Checked
 from rtkit.report.plain import plain_line
-from rtkit.xmltext import NOT_IN_XML
+from rtkit.xmltext import without_bad_characters
 
 _NEW_LINE = "\n"
 _TEXT = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"}
@@ -55,8 +55,8 @@ def _case(each: Checked, tool: str) -> Iterator[str]:
 
 
 def _text(text: str) -> str:
-    return NOT_IN_XML.sub("\ufffd", text).translate(_TEXT_ESCAPES)
+    return without_bad_characters(text).translate(_TEXT_ESCAPES)
 
 
 def _value(text: str) -> str:
-    return NOT_IN_XML.sub("\ufffd", text).translate(_VALUE_ESCAPES)
+    return without_bad_characters(text).translate(_VALUE_ESCAPES)
