@@ -14,6 +14,7 @@ from rtkit.statics.parameters import parameter_remarks
 from rtkit.statics.ports import port_remarks
 from rtkit.statics.remark import Remark
 from rtkit.statics.services import service_remarks
+from rtkit.statics.upkeep import upkeep_remarks
 from rtkit.statics.view import View
 
 _RULES = (
@@ -24,6 +25,7 @@ _RULES = (
     connector_remarks,
     service_remarks,
     order_remarks,
+    upkeep_remarks,
 )
 
 

@@ -23,6 +23,8 @@ RULES: dict[str, str] = {
     "service-polarity": "An interface is provided, or required, at both ends of a connector",
     "several-profiles": "Different RTC profiles describe one type",
     "subscription-type": "A port does not offer the subscription type of its connector",
+    "supervision": "A property of restarts or health makes no sense",
+    "system-states": "The states of the system, or events between them, make no sense",
     "unconnected-service": "Nobody provides what a service port requires",
     "unknown-parameter": "A type has no such configuration parameter",
     "unknown-port": "A type has no such port",

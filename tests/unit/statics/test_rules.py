@@ -17,6 +17,12 @@ SYSTEMS = ("console", "microwave", "my-service", "sensor-controller-motor", "seq
 MOTOR = "RTC:rtkit:example:Motor:1.0"
 
 
+MOTOR_MADE = (
+    '<rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="Motor?manager_name=motor'
+    '&amp;instance_name=Motor0"/>'
+)
+
+
 class Case(NamedTuple):
     """A change of a system, and the one thing that is found because of it."""
 
@@ -31,6 +37,37 @@ class Case(NamedTuple):
 
 
 CASES = [
+    Case(
+        ROBOT,
+        MOTOR_MADE,
+        f'{MOTOR_MADE}<rtsExt:Properties rtsExt:name="rtkit.restart" rtsExt:value="sometimes"/>',
+        ERROR,
+        "supervision",
+        "sometimes",
+        "",
+        "Motor0: rtkit.restart: not one of never, on-failure, always: sometimes",
+    ),
+    Case(
+        ROBOT,
+        MOTOR_MADE,
+        f'{MOTOR_MADE}<rtsExt:Properties rtsExt:name="rtkit.health.stuck" rtsExt:value="panic"/>',
+        ERROR,
+        "supervision",
+        "panic",
+        "",
+        "Motor0: rtkit.health.stuck: not one of log, degrade, restart, stop: panic",
+    ),
+    Case(
+        ROBOT,
+        "</rts:RtsProfile>",
+        '<rtsExt:Properties rtsExt:name="rtkit.states" rtsExt:value="idle, idle"/>'
+        "</rts:RtsProfile>",
+        ERROR,
+        "system-states",
+        "idle, idle",
+        "",
+        "rtkit.states: named twice: idle",
+    ),
     Case(
         ROBOT,
         '<rts:DataPorts xsi:type="rtsExt:dataport_ext" rts:name="Motor0.pose"',

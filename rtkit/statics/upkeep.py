@@ -1,0 +1,46 @@
+"""What a system profile says of restarts, health and states of the system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtkit.deployment.described import properties_of
+from rtkit.deployment.extension import STATE_CHART, STATES, is_policy
+from rtkit.deployment.health import read_rules
+from rtkit.deployment.states.machine import machine_of
+from rtkit.deployment.supervision import read_policy
+from rtkit.errors import Malformed
+from rtkit.report.finding import ERROR
+from rtkit.statics.remark import TOP, Remark
+from rtkit.statics.view import View, property_place
+
+
+def upkeep_remarks(view: View) -> Iterator[Remark]:
+    """Yield properties of supervision, and states, that make no sense."""
+    for part in view.parts:
+        for number, each in enumerate(part.component.properties):
+            if is_policy(each.name):
+                told = {each.name: each.value or ""}
+                try:
+                    read_policy(told)
+                    read_rules(told)
+                except Malformed as error:
+                    where = part.place.below("properties", number).at("value")
+                    text = f"{part.name}: {error}"
+                    yield Remark(ERROR, "supervision", text, where, each.value)
+    yield from _states(view)
+
+
+def _states(view: View) -> Iterator[Remark]:
+    """Yield what is wrong with states; those of a state chart are checked when it is read."""
+    profile = view.profile
+    told = properties_of(profile.properties)
+    if STATE_CHART in told:
+        return
+    sets = {c.instance_name: [s.id for s in c.configuration_sets] for c in profile.components}
+    try:
+        machine_of(told, sets)
+    except Malformed as error:
+        named = property_place(TOP, profile.properties, STATES)
+        where, text = named if named is not None else (TOP, None)
+        yield Remark(ERROR, "system-states", str(error), where, text)
