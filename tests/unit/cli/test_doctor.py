@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 from pathlib import Path
 
@@ -58,6 +59,17 @@ def test_limits() -> None:
 def test_a_clock_before_the_installation() -> None:
     assert [each.severity for each in installation.clock(5.0, 10.0)] == [ERROR]
     assert [each.severity for each in installation.clock(10.0, 5.0)] == [OK]
+
+
+def test_every_variable_that_rtkit_reads_is_known() -> None:
+    package = Path(installation.__file__).parents[2]
+    named = {
+        name
+        for file in package.rglob("*.py")
+        for name in re.findall(r'"(RTKIT_[A-Z_]+)"', file.read_text(encoding="utf-8"))
+    }
+    assert named
+    assert sorted(named - set(installation._VARIABLES)) == []
 
 
 def test_variables(tmp_path: Path) -> None:
