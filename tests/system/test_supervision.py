@@ -74,7 +74,9 @@ def has_restarts(tree: Tree, instance: str, count: int) -> bool:
 
 
 def is_at_work(tree: Tree, instance: str, restarts: int) -> bool:
-    told = facts(tree, instance)
+    told = tree.snapshot().component(instance)  # none while it is made again in its place
+    if told is None:
+        return False
     is_over = not told.zombie and told.restarts == restarts and bool(told.restarted_for)
     return is_over and told.state == "Active"
 
