@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 from rtkit.property.line import Asked, Requests, write_answer, write_event
 from rtkit.property.listening import Listener
-from rtkit.property.messages import Answer, Ask, Caller, Event
+from rtkit.property.messages import Answer, Ask, Event
 from rtkit.property.order import InOrder
+from rtkit.serving.hearer import Hearer
 from rtkit.serving.pace import too_fast
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ _MOST_WAITING = 4096
 """Requests that are being worked on for one connection."""
 
 
-class Connection(Caller):
+class Connection(Hearer):
     """A client behind a socket, or something that behaves as one.
 
     Args:
@@ -55,9 +56,7 @@ class Connection(Caller):
         login: Login | None,
         room: Room,
     ) -> None:
-        super().__init__(identity)
-        self.access = room.access
-        self._room = room
+        super().__init__(room, identity)
         self._pace = room.pace()
         self._host = host
         self._end = end
@@ -69,7 +68,6 @@ class Connection(Caller):
         self._order = InOrder(self._put)
         self._is_working = False
         self._is_half = False
-        self._listeners: list[Listener] = []
         self._is_read = True
         self._is_stuck = False
         self._moved_at = monotonic()
@@ -79,21 +77,6 @@ class Connection(Caller):
         host.register(end, self)
 
     # Caller
-
-    def listen(self, listener: Listener) -> None:
-        """See `Caller.listen`."""
-        self._room.check_listeners(self.listening)
-        self._listeners.append(listener)
-
-    def unlisten(self, listener: Listener) -> None:
-        """See `Caller.unlisten`."""
-        if listener in self._listeners:
-            self._listeners.remove(listener)
-
-    @property
-    def listening(self) -> int:
-        """How much it listens to."""
-        return len(self._listeners)
 
     def wake(self) -> None:
         """See `Caller.wake`."""
@@ -251,7 +234,7 @@ class Connection(Caller):
         if reads is not self._is_read or is_stuck is not self._is_stuck:
             self._host.await_room(self._end, reads=reads, writes=is_stuck)
             self._is_read, self._is_stuck = reads, is_stuck
-        if self._listeners and not out and any(each.pending for each in self._listeners):
+        if self._listeners and not out and self.has_pending:
             self._host.mark(self)
 
     def close(self) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from rtkit.link.properties import LEASE_S, Queried
 from rtkit.property.codes import PropertyError
-from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Caller, Event
+from rtkit.serving.hearer import Hearer
 from rtkit.serving.host import Host
 from rtkit.serving.owner import Owner
 from rtkit.serving.room import Room
@@ -79,42 +79,20 @@ class Desk:
         return self._ears[id]
 
 
-class Ear(Caller):
+class Ear(Hearer):
     """Who listens: the queue is here, what is sent to it is not waited for."""
 
     def __init__(self, desk: Desk, host: Host, id: str, identity: str) -> None:
-        super().__init__(identity)
-        self.access = desk.room.access
+        super().__init__(desk.room, identity)
         self._desk = desk
         self._host = host
         self._id = id
-        self._listeners: list[Listener] = []
         self._last: Event | None = None
 
     @property
     def is_used(self) -> bool:
         """Whether it listens to anything."""
         return bool(self._listeners)
-
-    @property
-    def listening(self) -> int:
-        """How much it listens to."""
-        return len(self._listeners)
-
-    @property
-    def has_pending(self) -> bool:
-        """Whether something waits to be sent."""
-        return any(each.pending for each in self._listeners)
-
-    def listen(self, listener: Listener) -> None:
-        """See `Caller.listen`."""
-        self._desk.room.check_listeners(self.listening)
-        self._listeners.append(listener)
-
-    def unlisten(self, listener: Listener) -> None:
-        """See `Caller.unlisten`."""
-        if listener in self._listeners:
-            self._listeners.remove(listener)
 
     def wake(self) -> None:
         """See `Caller.wake`."""
@@ -142,7 +120,7 @@ class Ear(Caller):
 
     def repeat(self) -> None:
         """Send the last event once more: it may have been lost."""
-        if self._last is not None and not any(each.pending for each in self._listeners):
+        if self._last is not None and not self.has_pending:
             self._desk.send(self._id, self._last)
 
 

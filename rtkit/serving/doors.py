@@ -8,19 +8,16 @@ import socket
 import stat
 import time
 
-from rtkit.errors import Refused, Unreachable
+from rtkit.errors import Refused
 from rtkit.link import places, secret
 from rtkit.serving.connection import Connection, peer
+from rtkit.serving.gate import Gate, bound_to
 from rtkit.serving.host import Host
 from rtkit.serving.login import Login
-from rtkit.serving.room import Room
-
-LOOPBACK = "127.0.0.1"
-_BACKLOG = 128
 
 
-class Door:
-    """A socket that takes clients.
+class Door(Gate):
+    """A socket that takes clients of the line protocol.
 
     Args:
         service: The one that clients mean where they name none.
@@ -30,27 +27,12 @@ class Door:
     def __init__(
         self, host: Host, end: socket.socket, service: str, *, is_open_to_all: bool
     ) -> None:
-        self._host = host
-        self._end = end
         self._service = service
         self._is_open_to_all = is_open_to_all
-        self._connections: list[Connection] = []
-        name = "tcp" if is_open_to_all else "unix"
-        self._room = Room(host.policy, name, lambda: self._connections)
-        end.setblocking(False)
-        end.listen(_BACKLOG)
-        host.register(end, self)
+        super().__init__(host, end, "tcp" if is_open_to_all else "unix")
 
-    def ready(self, mask: int) -> None:
-        """See `Tenant.ready`."""
-        try:
-            client, _ = self._end.accept()
-        except OSError:
-            return  # it has gone again, or there is no descriptor left: the next one may fit
-        self._connections = [each for each in self._connections if each.is_open]
-        if len(self._connections) >= self._room.limits.connections:
-            _turn_away(client, f"busy there are {self._room.limits.connections} connections")
-            return
+    def enter(self, client: socket.socket) -> Connection | str:
+        """See `Gate.enter`."""
         identity, login = "", None
         if self._is_open_to_all:
             client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -58,25 +40,12 @@ class Door:
         else:
             identity = peer(client)
             if not identity:
-                _turn_away(client, "denied this is the door of another user")
-                return
-        self._connections.append(
-            Connection(self._host, client, self._service, identity, login, self._room)
-        )
+                return "denied this is the door of another user"
+        return Connection(self._host, client, self._service, identity, login, self._room)
 
-    def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
-        return None
-
-    def check(self, now: float) -> None:
-        """See `Tenant.check`."""
-
-
-def _turn_away(client: socket.socket, why: str) -> None:
-    with contextlib.suppress(OSError):
-        client.setblocking(False)
-        client.send(f"! {why}\n".encode())
-    client.close()
+    def farewell(self, why: str) -> bytes:
+        """See `Gate.farewell`."""
+        return f"! {why}\n".encode()
 
 
 def open_unix(host: Host, service: str) -> str:
@@ -125,13 +94,7 @@ def open_tcp(host: Host, service: str, port: int) -> int:
         Refused: The secret cannot be made.
     """
     secret.make()
-    end = socket.socket(socket.AF_INET, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
-    end.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        end.bind((LOOPBACK, port))
-    except OSError as error:
-        end.close()
-        raise Unreachable(f"cannot listen on port {port}: {error.strerror}") from error
+    end = bound_to(port)
     Door(host, end, service, is_open_to_all=True)
     return int(end.getsockname()[1])
 

@@ -16,8 +16,9 @@ import h11
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.listening import Listener
-from rtkit.property.messages import Answer, Ask, Caller
+from rtkit.property.messages import Answer, Ask
 from rtkit.serving import http_request
+from rtkit.serving.hearer import Hearer
 from rtkit.serving.http_events import Heard, write_sse
 from rtkit.serving.http_guard import Guard, stranger
 from rtkit.serving.http_request import EVENTS, METHODS, Response, Wanted, failure
@@ -54,7 +55,7 @@ _ALWAYS = (
 )  # fmt: skip
 
 
-class HttpConnection(Caller):
+class HttpConnection(Hearer):
     """A client behind a socket.
 
     Args:
@@ -66,14 +67,12 @@ class HttpConnection(Caller):
     """
 
     def __init__(self, host: Host, end: socket.socket, guard: Guard, room: Room) -> None:
-        super().__init__()
-        self.access = room.access
+        super().__init__(room)
         self.is_stream = False
         self.is_open = True
         self._host = host
         self._end = end
         self._guard = guard
-        self._room = room
         self._pace = room.pace()
         self._longest = room.limits.size
         self._http = h11.Connection(h11.SERVER, _LONGEST_HEAD)
@@ -89,7 +88,6 @@ class HttpConnection(Caller):
         self._began_at: float | None = None
         self._moved_at = monotonic()
         self._linger_until: float | None = None
-        self._listeners: list[Listener] = []
         self._heard: Heard | None = None
         self._mask = (True, False)
         end.setblocking(False)
@@ -101,18 +99,7 @@ class HttpConnection(Caller):
         """See `Caller.listen`; only what asks for a stream of events can listen."""
         if not self._wants_events:
             raise PropertyError("denied", f"events are for a GET that accepts {EVENTS}")
-        self._room.check_listeners(self.listening)
-        self._listeners.append(listener)
-
-    def unlisten(self, listener: Listener) -> None:
-        """See `Caller.unlisten`."""
-        if listener in self._listeners:
-            self._listeners.remove(listener)
-
-    @property
-    def listening(self) -> int:
-        """How much it listens to."""
-        return len(self._listeners)
+        super().listen(listener)
 
     def wake(self) -> None:
         """See `Caller.wake`."""
@@ -391,9 +378,7 @@ class HttpConnection(Caller):
         if mask != self._mask:
             self._host.await_room(self._end, reads=mask[0], writes=mask[1])
             self._mask = mask
-        if not out and (
-            self._http.trailing_data[0] or any(each.pending for each in self._listeners)
-        ):
+        if not out and (self._http.trailing_data[0] or self.has_pending):
             self._host.mark(self)
 
     def _linger(self) -> None:

@@ -9,7 +9,6 @@ import re
 import shutil
 import socket
 import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 
@@ -26,17 +25,6 @@ from rtkit.serving import http_connection
 from rtkit.serving.serve import Served, serve
 
 BOUND_S = 30.0
-
-
-@pytest.fixture
-def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    folder = tempfile.mkdtemp(prefix="rtk")
-    for name in ("run", "state"):
-        os.mkdir(f"{folder}/{name}", 0o700)
-    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
-    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
-    yield folder
-    shutil.rmtree(folder)
 
 
 @pytest.fixture

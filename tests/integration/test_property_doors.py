@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
 import socket
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -23,18 +20,6 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
 from rtkit.serving import connection, login
 from rtkit.serving.serve import Served, serve
-
-
-@pytest.fixture
-def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    folder = tempfile.mkdtemp(prefix="rtk")
-    for name in ("run", "state"):
-        os.mkdir(f"{folder}/{name}", 0o700)
-    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
-    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
-    yield folder
-    assert os.listdir(f"{folder}/run") == []
-    shutil.rmtree(folder)
 
 
 @pytest.fixture

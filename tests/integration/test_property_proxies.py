@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import gc
-import os
-import shutil
 import socket
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -38,18 +35,6 @@ CHAINS = (
     ("zenoh", "zenoh", "zenoh"),
 )
 """Wires from the owner to the client; between each two of them is a proxy."""
-
-
-@pytest.fixture
-def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    folder = tempfile.mkdtemp(prefix="rtk")
-    for name in ("run", "state"):
-        os.mkdir(f"{folder}/{name}", 0o700)
-    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
-    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
-    yield folder
-    assert os.listdir(f"{folder}/run") == []
-    shutil.rmtree(folder)
 
 
 @pytest.fixture

@@ -4,8 +4,6 @@ damaged, and when devices come and go."""
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,19 +18,6 @@ from rtkit.link.serial_client import connect_serial
 from rtkit.link.serial_line import read_address, split_target
 from rtkit.property.service import Service
 from rtkit.serving.serve import Served, serve
-
-
-@pytest.fixture
-def cable(monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
-    folder = tempfile.mkdtemp(prefix="rtk")
-    for name in ("run", "state"):
-        os.mkdir(f"{folder}/{name}", 0o700)
-    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
-    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
-    cable = Cable(folder)
-    yield cable
-    cable.close()
-    shutil.rmtree(folder)
 
 
 @contextmanager

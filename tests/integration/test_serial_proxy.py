@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from queue import SimpleQueue
@@ -17,19 +15,6 @@ from serialkit import Cable
 from rtkit.link.line_client import connect_unix
 from rtkit.proxy.bridge import bridge
 from rtkit.serving.serve import Served, serve
-
-
-@pytest.fixture
-def cable(monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
-    folder = tempfile.mkdtemp(prefix="rtk")
-    for name in ("run", "state"):
-        os.mkdir(f"{folder}/{name}", 0o700)
-    monkeypatch.setenv("RTKIT_RUNTIME_DIR", f"{folder}/run")
-    monkeypatch.setenv("RTKIT_STATE_DIR", f"{folder}/state")
-    cable = Cable(folder)
-    yield cable
-    cable.close()
-    shutil.rmtree(folder)
 
 
 @pytest.fixture

@@ -203,13 +203,18 @@ def _stop_system(state: State, critical: Collection[str], why: str) -> Procedure
         state.kept.change(instance, active=())
     for instance in reversed(list(state.components)):
         facts = state.components.get(instance)
-        if facts is None or facts.zombie:
-            continue
-        for context in facts.contexts:
-            if context.state is LifeCycleState.ACTIVE:
-                rest = act.ChangeState(instance, context.id, Transition.DEACTIVATE)
-                try:
-                    yield from procedure_for(rest, state)
-                except RtkitError as error:
-                    _log.error("cannot deactivate %s: %s", instance, error)
+        if facts is not None and not facts.zombie:
+            yield from bring_to_rest(state, instance)
+    return Result()
+
+
+def bring_to_rest(state: State, instance: str) -> Procedure:
+    """Deactivate a component where it is active."""
+    for context in state.components[instance].contexts:
+        if context.state is LifeCycleState.ACTIVE:
+            rest = act.ChangeState(instance, context.id, Transition.DEACTIVATE)
+            try:
+                yield from procedure_for(rest, state)
+            except RtkitError as error:
+                _log.error("cannot deactivate %s: %s", instance, error)
     return Result()

@@ -5,19 +5,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 
-from rtkit.deployment import actions as act
-from rtkit.deployment.actions import Result
 from rtkit.deployment.figures import ComponentFigures
 from rtkit.deployment.health import Reaction, Rule, Sample, broken, read_rules
-from rtkit.errors import RtkitError
-from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.restoring import lives
 from rtkit.manager.core.state import State
-from rtkit.manager.core.supervising import Supervisor
+from rtkit.manager.core.supervising import Supervisor, bring_to_rest
 from rtkit.manager.core.tasks import Tasks
-from rtkit.manager.core.wishes import Procedure
 from rtkit.rtc.create import parse_create
-from rtkit.rtc.enums import LifeCycleState, Transition
+from rtkit.rtc.enums import LifeCycleState
 
 _log = logging.getLogger(__name__)
 _STOP_S = 5.0
@@ -100,7 +95,7 @@ class Wellbeing:
             if self._supervisor.policy(instance).is_critical:
                 self._supervisor.stop_all([instance], why)
             else:
-                self._tasks.begin(_rest(self._state, instance), _STOP_S)
+                self._tasks.begin(bring_to_rest(self._state, instance), _STOP_S)
 
     def _forget(self, instance: str) -> None:
         self._samples.pop(instance, None)
@@ -111,15 +106,3 @@ class Wellbeing:
 
 def _of(instance: str) -> tuple[str, Reaction]:
     return instance, Reaction.DEGRADE
-
-
-def _rest(state: State, instance: str) -> Procedure:
-    """Deactivate a component where it is active."""
-    for context in state.components[instance].contexts:
-        if context.state is LifeCycleState.ACTIVE:
-            rest = act.ChangeState(instance, context.id, Transition.DEACTIVATE)
-            try:
-                yield from procedure_for(rest, state)
-            except RtkitError as error:
-                _log.error("cannot deactivate %s: %s", instance, error)
-    return Result()
