@@ -4,11 +4,12 @@ Knows nothing of what is planned: a state is a tuple of values, a command a func
 """
 
 from rtkit.planner.bounded import plan_within
+from rtkit.planner.command import Command, Condition, State
 from rtkit.planner.conflict import minimal_conflict
 from rtkit.planner.costs import CostTable, Row
 from rtkit.planner.functions import Evaluator, Function, Path, minimise
 from rtkit.planner.order import Touch, layers, predecessors
-from rtkit.planner.problem import Command, Condition, OneOf, Problem, State
+from rtkit.planner.problem import OneOf, Problem
 from rtkit.planner.replanning import Execution, Observation, execute
 from rtkit.planner.result import Limits, OptimalPlans, Plan, Statistics, Step
 from rtkit.planner.search import optimal_plans, plan

@@ -7,7 +7,8 @@ from itertools import count
 from time import perf_counter
 
 from rtkit.errors import Impossible, LimitReached, Malformed
-from rtkit.planner.problem import Problem, State
+from rtkit.planner.command import State
+from rtkit.planner.problem import Problem
 from rtkit.planner.result import Limits, Plan, Statistics, Step
 from rtkit.planner.search import NO_LIMITS, Heuristic
 

@@ -7,14 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rtkit.errors import Malformed
+from rtkit.planner.command import Command, State
 
-if TYPE_CHECKING:
-    from rtkit.planner.problem import Command, State
-
-Price = Callable[["Command", "State", "State"], float]
+Price = Callable[[Command, State, State], float]
 """Cost of a command that leads from one state to another."""
 
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeVar
 
 from rtkit.errors import Impossible
-from rtkit.planner.problem import Problem, State
+from rtkit.planner.command import State
+from rtkit.planner.problem import Problem
 from rtkit.planner.result import Plan, Step
 from rtkit.planner.search import Heuristic, plan
 from rtkit.planner.sections import restrict

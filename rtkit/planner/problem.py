@@ -6,45 +6,11 @@ The product of the domains is never built: a state's neighbours come to be when 
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 from rtkit.errors import Malformed
+from rtkit.planner.command import Command, State
 from rtkit.planner.costs import CostTable, Price
-
-State = tuple[Any, ...]
-"""One value for each variable, in the order of the problem's variables; each can be hashed."""
-
-
-class Condition(NamedTuple):
-    """What must hold of a state, and its name for messages."""
-
-    name: str
-    holds: Callable[[State], bool]
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """What can be done in a state.
-
-    Attributes:
-        name: Tells what is done; costs and messages refer to it.
-        effect: From a state in which all conditions hold to the state after.
-        parameters: What it is done with, told behind the name.
-    """
-
-    name: str
-    effect: Callable[[State], State]
-    conditions: tuple[Condition, ...] = ()
-    parameters: tuple[Any, ...] = ()
-
-    def __str__(self) -> str:
-        return " ".join(map(str, (self.name, *self.parameters)))
-
-    @property
-    def identity(self) -> tuple[Any, ...]:
-        """What makes it this command and no other: its name and its parameters."""
-        return (self.name, *self.parameters)
 
 
 class OneOf(frozenset[Any]):

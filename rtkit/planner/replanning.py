@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from rtkit.errors import LimitReached
-from rtkit.planner.problem import Problem, State
+from rtkit.planner.command import State
+from rtkit.planner.problem import Problem
 from rtkit.planner.result import Plan, Step
 
 

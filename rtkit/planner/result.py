@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from rtkit.planner.problem import Command, State
+from rtkit.planner.command import Command, State
 
 
 @dataclass(frozen=True, slots=True)

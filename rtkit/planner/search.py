@@ -13,7 +13,8 @@ from itertools import count
 from time import perf_counter
 
 from rtkit.errors import Impossible, LimitReached, Malformed
-from rtkit.planner.problem import Problem, State
+from rtkit.planner.command import State
+from rtkit.planner.problem import Problem
 from rtkit.planner.result import Limits, OptimalPlans, Plan, Statistics, Step
 
 Heuristic = Callable[[State], float]

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from rtkit.errors import Impossible
-from rtkit.planner.problem import Command, Condition, Goal, Problem, State
+from rtkit.planner.command import Command, Condition, State
+from rtkit.planner.problem import Goal, Problem
 from rtkit.planner.result import Plan
 
 

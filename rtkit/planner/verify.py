@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import isclose
 
-from rtkit.planner.problem import Command, Problem, State
+from rtkit.planner.command import Command, State
+from rtkit.planner.problem import Problem
 from rtkit.planner.result import Plan, Step
 
 
