@@ -60,16 +60,34 @@ def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[No
         asked = tree()
         listing = asked.listing()
     except Unreachable as error:
-        if path.elements or not servers():
+        root = _without_manager(path, str(error), is_deep=is_deep)
+        if root is None:
             raise
-        root = Node("", Kind.ROOT)
-        root.add(Node(LOCAL, Kind.HOST, trouble=str(error)))
-        for node in _at_once(_of(_server, servers(), None, is_deep=is_deep)):
-            root.add(node)
         return root, os.uname().nodename
     root = build(listing)
     add_others(root, asked, path, is_deep=is_deep)
     return root, listing.host
+
+
+def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> Node | None:
+    """Return what there is beside the usual manager, which is in trouble; None if nothing is.
+
+    On its own host only if it does not run: one that hangs is to be told.
+    """
+    hostname = os.uname().nodename
+    if len(path.elements) > 1 or not all(is_local_host(each, hostname) for each in path.elements):
+        return None
+    root = Node("", Kind.ROOT)
+    local = root.add(Node(LOCAL, Kind.HOST, trouble=trouble))
+    running = list(_others(""))
+    if (os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER) not in running:
+        _add_services(local)
+        for node in _at_once(_of(_neighbour, running, None, is_deep=is_deep)):
+            local.add(node)
+    if not path.elements:
+        for node in _at_once(_of(_server, servers(), None, is_deep=is_deep)):
+            root.add(node)
+    return root if local.children or len(root.children) > 1 else None
 
 
 def add_others(root: Node, tree: Tree, path: Path, *, is_deep: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import socket
 import threading
 
 import pytest
@@ -88,18 +89,41 @@ def test_nothing_is_added_where_it_would_not_be_seen(running):
     assert list(root.children["localhost"].children) == ["manager.mgr"]
 
 
-def test_without_a_manager_only_servers_are_shown(running, monkeypatch):
-    def nobody():
-        raise Unreachable("manager 'manager' is not running")
+def nobody():
+    raise Unreachable("manager 'manager' is not running")
 
+
+@pytest.mark.parametrize(
+    ("path", "shown"), [("/", ["localhost", "a:1"]), ("/localhost", ["localhost"])]
+)
+def test_without_a_manager_the_others_are_shown(running, monkeypatch, path, shown):
+    monkeypatch.setenv("RTKIT_SERVERS", "a:1")
+    with socket.socket(socket.AF_UNIX) as service:
+        service.bind(str(running / "arm.ps"))
+        service.listen()
+        root, _ = place.root_for(nobody, parse_path(path), is_deep=False)
+    assert list(root.children) == shown
+    local = root.children["localhost"]
+    assert list(local.children) == ["arm", "other.mgr", "third.mgr"]
+    assert local.remark == "manager 'manager' is not running"
     with pytest.raises(Unreachable):
-        place.root_for(nobody, parse_path("/"), is_deep=False)
+        place.root_for(nobody, parse_path("/localhost/d"), is_deep=False)
+
+
+def test_a_manager_that_hangs_is_not_passed_over(running, monkeypatch):
+    monkeypatch.setattr(place, "_others", lambda manager: iter(["manager", "other"]))
+    for path in ("/", "/localhost"):
+        with pytest.raises(Unreachable):
+            place.root_for(nobody, parse_path(path), is_deep=False)
     monkeypatch.setenv("RTKIT_SERVERS", "a:1")
     root, _ = place.root_for(nobody, parse_path("/"), is_deep=False)
     assert list(root.children) == ["localhost", "a:1"]
-    assert root.children["localhost"].remark == "manager 'manager' is not running"
+
+
+def test_where_nothing_is_at_all_the_manager_is_missed(running, monkeypatch):
+    monkeypatch.setattr(place, "_others", lambda manager: iter([]))
     with pytest.raises(Unreachable):
-        place.root_for(nobody, parse_path("/localhost"), is_deep=False)
+        place.root_for(nobody, parse_path("/"), is_deep=False)
 
 
 @pytest.mark.parametrize(
