@@ -72,6 +72,8 @@ def main(
     PORT_EVENT         a port: added, removed, connected, disconnected
     CONFIG_EVENT       a configuration set or parameter: changed, added, removed, activated
     FSM_EVENT          its state machine: state, structure, events
+    SUPERVISION        its policy and rules of health: RETURNING MADE_AGAIN GIVEN_UP DEGRADED
+                       WELL STOPPED CRITICAL_STOP, with the reason
     SYSTEM_STATE       with --system: it came to a state, all of whose wishes hold
     HEARTBEAT          once a second, of the component and each execution context that runs
 
@@ -214,7 +216,16 @@ class _Watch:
             "subject": happening.subject,
             "event": happening.event,
             "detail": happening.detail,
+            **_restart(happening),
         }
+
+
+def _restart(happening: Happening) -> Record:
+    """Return which restart it was, in numbers; nothing for other events."""
+    told = happening.restart
+    if told is None:
+        return {}
+    return {"restart": {"count": told.restarts, "why": told.why, "took_s": told.took_s}}
 
 
 def _json(record: Record) -> str:

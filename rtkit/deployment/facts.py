@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rtkit.deployment.upkeep import Upkeep
 from rtkit.records import dataclass, field
 from rtkit.rtc.enums import merged_state
 from rtkit.rtc.profiles import (
@@ -40,8 +41,7 @@ class ComponentFacts:
         fsm_states: The machine's table: state to event to next state, the initial one first.
         fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
-        restarts: How often it was made again after its process was lost.
-        restarted_for: Why it was made again by its policy the last time; mostly empty.
+        upkeep: What has been done about its ends and its health.
     """
 
     instance: str
@@ -65,8 +65,7 @@ class ComponentFacts:
     fsm_state: str = ""
     fsm_states: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     fsm_events: Mapping[str, str] = field(default_factory=dict)
-    restarts: int = 0
-    restarted_for: str = ""
+    upkeep: Upkeep = field(default_factory=Upkeep)
 
     @property
     def state(self) -> str:

@@ -1,7 +1,8 @@
 """Events as users know them, found by comparing the facts before and after some news.
 
-Kinds and words are those of the observers of the RTC standard; ``TREE_EVENT`` is ours: what comes,
-goes, or has nobody behind it any more.
+Kinds and words are those of the observers of the RTC standard; two are ours: ``TREE_EVENT``, what
+comes, goes, or has nobody behind it any more; ``SUPERVISION``, what policies and rules of health
+do.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import NamedTuple
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.news import News
+from rtkit.deployment.upkeep import Upkeep
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile
 
@@ -21,6 +23,7 @@ EC_EVENT = "EC_EVENT"
 PORT_EVENT = "PORT_EVENT"
 CONFIG_EVENT = "CONFIG_EVENT"
 FSM_EVENT = "FSM_EVENT"
+SUPERVISION = "SUPERVISION"
 HEARTBEAT = "HEARTBEAT"
 KINDS = (
     TREE_EVENT,
@@ -30,6 +33,7 @@ KINDS = (
     PORT_EVENT,
     CONFIG_EVENT,
     FSM_EVENT,
+    SUPERVISION,
     HEARTBEAT,
 )
 SYSTEM_STATE = "SYSTEM_STATE"
@@ -54,6 +58,7 @@ class Happening(NamedTuple):
         event: What happened to that.
         detail: More about it.
         names: Names under which the component is registered, or was.
+        restart: Of one that was made again by its policy: how often, for what, how long it took.
     """
 
     kind: str
@@ -63,6 +68,7 @@ class Happening(NamedTuple):
     event: str
     detail: str = ""
     names: tuple[str, ...] = ()
+    restart: Upkeep | None = None
 
 
 def _of(kind: str, facts: ComponentFacts, subject: str, event: str, detail: str = "") -> Happening:
@@ -143,6 +149,27 @@ def _component(old: ComponentFacts, new: ComponentFacts) -> Iterator[Happening]:
     yield from _ports(old, new)
     yield from _sets(old, new)
     yield from _machine(old, new)
+    yield from _upkeep(new, old.upkeep, new.upkeep)
+
+
+def _upkeep(facts: ComponentFacts, old: Upkeep, new: Upkeep) -> Iterator[Happening]:
+    """Yield what was done about the ends and the health of a component."""
+    if new == old:
+        return
+    if old.returning and not new.returning and not facts.zombie and new.took_s:
+        detail = f"restart {new.restarts}, for {new.why}, after {new.took_s:.3f} s"
+        yield _of(SUPERVISION, facts, "", "MADE_AGAIN", detail)._replace(restart=new)
+    if new.returning and new.returning != old.returning:
+        yield _of(SUPERVISION, facts, "", "RETURNING", new.returning)
+    if new.given_up and not old.given_up:
+        yield _of(SUPERVISION, facts, "", "GIVEN_UP", new.given_up)
+    if new.degraded != old.degraded:
+        event = "DEGRADED" if new.degraded else "WELL"
+        yield _of(SUPERVISION, facts, "", event, new.degraded)
+    if new.rested and new.rested != old.rested:
+        yield _of(SUPERVISION, facts, "", "STOPPED", new.rested)
+    if new.halted and new.halted != old.halted:
+        yield _of(SUPERVISION, facts, "", "CRITICAL_STOP", new.halted)
 
 
 def _contexts(old: ComponentFacts, new: ComponentFacts) -> Iterator[Happening]:

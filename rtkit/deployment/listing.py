@@ -25,7 +25,10 @@ class Row(NamedTuple):
         ins: How many in ports it has; ``ins_connected`` … ``services_connected`` count likewise.
         context: Id of its first execution context.
         cause: What put it into Error, one line with file:line.
-        again: How often it was made again by its policy, and for what; empty if it was not.
+        again: How often it was made again by its policy, and for what; what else was done about
+            its health; empty for nothing.
+        restarts: How often it was made again after its loss.
+        restarted_for: For what its policy did so the last time; mostly empty.
     """
 
     instance: str
@@ -44,6 +47,8 @@ class Row(NamedTuple):
     context: str = ""
     cause: str = ""
     again: str = ""
+    restarts: int = 0
+    restarted_for: str = ""
 
 
 class Listing(NamedTuple):
@@ -98,21 +103,15 @@ def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Ro
         wired[PortType.SERVICE],
         component.process,
         component.zombie,
-        component.trouble,
+        component.trouble or component.upkeep.trouble,
         component.is_stand_in,
         component.names,
         component.contexts[0].id if component.contexts else "",
         component.cause,
-        again(component),
+        component.upkeep.history,
+        component.upkeep.restarts,
+        component.upkeep.why,
     )
-
-
-def again(component: ComponentFacts) -> str:
-    """Return how often a component was made again by its policy, and for what the last time."""
-    if not component.restarted_for:
-        return ""
-    times = "once" if component.restarts == 1 else f"{component.restarts} times"
-    return f"made again {times}, for {component.restarted_for}"
 
 
 def listing_to_text(listing: Listing) -> str:
@@ -134,8 +133,16 @@ def listing_from_text(text: str) -> Listing:
             int(pid),
             tuple((str(name), str(state), str(why)) for name, state, why in slaves),
             tuple(
-                Row._make([*row, tuple(names), str(context), str(cause), str(again)])
-                for *row, names, context, cause, again in rows
+                Row._make(
+                    [
+                        *row,
+                        tuple(names),
+                        *map(str, (context, cause, again)),
+                        int(restarts),
+                        str(why),
+                    ]
+                )
+                for *row, names, context, cause, again, restarts, why in rows
             ),
             tuple(map(str, names)),
             str(trouble),

@@ -11,6 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
+
 from rtkit.deployment.actions import ChangeState, Connect, Create, SetParameters
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.resources import resource
@@ -70,14 +72,15 @@ def kill(tree: Tree, slave: str) -> None:
 
 def has_restarts(tree: Tree, instance: str, count: int) -> bool:
     told = facts(tree, instance)
-    return not told.zombie and told.restarts == count
+    is_over = not told.zombie and not told.upkeep.returning
+    return is_over and told.upkeep.restarts == count
 
 
 def is_at_work(tree: Tree, instance: str, restarts: int) -> bool:
     told = tree.snapshot().component(instance)  # none while it is made again in its place
     if told is None:
         return False
-    is_over = not told.zombie and told.restarts == restarts and bool(told.restarted_for)
+    is_over = not told.zombie and told.upkeep.restarts == restarts and not told.upkeep.returning
     return is_over and told.state == "Active"
 
 
@@ -87,7 +90,10 @@ def apply(tree: Tree, *actions: Any) -> None:
 
 
 def test_a_killed_slave_is_back_as_it_was(manager: Any, tree: Tree) -> None:
-    """Connected, configured, active; others are untouched, and it is told how often and why."""
+    """Connected, configured, active; others are untouched, and it is told how often and why.
+
+    By what watches as it happens, and by the next manager, too.
+    """
     ends = (PortRef("S", "distance"), PortRef("C", "distance"))
     apply(
         tree,
@@ -99,6 +105,8 @@ def test_a_killed_slave_is_back_as_it_was(manager: Any, tree: Tree) -> None:
         ChangeState("C", "0", Transition.ACTIVATE),
     )
     other = next(each for each in tree.snapshot().processes if each.name == "s")
+    watching = manager.open("rtwatch --json -v -f SUPERVISION -n 4 /localhost/C.rtc")
+    assert "listening" in watching.stderr.readline()
     for count in (1, 2):
         kill(tree, "c")
         until(partial(is_at_work, tree, "C", count), f"restart {count}")
@@ -111,8 +119,16 @@ def test_a_killed_slave_is_back_as_it_was(manager: Any, tree: Tree) -> None:
     assert re.search(
         r"Restarts +made again 2 times, for signal 9", manager.ok("rtcat /localhost/C.rtc")
     )
+    told = jsonrecords.checked(manager.end_of(watching).out)
+    assert [each["event"] for each in told] == ["RETURNING", "MADE_AGAIN"] * 2
+    assert [each["restart"]["count"] for each in told[1::2]] == [1, 2]
+    os.kill(tree.snapshot().pid, signal.SIGKILL)
+    manager.ok("rtmgr start")
+    (entry,) = jsonrecords.checked(manager.ok("rtls --json /localhost/C.rtc"))
+    assert (entry["restarts"], entry["restarted_for"]) == (2, "signal 9")
+    assert "(made again 2 times, for signal 9)" in manager.ok("rtls -l /localhost/C.rtc")
     manager.ok("rtexit /localhost/C.rtc")
-    assert tree.snapshot().component("C") is None
+    assert "C.rtc" not in manager.ok("rtls /localhost")
 
 
 def test_error_is_answered_in_place_and_who_fails_always_is_given_up(
@@ -128,7 +144,7 @@ def test_error_is_answered_in_place_and_who_fails_always_is_given_up(
     before = next(each.pid for each in tree.snapshot().processes if each.name == "f")
     until(partial(is_at_work, tree, "F", 1), "its second life")
     told = facts(tree, "F")
-    assert "first life" in told.restarted_for
+    assert "first life" in told.upkeep.why
     assert next(each.pid for each in tree.snapshot().processes if each.name == "f") == before
     bad = Path(manager.environment["RTKIT_STATE_DIR"]) / "bad"
     bad.touch()
@@ -218,10 +234,10 @@ def test_who_is_not_well_is_shown_or_made_again(manager: Any, tree: Tree) -> Non
         ChangeState("A", "0", Transition.ACTIVATE),
     )
     sick.touch()
-    until(lambda: "degraded: out carries" in facts(tree, "A").trouble, "a low rate")
+    until(lambda: "out carries" in facts(tree, "A").upkeep.degraded, "a low rate")
     assert "(degraded: out carries" in manager.ok("rtls -l /localhost/A.rtc")
     sick.unlink()
-    until(lambda: not facts(tree, "A").trouble, "the usual rate")
+    until(lambda: not facts(tree, "A").upkeep.degraded, "the usual rate")
     stuck = "&hangs=1&rtkit.health.stuck=restart&exec_cxt.callback_deadline=0.2"
     apply(
         tree,
@@ -230,4 +246,4 @@ def test_who_is_not_well_is_shown_or_made_again(manager: Any, tree: Tree) -> Non
     )
     sick.touch()
     until(partial(is_at_work, tree, "B", 1), "the end of a callback that hangs")
-    assert "not well: " in facts(tree, "B").restarted_for
+    assert "not well: " in facts(tree, "B").upkeep.why

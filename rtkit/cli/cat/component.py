@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.cli import _out
-from rtkit.deployment.listing import again
 from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
 
 if TYPE_CHECKING:
@@ -76,8 +75,13 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
     ]
     where = [("Stand-in", "yes")] if facts.is_stand_in else []
     where += [("Cause", facts.cause)] if facts.cause else []
-    where += [("Trouble", facts.trouble)] if facts.trouble else []
-    where += [("Restarts", again(facts))] if facts.restarted_for else []
+    upkeep = facts.upkeep
+    told = (
+        ("Trouble", facts.trouble or upkeep.trouble),
+        ("Restarts", upkeep.again),
+        ("Stopped", upkeep.stops),
+    )
+    where += [each for each in told if each[1]]
     return known + where
 
 

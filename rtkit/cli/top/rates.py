@@ -145,7 +145,7 @@ class Rater:
 
 def _plain_row(component: ComponentFacts, path: str, manager: str, pid: int) -> Row:
     context = _chosen(component)
-    why = component.zombie or component.trouble or component.cause
+    why = component.zombie or component.trouble or component.cause or component.upkeep.trouble
     return Row(
         path,
         manager,
@@ -155,7 +155,7 @@ def _plain_row(component: ComponentFacts, path: str, manager: str, pid: int) -> 
         "Zombie" if component.zombie else component.state,
         why,
         context.id if context else "",
-        component.restarts,
+        component.upkeep.restarts,
         asked_hz=context.rate if context is not None and context.rate > 0 else None,
     )
 

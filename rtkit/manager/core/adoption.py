@@ -89,7 +89,12 @@ def take_missed(state: State, process: Process, holding: Holding) -> None:
             continue
         names = tuple(dict.fromkeys(n for n in facts.names if not state.name_owner(n)))
         state.components[facts.instance] = replace(
-            facts, names=names, process=process.name, trouble="", zombie=process.reason
+            facts,
+            names=names,
+            process=process.name,
+            trouble="",
+            zombie=process.reason,
+            upkeep=state.upkeep_of(facts.instance),
         )
         state.holders[facts.instance] = process.key
     state.drop_if_empty(process.key)
@@ -116,7 +121,12 @@ def _take_component(state: State, process: Process, facts: ComponentFacts) -> bo
         state.forget(facts.instance)
     names = (n for n in facts.names if state.name_owner(n) in ("", facts.instance))
     kept = replace(
-        facts, names=tuple(dict.fromkeys(names)), process=process.name, trouble="", zombie=""
+        facts,
+        names=tuple(dict.fromkeys(names)),
+        process=process.name,
+        trouble="",
+        zombie="",
+        upkeep=state.upkeep_of(facts.instance),
     )
     state.components[facts.instance] = kept
     state.holders[facts.instance] = process.key

@@ -268,6 +268,7 @@ class Core:
             with suppress(RtkitError):  # a property that there is no more
                 state.settings.change(key, value)
         is_same_boot = state.kept.begin_life(event.boot)
+        self._supervisor.recall(is_same_boot=is_same_boot)
         for facts in list(state.kept.zombies.values()):
             if is_same_boot:
                 process = self._tasks.new_process(facts.process)
@@ -282,6 +283,7 @@ class Core:
 
         def done(result: Result) -> None:
             self._is_restored = True
+            self._supervisor.resume(self._now)
             self._keeping.finish([act.Tick("", "")], [result], tell)
 
         self._tasks.begin(restore(self.state), RESTORE_S, done)
@@ -378,9 +380,11 @@ class Core:
         process = self._tasks.new_process(name, event.pid)
         process.state, process.reason = "lost", event.reason
         adoption.take_missed(self.state, process, holding)
-        for instance in self.state.held_by(process.key):
-            if event.is_seen and not self._supervisor.wants(instance, event.reason):
+        if event.is_seen:
+            held = self.state.held_by(process.key)
+            for instance in held:
                 self.state.kept.lost(self.state.components[instance])
+            self._supervisor.lost(held, event.reason, self._now)
 
     def _end_unwanted(self, process: Process) -> bool:
         """End a slave that came when nobody waited for it any more."""

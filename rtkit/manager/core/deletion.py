@@ -52,7 +52,6 @@ def delete(state: State, action: act.Delete) -> Procedure:
         state.ending.discard(instance)
     state.forget(instance)
     state.kept.forget(instance)
-    state.watched.pop(instance, None)
     yield from retire(state, process)
     return Result(value=",".join(others))
 

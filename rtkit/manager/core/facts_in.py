@@ -8,6 +8,7 @@ from __future__ import annotations
 from rtkit import errors
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.upkeep import Upkeep
 from rtkit.errors import Malformed, RtkitError
 from rtkit.manager.core.events import Message
 from rtkit.manager.core.state import Process, State
@@ -26,8 +27,6 @@ def take(state: State, process: Process, report: object) -> ComponentFacts:
     instance = facts.instance
     known = state.components.get(instance)
     claim = state.claims.get(instance)
-    restarts = known.restarts + bool(known.zombie) if known is not None else 0
-    restarted_for = known.restarted_for if known is not None else ""
     if state.holders.get(instance) != process.key:
         if claim is None or claim.key != process.key:
             raise Malformed(f"{process.name} reports {instance}, which it does not hold")
@@ -35,15 +34,18 @@ def take(state: State, process: Process, report: object) -> ComponentFacts:
             state.forget(instance)
             known = None
     trouble = state.trouble_of(instance, process)
-    whole = _completed(facts, known, process, trouble)
-    facts = replace(whole, restarts=restarts, restarted_for=restarted_for)
+    facts = _completed(facts, known, process, trouble, state.upkeep_of(instance))
     state.components[instance] = facts
     state.holders[instance] = process.key
     return facts
 
 
 def _completed(
-    facts: ComponentFacts, known: ComponentFacts | None, process: Process, trouble: str
+    facts: ComponentFacts,
+    known: ComponentFacts | None,
+    process: Process,
+    trouble: str,
+    upkeep: Upkeep,
 ) -> ComponentFacts:
     """Return the facts with those that are the manager's own, whatever was reported of them."""
     return replace(
@@ -53,6 +55,7 @@ def _completed(
         create=known.create if known is not None else "",
         trouble=trouble,
         zombie="",
+        upkeep=upkeep,
     )
 
 

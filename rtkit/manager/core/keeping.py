@@ -93,10 +93,14 @@ class Keeping:
                 done.tell(done.results)
 
     def run(self) -> None:
-        """Have kept what came of itself, once nothing is under way."""
+        """Have kept what came of itself, once nothing is under way, and at once what is urgent."""
         kept = self._state.kept
-        if kept.has_changed and self._tasks.is_idle and not (self._state.unkept or self._flights):
+        if self._state.unkept or self._flights:
+            return
+        if kept.has_changed and self._tasks.is_idle:
             self._keep()
+        elif kept.is_urgent:
+            self._keep(is_urgent=True)
 
     def stop(self, *, is_kept: bool) -> None:
         """Take nothing back any more; unless wishes are kept, have nothing wished any more."""
@@ -107,9 +111,10 @@ class Keeping:
             if self._state.kept.has_changed:
                 self._keep()
 
-    def _keep(self) -> _Flight:
+    def _keep(self, *, is_urgent: bool = False) -> _Flight:
         self._number += 1
-        flight = self._flights[self._number] = _Flight(self._state.kept.changes(), [], [])
+        rows = self._state.kept.changes(is_urgent=is_urgent)
+        flight = self._flights[self._number] = _Flight(rows, [], [])
         self._out.append(Keep(self._number, flight.rows))
         return flight
 

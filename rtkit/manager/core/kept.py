@@ -13,21 +13,25 @@ from typing import Any
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Row
+from rtkit.manager.core.watched import Watched
 from rtkit.records import dataclass, field, replace
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile
 
-COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, BOOT = (
+COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT = (
     "component",
     "wire",
     "module",
     "setting",
     "begun",
     "zombie",
+    "watched",
     "boot",
 )
 """The kinds of rows."""
+_URGENT = (ZOMBIE, WATCHED)
+"""Those of ends, which are kept though something that answers them is under way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +67,7 @@ class Kept:
     Attributes:
         begun: What of the manager's own start was done, as ``KEY: ITEM``.
         zombies: Components whose end is for their user to see, as they were.
+        watched: What has been done about the ends of components, by instance.
         revived: Components that are just being made again: that is no new wish.
         boot: Which run of the machine this is; kept along with the rest.
     """
@@ -74,6 +79,7 @@ class Kept:
         self.settings: dict[str, str] = {}
         self.begun: dict[str, str] = {}
         self.zombies: dict[str, ComponentFacts] = {}
+        self.watched: dict[str, Watched] = {}
         self.revived: set[str] = set()
         self.boot: dict[str, str] = {}
         self._changed: dict[tuple[str, str], None] = {}
@@ -85,6 +91,7 @@ class Kept:
             SETTING: self.settings,
             BEGUN: self.begun,
             ZOMBIE: self.zombies,
+            WATCHED: self.watched,
             BOOT: self.boot,
         }
 
@@ -97,9 +104,19 @@ class Kept:
         """Whether there is a row of that name on the disk, though perhaps with another value."""
         return (kind, name) in self._stored
 
-    def changes(self) -> tuple[Row, ...]:
-        """Return the rows that have changed; they are taken for kept from now on."""
-        changed, self._changed = self._changed, {}
+    @property
+    def is_urgent(self) -> bool:
+        """Whether something is to be kept that cannot wait until nothing is under way."""
+        return any(kind in _URGENT for kind, _ in self._changed)
+
+    def changes(self, *, is_urgent: bool = False) -> tuple[Row, ...]:
+        """Return the rows that have changed, or of them the urgent ones.
+
+        They are taken for kept from now on.
+        """
+        changed = {key: None for key in self._changed if key[0] in _URGENT or not is_urgent}
+        for key in changed:
+            del self._changed[key]
         if self.boot and not self.is_stored(BOOT, "id"):
             changed[BOOT, "id"] = None
         return tuple((kind, name, self._text(kind, name)) for kind, name in changed)
@@ -176,6 +193,7 @@ class Kept:
         """Wish a component no longer, nor what hangs on it."""
         self.drop(COMPONENT, instance)
         self.drop(ZOMBIE, instance)
+        self.drop(WATCHED, instance)
         for connector_id, wire in list(self.wires.items()):
             if any(end.instance == instance for end in wire.ports):
                 self.drop(WIRE, connector_id)
@@ -192,6 +210,10 @@ class Kept:
     def found(self, instance: str) -> None:
         """Note that a component lives that was taken for dead."""
         self.drop(ZOMBIE, instance)
+
+    def watch(self, instance: str, **changes: Any) -> None:
+        """Note what was done about the ends of a component."""
+        self.put(WATCHED, instance, replace(self.watched.get(instance, Watched()), **changes))
 
     def named(self, instance: str, names: tuple[str, ...]) -> None:
         """Note under which names a component is to be found."""
@@ -226,6 +248,7 @@ _READ: Mapping[str, Callable[[Any], object]] = {
     COMPONENT: lambda data: decode(Wish, data),
     WIRE: lambda data: decode(ConnectorProfile, data),
     ZOMBIE: lambda data: decode(ComponentFacts, data),
+    WATCHED: lambda data: decode(Watched, data),
     MODULE: _word,
     SETTING: _word,
     BEGUN: _word,

@@ -157,9 +157,13 @@ def _create(state: State, action: act.Create) -> Procedure:
     finally:
         state.claims.pop(instance, None)
     state.update(instance, create=str(made), process=process.name, names=names)
-    if instance not in state.kept.revived:  # by a user: what was before is forgiven
-        state.watched.pop(instance, None)
+    before, is_revived = state.watched(instance), instance in state.kept.revived
     state.kept.made(instance, str(made), names, action.pattern)
+    if is_revived and before.pending:
+        state.watch(instance, restarts=before.restarts + 1, why=before.pending)
+    elif not is_revived and known is not None:  # by a user, after its loss: all is forgiven
+        state.watch(instance, restarts=before.restarts + 1, why=before.why)
+    state.tell_upkeep(instance)
     if read_rules(made.options):
         state.ruled.add(instance)
     if names != claim.names:

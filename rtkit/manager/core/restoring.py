@@ -51,7 +51,8 @@ def restore(state: State) -> Procedure:
     for path, init in list(kept.modules.items()):
         if path not in state.modules:
             yield from _try(state, act.Load(path, init), f"load {path}", failed)
-    missing = [i for i in kept.components if i not in kept.zombies and not lives(state, i)]
+    awaited = {*kept.zombies, *state.returning}
+    missing = [i for i in kept.components if i not in awaited and not lives(state, i)]
     yield from revive(state, missing, failed)
     return Result(value=results_to_text(failures))
 
@@ -60,7 +61,7 @@ def note_loss(state: State, instance: str) -> Procedure:
     """Keep that a component has died by itself: who dies together with his manager has not."""
     yield Pause(_TOGETHER_S)
     facts = state.components.get(instance)
-    if facts is not None and facts.zombie and instance not in state.returning:
+    if facts is not None and facts.zombie:
         state.kept.lost(facts)
     return Result()
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.supervision import Ledger
+from rtkit.deployment.upkeep import Upkeep
 from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.kept import Kept
+from rtkit.manager.core.watched import Watched
 from rtkit.manager.settings.properties import Settings
 from rtkit.records import dataclass, field, replace
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
 
 NOWHERE = -1
 """Key of no process."""
+_UNWATCHED = Watched()
 
 
 @dataclass(slots=True)
@@ -108,22 +110,6 @@ class Claim:
     is_in_new_slave: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Watched:
-    """What has been done so far about the ends of a component.
-
-    Attributes:
-        restarts: How often it was made again.
-        why: For which end it was the last time.
-        is_in_error: It is, and that was answered.
-    """
-
-    ledger: Ledger = field(default_factory=Ledger)
-    restarts: int = 0
-    why: str = ""
-    is_in_error: bool = False
-
-
 @dataclass(slots=True)
 class Opening:
     """A connector that is being made; `is_broken` when an end has gone meanwhile."""
@@ -154,11 +140,10 @@ class State:
         kept: What users wished for, as it is kept for the next manager.
         unkept: Why wishes cannot be kept at present; empty when they can.
         remark: What is to be told of the store of an earlier manager; mostly empty.
-        watched: What has been done about the ends of components, by instance.
         returning: Instances that are to be made again.
         unwell: Those of them that live, and are to be ended first.
         ruled: Instances with rules of health.
-        degraded: Which of those rules are broken and shown, by instance.
+        degraded: Which of those rules they break, by instance.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
     """
@@ -190,7 +175,6 @@ class State:
     kept: Kept = field(default_factory=Kept)
     unkept: str = ""
     remark: str = ""
-    watched: dict[str, Watched] = field(default_factory=dict)
     returning: set[str] = field(default_factory=set)
     unwell: set[str] = field(default_factory=set)
     ruled: set[str] = field(default_factory=set)
@@ -200,11 +184,26 @@ class State:
         """Return why a component that lives does not answer; empty when it does."""
         if process.is_stopped:
             return "stopped"
-        watched = self.watched.get(instance)
-        is_given_up = watched is not None and watched.ledger.is_given_up
-        told = process.stuck.get(instance, "") or process.silence
-        told = told or self.degraded.get(instance, "")
-        return told or "given up after restarts" * is_given_up
+        return process.stuck.get(instance, "") or process.silence
+
+    def watched(self, instance: str) -> Watched:
+        """Return what has been done about the ends of a component."""
+        return self.kept.watched.get(instance, _UNWATCHED)
+
+    def watch(self, instance: str, **changes: object) -> None:
+        """Note what was done about the ends of a component, and tell it."""
+        self.kept.watch(instance, **changes)
+        self.tell_upkeep(instance)
+
+    def upkeep_of(self, instance: str) -> Upkeep:
+        """Return what is told of the ends and the health of a component."""
+        return self.watched(instance).told(self.degraded.get(instance, ""))
+
+    def tell_upkeep(self, instance: str) -> None:
+        """Have the facts of a component say what was done about it."""
+        facts = self.components.get(instance)
+        if facts is not None and facts.upkeep != (upkeep := self.upkeep_of(instance)):
+            self.update(instance, upkeep=upkeep)
 
     def trouble_in(self, process: Process) -> str:
         """Return what is wrong with a process and is shown at none of its components."""

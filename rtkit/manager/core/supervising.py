@@ -14,28 +14,25 @@ from zlib import crc32
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.supervision import (
-    WINDOW_S,
-    Policy,
-    at_end,
-    at_health,
-)
+from rtkit.deployment.supervision import WINDOW_S, Policy, Restart, at_end, at_health
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.manager.core.deletion import FORCE_S
+from rtkit.manager.core.kept import WATCHED
 from rtkit.manager.core.policies import policy_of
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.restoring import lives, revive
-from rtkit.manager.core.state import State, Watched
+from rtkit.manager.core.state import State
 from rtkit.manager.core.stopping import end_slaves, grace_s
 from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.wishes import Ask, Clock, Pause, Procedure
 from rtkit.manager.core.wishes import Wish as Yielded
-from rtkit.records import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 _log = logging.getLogger(__name__)
 _REVIVE_S = 10.0
 """How long each step of a restart may take [s]."""
+_BREATH_S = 0.001
+"""That a component is there is told so long before that it was made again [s]."""
 _STOP_S = 30.0
 """How long it may take to stop a system [s]."""
 _ORDERLY = "exit status 0"
@@ -43,11 +40,15 @@ _WELL = (LifeCycleState.ACTIVE, LifeCycleState.INACTIVE)
 
 
 class Supervisor:
-    """What is done about ends."""
+    """What is done about ends.
+
+    Until all that was left by an earlier manager is back, ends are only noted.
+    """
 
     def __init__(self, state: State, tasks: Tasks) -> None:
         self._state = state
         self._tasks = tasks
+        self._early: list[tuple[list[str], str]] | None = None
 
     def policy(self, instance: str) -> Policy:
         """Return the policy of a component; one that is not wished for is not made again."""
@@ -58,9 +59,56 @@ class Supervisor:
         """Whether a component that ended for that reason is to be made again."""
         return self.policy(instance).wants(reason != _ORDERLY)
 
+    def recall(self, *, is_same_boot: bool) -> None:
+        """Take up what an earlier manager noted; in another run of the machine all begin anew."""
+        kept = self._state.kept
+        self._early = []
+        for instance, watched in list(kept.watched.items()):
+            if not is_same_boot:
+                kept.put(WATCHED, instance, watched.record)
+            elif watched.pending:
+                self._state.returning.add(instance)
+
+    def resume(self, now: float) -> None:
+        """Go on where an earlier manager was: all that lives is known."""
+        state, kept = self._state, self._state.kept
+        early, self._early = self._early or [], None
+        ended = {instance for instances, _ in early for instance in instances}
+        state.returning.difference_update(ended)
+        waiting: dict[str, list[str]] = {}
+        for instance, watched in list(kept.watched.items()):
+            if instance not in kept.components:
+                kept.drop(WATCHED, instance)
+            elif not watched.pending or instance in ended:
+                continue
+            elif lives(state, instance):
+                state.returning.discard(instance)
+                self._note(instance, now)
+            else:
+                waiting.setdefault(watched.pending, []).append(instance)
+        for why, instances in waiting.items():
+            due = max(kept.watched[each].ledger.times[-1] for each in instances)
+            if due > now:
+                self._begin(instances, due - now, why)
+            else:  # perhaps it was made again and died with that manager: that counts
+                state.returning.difference_update(instances)
+                early.append((instances, why))
+        for instances, why in early:
+            self.lost(instances, why, now)
+        for facts in list(state.components.values()):
+            if not facts.zombie:
+                self.heard(facts, now)
+
     def lost(self, instances: Iterable[str], why: str, now: float) -> None:
         """Take note of components that ended at monotonic time `now` [s]."""
         state = self._state
+        if self._early is not None:
+            self._early.append((list(instances), why))
+            state.returning.update(each for each in instances if self.wants(each, why))
+            return
+        instances = list(instances)
+        for each in state.returning.intersection(instances):  # dead again before it was noted
+            self._show_zombie(each)
         policies = {each: self.policy(each) for each in instances if each not in state.returning}
         critical = [each for each, policy in policies.items() if policy.is_critical]
         if critical:
@@ -69,22 +117,24 @@ class Supervisor:
         for instance, policy in policies.items():
             if not policy.wants(why != _ORDERLY):
                 continue
-            watched = state.watched.get(instance, Watched())
+            watched = state.watched(instance)
             ledger, wait_s = at_end(
                 watched.ledger, policy, now, _spread(instance, watched.restarts)
             )
-            state.watched[instance] = replace(watched, ledger=ledger)
             if wait_s is None:
+                state.watch(instance, ledger=ledger, pending="")
                 self._give_up(instance, policy, why)
             else:
+                state.watch(instance, ledger=ledger, pending=why)
+                self._show_zombie(instance)
                 waits[instance] = wait_s
         if waits:
-            state.returning.update(waits)
-            again = self._bring_back(tuple(waits), max(waits.values()), why)
-            self._tasks.begin(again, _REVIVE_S, _ignore)
+            self._begin(tuple(waits), max(waits.values()), why)
 
     def stop_all(self, critical: Collection[str], why: str) -> None:
         """Deactivate everything, since these were lost or are not well."""
+        for instance in critical:
+            self._state.watch(instance, halted=why)
         self._tasks.begin(_stop_system(self._state, critical, why), _STOP_S, _ignore)
 
     def heard(self, facts: ComponentFacts, now: float) -> None:
@@ -92,31 +142,45 @@ class Supervisor:
         state, instance = self._state, facts.instance
         if instance in state.claims or instance in state.ending:
             return
-        if instance in state.returning:
+        if instance in state.returning or self._early is not None:
             return
-        watched = state.watched.get(instance, Watched())
         is_in_error = _is_in_error(facts)
-        if is_in_error is not watched.is_in_error:
-            state.watched[instance] = replace(watched, is_in_error=is_in_error)
-            if is_in_error:
-                self.lost([instance], ": ".join(filter(None, ["in Error", facts.cause])), now)
-        if instance in state.watched:
-            watched = state.watched[instance]
-            is_well = not facts.trouble and all(c.state in _WELL for c in facts.contexts)
-            ledger = at_health(watched.ledger, now, is_well=is_well)
-            state.watched[instance] = replace(watched, ledger=ledger)
+        if is_in_error is not state.watched(instance).is_in_error:
+            self._erred(facts, now, is_in_error=is_in_error)
+        watched = state.kept.watched.get(instance)
+        if watched is not None:
+            is_well = not (facts.trouble or facts.upkeep.trouble)
+            is_well = is_well and all(c.state in _WELL for c in facts.contexts)
+            state.watch(instance, ledger=at_health(watched.ledger, now, is_well=is_well))
+
+    def _erred(self, facts: ComponentFacts, now: float, *, is_in_error: bool) -> None:
+        """Take note that a component has come into Error, or out of it."""
+        policy = self.policy(facts.instance)
+        if policy.restart is Restart.NEVER and not policy.is_critical:
+            return
+        self._state.watch(facts.instance, is_in_error=is_in_error)
+        if is_in_error:
+            self.lost([facts.instance], ": ".join(filter(None, ["in Error", facts.cause])), now)
 
     def _give_up(self, instance: str, policy: Policy, why: str) -> None:
         state = self._state
         text = f"given up after {policy.limit} restarts within {WINDOW_S:g} s"
         _log.error("%s is %s: %s", instance, text, why)
-        if lives(state, instance):
-            process = state.process_of(instance)
-            if process is not None:
-                state.update(instance, trouble=state.trouble_of(instance, process))
-        elif instance in state.components:
+        state.watch(instance, given_up=text)
+        if instance in state.components and not lives(state, instance):
             state.update(instance, zombie=f"{why}; {text}")
-            state.kept.lost(state.components[instance])
+        self._show_zombie(instance)
+
+    def _show_zombie(self, instance: str) -> None:
+        """Have the next manager show what has died, too."""
+        facts = self._state.components.get(instance)
+        if facts is not None and facts.zombie:
+            self._state.kept.lost(facts)
+
+    def _begin(self, instances: Collection[str], wait_s: float, why: str) -> None:
+        self._state.returning.update(instances)
+        again = self._bring_back(instances, wait_s, why)
+        self._tasks.begin(again, _REVIVE_S, _ignore)
 
     def _bring_back(self, instances: Collection[str], wait_s: float, why: str) -> Procedure:
         """Make components again after a while, unless somebody has done so or ended them."""
@@ -134,36 +198,38 @@ class Supervisor:
                 if lives(state, instance):
                     yield from _take_down(state, instance)
             yield from revive(state, still, failed)
+            yield Pause(_BREATH_S)
         finally:
             state.returning.difference_update(instances)
             state.unwell.difference_update(instances)
         now = yield Clock()
-        for instance in still:
-            if lives(state, instance):
-                self._note(instance, why)
-                self.heard(state.components[instance], now)
         dead = [each for each in still if not lives(state, each) and self._is_missed(each)]
+        for instance in instances:
+            if instance in still and lives(state, instance):
+                self._note(instance, now)
+                self.heard(state.components[instance], now)
+            elif instance in state.kept.watched:
+                state.watch(instance, pending="")
         self.lost(dead, failures[0] if failures else "it ended at its start", now)
         return Result()
 
     def _is_missed(self, instance: str) -> bool:
-        """Whether a component is wished for and there is nothing of use."""
+        """Whether a component is wished for, there is nothing of use, and nobody has reset it."""
         state = self._state
-        if instance not in state.kept.components:
+        if instance not in state.kept.components or not state.watched(instance).pending:
             return False
         if instance in state.ending or instance in state.claims:
             return False
         is_bad = instance in state.unwell or not lives(state, instance)
         return is_bad or _is_in_error(state.components[instance])
 
-    def _note(self, instance: str, why: str) -> None:
-        state = self._state
-        watched = state.watched.get(instance, Watched())
-        made = state.components[instance].restarts  # also those that ended before they were done
-        watched = replace(watched, restarts=max(watched.restarts + 1, made), why=why)
-        state.watched[instance] = watched
-        state.update(instance, restarts=watched.restarts, restarted_for=why)
-        _log.warning("%s was made again (%d.): %s", instance, watched.restarts, why)
+    def _note(self, instance: str, now: float) -> None:
+        """Note that a component is there again."""
+        watched = self._state.watched(instance)
+        ended = watched.ledger.times[-1] - watched.ledger.wait_s
+        self._state.watch(instance, pending="", took_s=round(now - ended, 6))
+        count, why = watched.restarts, watched.pending
+        _log.warning("%s was made again (%d.): %s", instance, count, why)
 
 
 def _ignore(_result: Result) -> None:

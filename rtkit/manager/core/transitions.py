@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.manager.core.kept import WATCHED
 from rtkit.manager.core.state import State
 from rtkit.manager.core.wiring import living
 from rtkit.manager.core.wishes import Ask, Procedure
@@ -37,10 +38,21 @@ def change_state(state: State, action: act.ChangeState) -> Procedure:
         "wait": action.wait and is_sync != "NO",
         "instance": action.instance,
     }
-    if action.transition is Transition.RESET:
-        state.watched.pop(action.instance, None)
+    _forgive(state, action)
     yield Ask(process, message, float(bound or 0))
     return Result()
+
+
+def _forgive(state: State, action: act.ChangeState) -> None:
+    """Begin anew with a component that its user resets, or activates after it was stopped."""
+    watched = state.kept.watched.get(action.instance)
+    if watched is None:
+        return
+    if action.transition is Transition.RESET:
+        state.kept.put(WATCHED, action.instance, watched.record)
+    elif action.transition is Transition.ACTIVATE:
+        state.kept.watch(action.instance, rested="", halted="")
+    state.tell_upkeep(action.instance)
 
 
 def _option(state: State, instance: str, *keys: str) -> str:

@@ -75,13 +75,8 @@ class Wellbeing:
             if is_new:
                 self._act(instance, rule, why, now)
         degraded = [why for (i, r), why in self._broken.items() if (i, r.reaction) == _of(instance)]
-        text = f"degraded: {degraded[0]}" if degraded else ""
-        if self._state.degraded.get(instance, "") != text:
-            self._state.degraded[instance] = text
-            process = self._state.process_of(instance)
-            if process is not None:
-                trouble = self._state.trouble_of(instance, process)
-                self._state.update(instance, trouble=trouble)
+        self._state.degraded[instance] = degraded[0] if degraded else ""
+        self._state.tell_upkeep(instance)
 
     def _act(self, instance: str, rule: Rule, why: str, now: float) -> None:
         _log.warning("%s is not well: %s (%s)", instance, why, rule.reaction.value)
@@ -95,11 +90,13 @@ class Wellbeing:
             if self._supervisor.policy(instance).is_critical:
                 self._supervisor.stop_all([instance], why)
             else:
+                self._state.watch(instance, rested=why)
                 self._tasks.begin(bring_to_rest(self._state, instance), _STOP_S)
 
     def _forget(self, instance: str) -> None:
         self._samples.pop(instance, None)
         self._state.degraded.pop(instance, None)
+        self._state.tell_upkeep(instance)
         for key in [each for each in self._broken if each[0] == instance]:
             del self._broken[key]
 

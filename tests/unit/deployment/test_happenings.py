@@ -10,6 +10,7 @@ import pytest
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.happenings import beats, happenings
 from rtkit.deployment.news import news_between
+from rtkit.deployment.upkeep import Upkeep
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
 from rtkit.rtc.profiles import (
     ConnectorProfile,
@@ -102,6 +103,48 @@ CHANGES = {
         ["TREE_EVENT slave PROCESS_ENDED pid 2", "TREE_EVENT slave PROCESS_STARTED pid 3"],
     ),
 }
+
+
+UPKEEP = {
+    "returning": (Upkeep(), Upkeep(returning="signal 9"), ["RETURNING signal 9"]),
+    "made again": (
+        Upkeep(2, "signal 9", 0.5, returning="exit status 3"),
+        Upkeep(3, "exit status 3", 0.1623),
+        ["MADE_AGAIN restart 3, for exit status 3, after 0.162 s"],
+    ),
+    "dead again": (
+        Upkeep(2, "signal 9", returning="signal 9"),
+        Upkeep(3, "signal 9", returning="cannot create A: no"),
+        ["RETURNING cannot create A: no"],
+    ),
+    "given up": (
+        Upkeep(5, "signal 9", returning="signal 9"),
+        Upkeep(5, "signal 9", given_up="given up after 5"),
+        ["GIVEN_UP given up after 5"],
+    ),
+    "reset": (Upkeep(5, given_up="given up after 5"), Upkeep(5), []),
+    "degraded": (Upkeep(), Upkeep(degraded="out carries 0"), ["DEGRADED out carries 0"]),
+    "well": (Upkeep(degraded="out carries 0"), Upkeep(), ["WELL"]),
+    "stopped": (Upkeep(), Upkeep(rested="t is 80"), ["STOPPED t is 80"]),
+    "critical": (Upkeep(), Upkeep(halted="signal 9"), ["CRITICAL_STOP signal 9"]),
+}
+
+
+@pytest.mark.parametrize("what", UPKEEP)
+def test_what_policies_did_is_told(what: str) -> None:
+    before, after, events = UPKEEP[what]
+    lines = told(with_a(upkeep=after), with_a(upkeep=before))
+    assert lines == [f"SUPERVISION A slave {event}" for event in events]
+
+
+def test_a_restart_is_told_in_numbers_and_not_of_one_that_has_died_again() -> None:
+    before = with_a(zombie="signal 9", upkeep=Upkeep(1, "signal 9", returning="signal 9"))
+    upkeep = Upkeep(2, "signal 9", 0.25)
+    after = with_a(upkeep=upkeep)
+    found = list(happenings(before, news_between(before, after, "", 1)))
+    assert [each.restart for each in found if each.event == "MADE_AGAIN"] == [upkeep]
+    dead = with_a(zombie="signal 9", upkeep=upkeep)
+    assert told(dead, before) == []
 
 
 @pytest.mark.parametrize("what", CHANGES)

@@ -2,66 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
+from endings import come_back, do, in_error, make, pass_time
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.supervision import HEALTHY_S
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import FakeShell, facts, wire
-from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, Transition
-
-
-def make(shell: FakeShell, instance: str, slave: str = "s", **options: str) -> int:
-    """Have a component made with these properties; return the key of its process."""
-    text = "".join(f"&rtkit.{key}={value}" for key, value in options.items())
-    asked = shell.ask(act.Create(f"Thing?instance_name={instance}&manager_name={slave}{text}"))
-    if slave in shell.spawned:
-        shell.fork(slave)
-    shell.serve()
-    assert asked.result.ok, asked.result
-    return shell.state.holders[instance]
-
-
-def do(shell: FakeShell, *actions: act.Action) -> None:
-    asked = shell.ask(*actions)
-    shell.serve()
-    assert all(result.ok for result in asked.results), asked.results
-
-
-def pass_time(shell: FakeShell, at_most_s: float) -> None:
-    """Let time pass until a slave is wanted or a holder is asked."""
-    until = shell.now + at_most_s
-    while not (shell.spawned or shell.calls) and shell.now < until:
-        moment = until if shell.wake_at is None else min(shell.wake_at, until)
-        shell.wait(max(0.0, moment - shell.now))
-
-
-def come_back(shell: FakeShell, wait_s: float = 20.0) -> list[str]:
-    """Let time pass and holders work; return what they were asked for."""
-    pass_time(shell, wait_s)
-    for name in list(shell.spawned):
-        shell.fork(name)
-    ops = []
-    while shell.calls:
-        call = shell.calls.pop(0)
-        ops.append(call.op)
-        if call.op == "create":
-            made = parse_create(call.message["create"]).instance_name
-            shell.say(call.key, facts=facts(made))
-        elif call.op == "delete":
-            shell.say(call.key, gone=call.message["instance"])
-        shell.reply(call, "unix/x" if call.op in ("sink", "serve") else "")
-    return ops
-
-
-def in_error(instance: str, state: LifeCycleState = LifeCycleState.ERROR) -> dict[str, Any]:
-    """Return facts of a component that is in Error."""
-    told = facts(instance)
-    told["contexts"][0]["state"] = state.value
-    return {**told, "cause": "ValueError: no (a.py:1)"}
 
 
 @pytest.mark.parametrize(
@@ -81,8 +29,8 @@ def test_which_ends_are_answered(restart: str, reason: str, is_back: bool) -> No
     come_back(shell)
     told = shell.state.components["A"]
     assert (not told.zombie) is is_back
-    assert told.restarts == is_back
-    assert told.restarted_for == reason * is_back
+    assert told.upkeep.restarts == is_back
+    assert told.upkeep.why == reason * is_back
 
 
 def test_what_is_made_again_is_as_it_was() -> None:
@@ -99,6 +47,7 @@ def test_what_is_made_again_is_as_it_was() -> None:
     shell.end(key)
     assert come_back(shell) == ["create", "set", "sink", "source", "change_state"]
     assert list(shell.state.connectors) == ["w"]
+    assert shell.rows.pop(("watched", "A"))
     assert shell.rows == rows
 
 
@@ -116,7 +65,7 @@ def test_waits_double_and_after_five_it_is_given_up() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     waits = []
-    while not shell.state.watched.get("A") or not shell.state.watched["A"].ledger.is_given_up:
+    while not shell.state.watched("A").ledger.is_given_up:
         began = shell.now
         shell.end(shell.state.holders["A"])
         pass_time(shell, 100.0)
@@ -129,7 +78,7 @@ def test_waits_double_and_after_five_it_is_given_up() -> None:
     shell.wait(1000.0)
     assert not shell.spawned
     assert make(shell, "A", restart="on-failure")  # a user makes it, and all is forgiven
-    assert "A" not in shell.state.watched
+    assert not shell.state.watched("A").given_up
 
 
 def test_after_good_health_it_begins_anew() -> None:
@@ -140,7 +89,7 @@ def test_after_good_health_it_begins_anew() -> None:
         come_back(shell, 0.12)
         shell.wait(HEALTHY_S + 1.0)
     assert not shell.state.components["A"].zombie
-    assert shell.state.components["A"].restarts == 12
+    assert shell.state.components["A"].upkeep.restarts == 12
 
 
 def test_a_start_that_fails_counts_as_an_end() -> None:
@@ -200,7 +149,7 @@ def test_one_in_error_is_made_again_in_its_place() -> None:
     shell.say(key, facts=in_error("A"))
     assert come_back(shell) == ["delete", "create", "change_state"]
     told = shell.state.components["A"]
-    assert (told.restarts, told.restarted_for) == (1, "in Error: ValueError: no (a.py:1)")
+    assert (told.upkeep.restarts, told.upkeep.why) == (1, "in Error: ValueError: no (a.py:1)")
     assert shell.state.holders["A"] == key
 
 
@@ -226,10 +175,10 @@ def test_one_that_is_given_up_in_error_says_so_until_it_is_reset() -> None:
     for _ in range(2):
         shell.say(key, facts=in_error("A"))
         come_back(shell, 1.0)
-    assert "given up" in shell.state.components["A"].trouble
+    assert "given up" in shell.state.components["A"].upkeep.trouble
     do(shell, act.ChangeState("A", "0", Transition.RESET))
     shell.say(key, facts=facts("A"))
-    assert not shell.state.components["A"].trouble
+    assert not shell.state.components["A"].upkeep.trouble
 
 
 def test_the_loss_of_what_is_critical_stops_the_system_in_reverse_order() -> None:
@@ -289,23 +238,23 @@ def at_work(rule: str, **options: str) -> FakeShell:
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
     for count in (100, 200):
         tell_figures(shell, count)
-    assert not shell.state.components["A"].trouble
+    assert not shell.state.components["A"].upkeep.trouble
     return shell
 
 
 def test_a_component_that_is_not_well_says_so_until_it_is_well_again() -> None:
     shell = at_work("50-200:degrade")
     tell_figures(shell, 201)
-    assert "degraded: out carries" in shell.state.components["A"].trouble
+    assert "degraded: out carries" in shell.state.components["A"].upkeep.trouble
     tell_figures(shell, 300)
-    assert not shell.state.components["A"].trouble
+    assert not shell.state.components["A"].upkeep.trouble
 
 
 def test_one_that_is_not_well_is_made_again() -> None:
     shell = at_work("50-200:restart")
     tell_figures(shell, 201)
     assert come_back(shell, 1.0) == ["delete", "create", "change_state"]
-    assert "not well: out carries" in shell.state.components["A"].restarted_for
+    assert "not well: out carries" in shell.state.components["A"].upkeep.why
 
 
 def test_one_that_is_not_well_is_rested_and_with_it_all_if_it_is_critical() -> None:
