@@ -24,6 +24,7 @@ GROUPS = (
     "rates",
     "data",
     "faults",
+    "restarts",
     "static",
     "profiles",
     "properties",
