@@ -70,6 +70,10 @@ class App:
             self._tree = connect(self._place or "", self.timeout_s)
         return self._tree
 
+    def ask(self, tree: Tree) -> None:
+        """Have a connection asked that was made for this run; it is closed with the run."""
+        self._tree = tree
+
     def root(self, path: Path, *, is_deep: bool) -> tuple[Node, str]:
         """Return the tree as far as a path shows it, and the host that ``localhost`` means.
 

@@ -79,7 +79,7 @@ def main(
     from rtkit.deployment.live import Live
 
     document = read_document(app, files, strict=strict)
-    snapshot = shared.look(app, dry_run=dry_run)
+    snapshot = shared.look(app, document.profile, dry_run=dry_run)
     system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     if dry_run:
         for line in check_lines(system, state):

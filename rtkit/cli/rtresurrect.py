@@ -59,7 +59,7 @@ def main(
 
         with document.naming():
             check_paths(document.profile)
-    before = shared.look(app, dry_run=dry_run)
+    before = shared.look(app, document.profile, dry_run=dry_run)
     system = shared.wanted_system(
         app,
         document,

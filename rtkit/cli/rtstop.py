@@ -49,4 +49,5 @@ def main(
         draws=draws,
         dry_run=dry_run,
         mapped=mapped,
+        may_lack=True,
     )

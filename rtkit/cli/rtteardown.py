@@ -28,7 +28,7 @@ def main(
     from rtkit.deployment.running import left_now, teardown_plan
 
     document = read_document(app, files, strict=strict)
-    snapshot = shared.look(app, dry_run=dry_run)
+    snapshot = shared.look(app, document.profile, dry_run=dry_run, may_lack=True)
     system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     plan = teardown_plan(system, Live(snapshot, system), ends_components=ends)
     if dry_run:

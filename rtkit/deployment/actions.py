@@ -19,17 +19,27 @@ _ON_DEMAND = {"ComponentPattern": "rtkit.rtc.pattern", "ConnectorProfile": "rtki
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """Load a module and call its init function."""
+    """Load a module and call its init function.
+
+    Attributes:
+        manager: Which of several managers is to do it; never sent.
+    """
 
     path: str
     init: str = ""
+    manager: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Unload:
-    """Forget a module; components already made stay."""
+    """Forget a module; components already made stay.
+
+    Attributes:
+        manager: Which of several managers is to do it; never sent.
+    """
 
     path: str
+    manager: str = ""
 
 
 @dataclass(frozen=True, slots=True)

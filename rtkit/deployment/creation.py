@@ -8,6 +8,7 @@ from rtkit.deployment.actions import Attach, Create, Load
 from rtkit.deployment.live import Live, absence
 from rtkit.deployment.plan import Check, Layer, Plan, Step, layer
 from rtkit.deployment.system import BadComponent, System, WantedComponent
+from rtkit.deployment.wiring import parting
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.names import check_instance_name
@@ -112,6 +113,9 @@ def checks(
                 failure = f"Required port not found: {end.port} (on {component.path})"
             text = f'Check for required port "{end.port}" on component at path {component.path}'
             yield Check(text, failure)
+        why = parting(system, live, wire.profile) if wire.is_required else ""
+        if why:
+            yield Check(f"Check that {why.partition(': ')[0]} can be connected", why)
 
 
 def component_checks(
@@ -149,16 +153,18 @@ def _is_to_be_made(component: WantedComponent, live: Live) -> bool:
 
 
 def _loads(missing: list[WantedComponent], live: Live) -> Iterator[Step]:
-    required: dict[str, bool] = {}
+    required: dict[tuple[str, str], bool] = {}
     for component in missing:
         if component.module and component.pattern is None:
-            is_required = required.get(component.module, False) or component.is_required
-            required[component.module] = is_required
-    for module, is_required in required.items():
+            key = (component.manager, component.module)
+            required[key] = required.get(key, False) or component.is_required
+    for (manager, module), is_required in required.items():
         path, init = split_module(module)
-        holds = any(is_loaded(known, path, init) for known in live.snapshot.modules)
-        action = None if holds else Load(path, init)
-        yield Step(f'Load module "{module}"', action, is_required, holds=holds)
+        loaded = live.managers[manager or live.snapshot.manager].modules
+        holds = any(is_loaded(known, path, init) for known in loaded)
+        action = None if holds else Load(path, init, manager)
+        where = f" on {manager}" if manager else ""
+        yield Step(f'Load module "{module}"{where}', action, is_required, holds=holds)
 
 
 def is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
@@ -183,9 +189,12 @@ def _how(component: WantedComponent, live: Live) -> str:
 def _creation(component: WantedComponent, live: Live, lack: str | None) -> Step:
     create = _how(component, live)
     place = parse_create(create).place
-    where = f"in slave {place}" if place else "in the manager"
+    manager = f"manager {component.manager}" if component.manager else "the manager"
+    where = f"in slave {place}" if place else f"in {manager}"
     if place == FRESH_SLAVE:
         where = "in a slave of its own"
+    if place and component.manager:
+        where += f" on {component.manager}"
     text = f'Create component "{component.id}", "{component.instance}" at path {component.path}'
     action = None if lack else Create(create, (component.name,), component.pattern)
     blocked = f"{component.path}: {lack}" if lack else ""

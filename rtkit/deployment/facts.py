@@ -116,6 +116,11 @@ class Snapshot:
     properties: Mapping[str, str] = field(default_factory=dict)
     names: tuple[str, ...] = ()
 
+    @property
+    def others(self) -> tuple[Snapshot, ...]:
+        """Where several managers were asked, what the others know (see `deployment.joint`)."""
+        return ()
+
     def component(self, instance: str) -> ComponentFacts | None:
         """Return the component of that instance name, or None."""
         return next((c for c in self.components if c.instance == instance), None)

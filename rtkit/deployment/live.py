@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from rtkit.deployment.extension import stated_id
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.identity import is_same_id
@@ -15,9 +17,21 @@ class Live:
 
     def __init__(self, snapshot: Snapshot, system: System) -> None:
         self.snapshot = snapshot
-        self._names = {name: c for c in snapshot.components for name in c.names}
         self._instances = {c.instance: c for c in snapshot.components}
         self._connectors = {wire.connector_id: wire for wire in snapshot.connectors}
+        self._managers = {each.manager: each for each in (snapshot, *snapshot.others)}
+        self._lives: dict[str, str] = {}
+        self._belongs: dict[str, str] = {}
+        if snapshot.others:
+            from rtkit.deployment.joint import homes_in
+
+            self._lives = homes_in(snapshot)
+            self._belongs = {c.instance: c.manager or snapshot.manager for c in system.components}
+        self._names = {
+            (self._lives.get(c.instance, ""), name): c
+            for c in snapshot.components
+            for name in c.names
+        }
         self._found = {c.instance: self._locate(c) for c in system.components}
 
     def at(self, instance: str) -> ComponentFacts | None:
@@ -33,6 +47,24 @@ class Live:
         """Return the component of that instance name wherever it is registered, or None."""
         return self._instances.get(instance)
 
+    def home(self, instance: str) -> str:
+        """Return the manager that a component lives in, or belongs to."""
+        belongs = self._belongs.get(instance, self.snapshot.manager)
+        return self._lives.get(instance, belongs)
+
+    @property
+    def managers(self) -> Mapping[str, Snapshot]:
+        """What each manager that was asked knows of itself, by its name; the first one first."""
+        return self._managers
+
+    def parted(self, wire: ConnectorProfile) -> str:
+        """Return why a connector cannot be, as its ends are in two managers; empty if not so."""
+        if not self.snapshot.others:
+            return ""
+        from rtkit.deployment.joint import parted
+
+        return parted(wire, {**self._lives, **self._belongs}, self.snapshot.manager)
+
     def wire(self, connector_id: str) -> ConnectorProfile | None:
         """Return the connection of that id, or None."""
         return self._connectors.get(connector_id)
@@ -42,7 +74,8 @@ class Live:
         return [wire for wire in self._connectors.values() if set(wire.ports) == set(ends)]
 
     def _locate(self, wanted: WantedComponent) -> ComponentFacts | None:
-        found = self._names.get(wanted.name)
+        belongs = self._belongs.get(wanted.instance, "")
+        found = self._names.get((belongs, wanted.name))
         if found is not None:
             return found
         host, *rest = wanted.name.split("/")
@@ -52,7 +85,10 @@ class Live:
             return None
         facts = self._instances.get(leaf.removesuffix(COMPONENT_SUFFIX))
         manager = below[-1].removesuffix(MANAGER_SUFFIX)
-        if facts is not None and manager in (facts.process, self.snapshot.manager):
+        if facts is None:
+            return None
+        home = self._lives.get(facts.instance, "")
+        if home == belongs and manager in (facts.process, home or self.snapshot.manager):
             return facts
         return None
 
@@ -108,6 +144,8 @@ def absence(component: WantedComponent, live: Live) -> str:
         return f"{word}: {component.path} (zombie: {entry.zombie})"
     other = live.namesake(component.instance)
     if other is not None and not other.zombie:
-        where = f"/{other.names[0]}" if other.names else f"no name, in {other.process}"
-        return f"{word}: {component.path} ({component.instance} is at {where})"
+        where = f"at /{other.names[0]}" if other.names else f"at no name, in {other.process}"
+        if live.home(component.instance) != (component.manager or live.snapshot.manager):
+            where = f"in manager {live.home(component.instance)}, and stays there"
+        return f"{word}: {component.path} ({component.instance} is {where})"
     return f"{word}: {component.path}"

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from rtkit.errors import Malformed
 from rtkit.profile.rts_model import Component
 from rtkit.records import dataclass
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, is_local_host
+from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_host
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,11 +18,13 @@ class Hosts:
         hostname: Name of this machine.
         same: Hosts that stand for another one (``--map``).
         any_is_local: Unknown hosts stand for this machine (``--stand-in``).
+        managers: Managers of this host beside the first that is asked.
     """
 
     hostname: str
     same: Mapping[str, str]
     any_is_local: bool = False
+    managers: Collection[str] = ()
 
     def is_local(self, host: str) -> bool:
         """Whether components of this host are made here."""
@@ -31,12 +33,17 @@ class Hosts:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A registered name, the path that users know, and the host when nobody knows it."""
+    """A registered name, the path that users know, and the host when nobody knows it.
+
+    Attributes:
+        manager: Which of the other managers of this host it is below; empty for the first.
+    """
 
     name: str
     path: str
     unknown_host: str = ""
     note: str = ""
+    manager: str = ""
 
 
 def check_map(hosts: Hosts) -> None:
@@ -62,7 +69,18 @@ def place(component: Component, hosts: Hosts, taken: Collection[str]) -> Place:
     if name in taken:
         return _default(component, f"path {uri} is used twice")
     is_known = local or hosts.any_is_local or hosts.is_local(host)
-    return Place(name, f"/{uri}", "" if is_known else host)
+    below = manager_in(uri, hosts) if local else ""
+    manager = below if below in hosts.managers else ""
+    return Place(name, f"/{uri}", "" if is_known else host, manager=manager)
+
+
+def manager_in(uri: str, hosts: Hosts) -> str:
+    """Return the manager of this host that a path is below, ``localhost/m1.mgr/…``; or nothing."""
+    host, *rest = uri.strip().lstrip("/").split("/")
+    is_below = len(rest) > 1 and rest[0].endswith(MANAGER_SUFFIX)
+    if not is_below or not is_local_host(host, hosts.hostname):
+        return ""
+    return rest[0].removesuffix(MANAGER_SUFFIX)
 
 
 def _is_name(elements: list[str]) -> bool:

@@ -54,6 +54,7 @@ class WantedComponent:
         guests: Context id and instance name of others that its contexts are to drive.
         hot: Parameters that may be changed while it is active; ``*`` for all.
         costs: What kinds of steps cost that are done to it, where the profile says so.
+        manager: Which of the other managers of this host is to hold it; empty for the first.
     """
 
     id: str
@@ -72,6 +73,7 @@ class WantedComponent:
     guests: tuple[tuple[str, str], ...] = ()
     hot: tuple[str, ...] = ()
     costs: Mapping[str, float] = field(default_factory=dict)
+    manager: str = ""
 
     def port(self, name: str) -> PortProfile | None:
         """Return the port of that name, or None."""

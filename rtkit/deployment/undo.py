@@ -88,8 +88,16 @@ def _changed(
 
 
 def _modules(tried: Iterable[Action], before: Snapshot, now: Snapshot) -> Iterator[Trace]:
-    known = {module.path for module in before.modules}
-    loaded = {module.path for module in now.modules}
+    known, loaded = _loaded(before), _loaded(now)
     for action in tried:
-        if isinstance(action, act.Load) and action.path in loaded and action.path not in known:
-            yield Trace(f"module {action.path}", act.Unload(action.path))
+        if not isinstance(action, act.Load):
+            continue
+        module = (action.manager or now.manager, action.path)
+        if module in loaded and module not in known:
+            yield Trace(f"module {action.path}", act.Unload(action.path, action.manager))
+
+
+def _loaded(snapshot: Snapshot) -> set[tuple[str, str]]:
+    """Return which manager has which module."""
+    managers = (snapshot, *snapshot.others)
+    return {(each.manager, module.path) for each in managers for module in each.modules}

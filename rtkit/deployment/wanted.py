@@ -77,6 +77,7 @@ def wanted(
     host_map: Mapping[str, str] | None = None,
     known_types: Mapping[str, KnownType] | None = None,
     stand_ins: Collection[str] = (),
+    managers: Collection[str] = (),
 ) -> System:
     """Return the system that a profile describes, as it is to be on the host `hostname`.
 
@@ -88,12 +89,13 @@ def wanted(
         host_map: Hosts that stand for another one.
         known_types: How components are made, by identity.
         stand_ins: Instances that are stand-ins, also after their process died.
+        managers: Managers of this host beside the first that is asked.
 
     Raises:
         BadComponent: Two components of one name, or a property of rtkit that cannot be read.
         Malformed: A host is mapped to one that nobody knows.
     """
-    hosts = Hosts(hostname, host_map or {}, stand_in)
+    hosts = Hosts(hostname, host_map or {}, stand_in, managers)
     check_map(hosts)
     choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins)
     _check_instances(profile.components)
@@ -193,6 +195,7 @@ def _component(
         guests=guests_of(component),
         hot=tuple(filter(None, map(str.strip, own.get(extension.HOT, "").split(",")))),
         costs=_costs(component.instance_name, own.get(extension.COST, "")),
+        manager=where.manager,
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")

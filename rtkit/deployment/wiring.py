@@ -47,6 +47,12 @@ def missing_end(
     return ""
 
 
+def parting(system: System, live: Live, wire: ConnectorProfile) -> str:
+    """Return why a connection cannot be, as its ends are in two managers; empty if not so."""
+    why = live.parted(wire)
+    return f"{' to '.join(address(system, end) for end in wire.ports)}: {why}" if why else ""
+
+
 def is_same_wire(known: ConnectorProfile | None, wire: ConnectorProfile) -> bool:
     """Whether a connection exists just as wanted."""
     if known is None or set(known.ports) != set(wire.ports):
@@ -63,7 +69,7 @@ def _connection(
         f"Connect {source} to {target} with ID {wire.connector_id}"
         f" and properties {dict(wire.properties)}"
     )
-    blocked = missing_end(system, live, wire, pending)
+    blocked = missing_end(system, live, wire, pending) or parting(system, live, wire)
     is_free = not {end.instance for end in wire.ports} & set(pending)
     holds = not blocked and is_free and is_same_wire(live.wire(wire.connector_id), wire)
     action = None if blocked or holds else Connect(wire)

@@ -150,7 +150,7 @@ class Runner:
         """
         removed: list[str] = []
         remaining: list[str] = []
-        now = uninterrupted(self._tree.snapshot)
+        now = uninterrupted(self._tree.remains)
         for trace in traces(self.attempted, before, now):
             (result,) = self._perform(trace.undo)
             gone = result.ok or result.kind == "not-found"

@@ -13,7 +13,7 @@ from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import Layer, Plan
-from rtkit.deployment.planning.back import way_back
+from rtkit.deployment.planning.back import way_back, without
 from rtkit.deployment.planning.costs import Costs
 from rtkit.deployment.planning.doing import Doing
 from rtkit.deployment.planning.model import Model
@@ -118,6 +118,7 @@ class Applier:
         self._report = report
         self._progress = progress
         self._runner = Runner(tree, report, taken=taken)
+        self._look: Callable[[], Snapshot] = lambda: uninterrupted(tree.snapshot)
 
     def run(self, plan: DeploymentPlan, before: Snapshot, *, rolls_back: bool = False) -> None:
         """Carry a plan out that was made from what lived `before`; go back if that fails.
@@ -170,15 +171,12 @@ class Applier:
         for first in range(0, len(layer.steps), most):
             yield Layer(layer.name, layer.steps[first : first + most])
 
-    def _look(self) -> Snapshot:
-        return uninterrupted(self._tree.snapshot)
-
     def _after(self, before: Snapshot, rolls_back: bool) -> str:
         """Tell what is left after a failure, or go back; never fails itself."""
         try:
             if rolls_back:
                 return self._go_back(before)
-            rest = self._goal.plan(self._look(), before)
+            rest = self._goal.plan(uninterrupted(self._tree.remains), before)
             for line in lines(rest) if rest.moves else ():
                 self._report(line.replace("plan:", "left:", 1))
             steps = len(rest.moves)
@@ -188,6 +186,9 @@ class Applier:
 
     def _go_back(self, before: Snapshot) -> str:
         was = self._goal.survey(before).model
+        self._look = lambda: uninterrupted(self._tree.remains)
+        left = self._look()
+        gone = [each.manager for each in (left, *left.others) if not each.pid]
 
         joined = {
             wire.connector_id: tuple(end.instance for end in wire.ports)
@@ -195,14 +196,15 @@ class Applier:
         }
 
         def see(now: Snapshot) -> Model:
-            return way_back(self._goal.survey(now, before).model, was, joined)
+            return without(way_back(self._goal.survey(now, before).model, was, joined), was, gone)
 
-        plan = make_plan(see(self._look()), self._goal.ranks)
+        plan = make_plan(see(left), self._goal.ranks)
         for line in lines(plan) if plan.moves else ():
             self._report(line.replace("plan:", "way back:", 1))
         nothing = System()
         self._reach(plan, Doing(nothing, Live(before, nothing)), see, nothing)
-        return "everything is as it was before"
+        ended = f", but for what was in manager {', '.join(gone)}, which has ended" if gone else ""
+        return f"everything is as it was before{ended}"
 
 
 def _is_done(move: Move, model: Model) -> bool:

@@ -34,6 +34,7 @@ class Tree(ByPath, Closing):
     actions of `rtkit.deployment.actions`.
 
     Attributes:
+        link: What carries the calls.
         host: Host name of the manager.
         manager: Its name.
         timeout_s: Bound on every call [s].
@@ -43,7 +44,7 @@ class Tree(ByPath, Closing):
     def __init__(
         self, link: Link, host: str, manager: str, timeout_s: float = DEFAULT_TIMEOUT_S
     ) -> None:
-        self._link = link
+        self.link = link
         self.host = host
         self.manager = manager
         self.timeout_s = timeout_s
@@ -55,7 +56,7 @@ class Tree(ByPath, Closing):
 
     def close(self) -> None:
         """End the connection."""
-        self._link.close()
+        self.link.close()
 
     def listing(self) -> Listing:
         """Return the short list of components.
@@ -72,6 +73,18 @@ class Tree(ByPath, Closing):
             Unreachable: The manager does not answer in time.
         """
         return self._snapshot("snapshot")
+
+    def at(self, manager: str) -> Tree:
+        """Return the connection to one of the managers that are asked; here there is only one."""
+        return self
+
+    def remains(self) -> Snapshot:
+        """Return what can still be seen after a failure.
+
+        Raises:
+            Unreachable: The manager does not answer in time.
+        """
+        return self.snapshot()
 
     def part(self, instances: Sequence[str]) -> Snapshot:
         """Return what concerns a few components, or with none only the manager itself.
@@ -194,7 +207,7 @@ class Tree(ByPath, Closing):
 
         For `rtkit.tree.listening`; it is called on threads of the transport.
         """
-        return self._link.listen(keys.line_key(self._service, line), heard)
+        return self.link.listen(keys.line_key(self._service, line), heard)
 
     def get(self, name: str) -> str:
         """Return the value of a property of the manager: ``tree.get("naming.formats")``.
@@ -231,7 +244,7 @@ class Tree(ByPath, Closing):
 
         fault.point("command.asking")
         with self._told(is_change):
-            reply = self._link.send(key, payload, bounded(bound))
+            reply = self.link.send(key, payload, bounded(bound))
         fault.point("command.asked")
         return answer
 

@@ -22,6 +22,7 @@ from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree import grace
 from rtkit.tree.apply import Count, Talk
 from rtkit.tree.client import Tree, bounded
+from rtkit.tree.fleet import FleetEar, ear_at
 from rtkit.tree.grace import uninterrupted
 from rtkit.tree.listening import Ear, Ended
 
@@ -82,7 +83,7 @@ class Starter:
         self._told: set[str] = set()
         self._execution = Execution(plan, monotonic(), timeout_s, tree.timeout_s)
         self._bell: _Bell
-        self._ear: Ear | None = None
+        self._ear: Ear | FleetEar | None = None
         self._lock = Lock()
         self._is_broken_off = False
         self._sent: set[int] = set()
@@ -147,7 +148,7 @@ class Starter:
             Unreachable: It has ended.
         """
         if self._ear is None:
-            self._ear = Ear(self._tree)
+            self._ear = ear_at(self._tree)
         for heard in self._ear.take():
             if isinstance(heard, Ended):
                 raise Unreachable(heard.why)

@@ -48,12 +48,12 @@ class Following:
         """
         from rtkit.deployment.figures import FIGURES
         from rtkit.deployment.news import TREE
-        from rtkit.tree.listening import Ear
+        from rtkit.tree.fleet import ear_at
 
         self._left = number
         conditions = self._states.machine.conditions.values()
         needs_figures = any(condition.needs_figures for condition in conditions)
-        with Ear(self._app.tree, (TREE, FIGURES) if needs_figures else (TREE,)) as ear:
+        with ear_at(self._app.tree, (TREE, FIGURES) if needs_figures else (TREE,)) as ear:
             self._begin(ear.facts)
             while self._left != 0:
                 if not self._step(ear.facts):

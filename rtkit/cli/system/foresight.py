@@ -28,26 +28,8 @@ def look_ahead(app: App, system: System, snapshot: Snapshot) -> Outlook:
 
     live = Live(snapshot, system)
     asked = makings(system, live)
-    lacks = {**_lacking(app, asked, snapshot), **_elsewhere(live, system)}
+    lacks = _lacking(app, asked, live)
     return Outlook(lacks, _ports(app, system, live, asked.keys() - lacks.keys()))
-
-
-def _elsewhere(live: Live, system: System) -> dict[str, str]:
-    """Return which components that are not there belong to another manager of this host."""
-    from rtkit.link.running import managers
-    from rtkit.rtc.names import MANAGER_SUFFIX
-
-    named = {}
-    for component in system.components:
-        first = component.name.split("/")[1]
-        if first.endswith(MANAGER_SUFFIX) and live.at(component.instance) is None:
-            named[component.instance] = first.removesuffix(MANAGER_SUFFIX)
-    others = set(managers()) - {live.snapshot.manager} if named else set()
-    return {
-        instance: f"belongs to manager {name}, and a plan is for one manager"
-        for instance, name in named.items()
-        if name in others
-    }
 
 
 def lacking(app: App, system: System, snapshot: Snapshot) -> dict[str, str]:
@@ -62,15 +44,22 @@ def lacking(app: App, system: System, snapshot: Snapshot) -> dict[str, str]:
     live = Live(snapshot, system)
     asked = makings(system, live)
     missing = {name: asked[name] for name in asked if live.at(name) is None}
-    return _lacking(app, missing, snapshot)
+    return _lacking(app, missing, live)
 
 
-def _lacking(app: App, asked: Mapping[str, Making], snapshot: Snapshot) -> dict[str, str]:
-    if not (asked and snapshot.pid):
-        return {}
+def _lacking(app: App, asked: Mapping[str, Making], live: Live) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for manager, known in live.managers.items():
+        mine = {name: making for name, making in asked.items() if live.home(name) == manager}
+        if mine and known.pid:
+            found.update(_lacking_at(app, manager, mine))
+    return found
+
+
+def _lacking_at(app: App, manager: str, asked: Mapping[str, Making]) -> dict[str, str]:
     distinct = sorted(set(asked.values()))
     try:
-        found = dict(zip(distinct, app.tree.lacking(distinct), strict=True))
+        found = dict(zip(distinct, app.tree.at(manager).lacking(distinct), strict=True))
     except NotFound as error:
         app.tell(f"which modules are found is not known: {error}")
         return {}

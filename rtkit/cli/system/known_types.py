@@ -39,7 +39,8 @@ def known_types(profile: RtsProfile, snapshot: Snapshot) -> dict[str, KnownType]
 
 
 def _loaded(snapshot: Snapshot) -> Iterator[tuple[str, KnownType]]:
-    for module in snapshot.modules:
+    modules = (module for each in (snapshot, *snapshot.others) for module in each.modules)
+    for module in modules:
         for kind in module.types:
             create = CreateString(
                 kind.type_name, kind.vendor, kind.category, kind.language, kind.version

@@ -150,7 +150,7 @@ def begin(
     from rtkit.tree.applying import Goal
 
     document = read_document(app, files, strict=strict)
-    snapshot = shared.look(app, dry_run=is_dry)
+    snapshot = shared.look(app, document.profile, dry_run=is_dry)
     system = shared.wanted_system(
         app,
         document,

@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
-from rtkit.cli.system import shared
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
@@ -34,8 +33,9 @@ def telling(app: App, system: System, tell: Callable[[System, Live], str]) -> It
 
 def _progress(app: App, system: System, tell: Callable[[System, Live], str]) -> str:
     from rtkit.deployment.live import Live
+    from rtkit.tree.grace import uninterrupted
 
     try:
-        return tell(system, Live(shared.snapshot(app), system))
+        return tell(system, Live(uninterrupted(lambda: app.tree.remains()), system))
     except (RtkitError, KeyboardInterrupt) as trouble:
         return f"how far it got is not known ({str(trouble) or 'interrupted again'})"

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.plan import Plan
     from rtkit.deployment.system import KnownType, System
     from rtkit.deployment.turns import StartPlan
+    from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.apply import Count, Runner
 
 
@@ -112,6 +113,7 @@ def wanted_system(
             host_map=host_map(mapped),
             known_types=known_types,
             stand_ins={c.instance for c in snapshot.components if c.is_stand_in},
+            managers=[each.manager for each in snapshot.others],
         )
     for note in system.notes:
         app.tell(note)
@@ -129,12 +131,21 @@ def snapshot(app: App) -> Snapshot:
     return uninterrupted(lambda: app.tree.snapshot())
 
 
-def look(app: App, *, dry_run: bool) -> Snapshot:
-    """Return what lives; a dry run goes on without a manager and says so.
+def look(app: App, profile: RtsProfile, *, dry_run: bool, may_lack: bool = False) -> Snapshot:
+    """Return what lives in the managers of a profile; a dry run goes on without, and says so.
+
+    With `may_lack` some of several managers may be missing, but not all.
 
     Raises:
-        Unreachable: No manager answers.
+        Unreachable: A manager does not run, or does not answer.
     """
+    if app.finds_managers:
+        from rtkit.cli.system.gathering import gather, names_another
+
+        if names_another(profile):
+            empty = gather(app, profile, is_lenient=dry_run or may_lack)
+            if empty is not None:
+                return empty
     try:
         return snapshot(app)
     except Unreachable as error:

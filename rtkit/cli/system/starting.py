@@ -40,8 +40,11 @@ def run(
     draws: bool,
     dry_run: bool,
     mapped: tuple[str, ...],
+    may_lack: bool = False,
 ) -> None:
     """Carry out a plan for the system of `document`, or only print it.
+
+    With `may_lack` some of several managers may be missing.
 
     Raises:
         Refused: It was broken off; the message tells how far it went.
@@ -50,7 +53,11 @@ def run(
     from rtkit.deployment.live import Live
     from rtkit.deployment.running import active_now
 
-    snapshot = shared.nothing() if draws else shared.look(app, dry_run=dry_run)
+    snapshot = (
+        shared.nothing()
+        if draws
+        else shared.look(app, document.profile, dry_run=dry_run, may_lack=may_lack)
+    )
     system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     plan = plan_for(system, Live(snapshot, system))
     for text in plan.warnings():

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
-from rtkit.deployment.planning.model import ABSENT, NO, OTHER, YES, Model, Wire, Wish
+from rtkit.deployment.planning.model import (
+    ABSENT,
+    NO,
+    OTHER,
+    YES,
+    Model,
+    Wire,
+    Wish,
+    manager_of,
+    owner_of,
+)
 from rtkit.records import replace
 
 
@@ -49,3 +59,27 @@ def way_back(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -
         if variable.startswith("mod:"):
             desired[variable] = before.now(variable)
     return replace(now, units=units, wires=wires, live=live, desired=desired)
+
+
+def without(model: Model, before: Model, managers: Collection[str]) -> Model:
+    """Return the same model with no wishes of what was in managers that have ended."""
+    if not managers:
+        return model
+    lost = {name for name in model.units if _home(before, model, name) in managers}
+
+    def is_lost(variable: str) -> bool:
+        kind, _, name = variable.partition(":")
+        if kind == "con":
+            return not lost.isdisjoint(model.wires[name].ends)
+        if kind in ("mgr", "mod"):
+            return name.partition("/")[0] in managers
+        return owner_of(name) in lost
+
+    return model.wishing((v, wish) for v, wish in model.desired.items() if not is_lost(v))
+
+
+def _home(before: Model, now: Model, name: str) -> str:
+    """Return the manager that a component was in, or is to be in."""
+    was = before.now(f"cmp:{name}") if name in before.units else ABSENT
+    places = [place for place in (was, now.now(f"cmp:{name}")) if place != ABSENT]
+    return manager_of([*places, *now.units[name].places, ""][0])

@@ -57,9 +57,11 @@ class Doing:
     def _actions(self, move: Move, model: Model, live: Live) -> Iterator[Action]:
         match move.kind:
             case "load":
-                yield act.Load(*split_module(move.subject.partition("/")[2]))
+                manager, module = _module(move, live)
+                yield act.Load(*split_module(module), manager)
             case "unload":
-                yield act.Unload(split_module(move.subject.partition("/")[2])[0])
+                manager, module = _module(move, live)
+                yield act.Unload(split_module(module)[0], manager)
             case "create" | "create_slave":
                 yield self._create(move.subject, move.value)
             case "delete":
@@ -69,7 +71,8 @@ class Doing:
             case "configure":
                 yield from self._configure(move, live)
             case "start_manager":
-                raise Refused(f"manager {move.subject} does not run; start it with: rtmgr start")
+                start = f"rtmgr start {move.subject}"
+                raise Refused(f"manager {move.subject} does not run; start it with: {start}")
             case _:
                 yield from self._transitions(move, live)
 
@@ -127,6 +130,12 @@ class Doing:
         for context in contexts:
             if context.state is state:
                 yield act.ChangeState(move.subject, context.id, transition)
+
+
+def _module(move: Move, live: Live) -> tuple[str, str]:
+    """Return a module with its manager, which is empty for the first one that is asked."""
+    manager, _, module = move.subject.partition("/")
+    return "" if manager == live.snapshot.manager else manager, module
 
 
 def _pattern(facts: ComponentFacts) -> ComponentPattern:

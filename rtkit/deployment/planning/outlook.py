@@ -62,7 +62,7 @@ def makings(system: System, live: Live) -> dict[str, Making]:
             continue
         create = parse_create(text)
         facts = live.at(component.instance)
-        manager = live.snapshot.manager
+        manager = live.home(component.instance)
         is_there = facts is not None and (
             is_place_open(create)
             or place_name(manager, facts.process) == place_name(manager, create.place)

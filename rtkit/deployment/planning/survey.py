@@ -45,7 +45,7 @@ from rtkit.deployment.system import (
     WantedConnector,
     address,
 )
-from rtkit.deployment.wiring import is_same_wire, missing_end
+from rtkit.deployment.wiring import is_same_wire, missing_end, parting
 from rtkit.errors import Impossible
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState
@@ -121,7 +121,6 @@ class _Surveying:
         self._system = system
         self._live_facts = live
         self._snapshot = live.snapshot
-        self._manager = live.snapshot.manager
         self._state = state
         self._costs = costs
         self._units: dict[str, Unit] = {}
@@ -133,7 +132,9 @@ class _Surveying:
         self._problems: list[str] = []
 
     def run(self) -> Survey:
-        self._live[f"mgr:{self._manager}"] = UP if self._snapshot.pid else DOWN
+        managers = self._live_facts.managers
+        for name, told in managers.items():
+            self._live[f"mgr:{name}"] = UP if told.pid else DOWN
         for component in self._system.components:
             self._component(component)
         for wire in self._system.connectors:
@@ -143,9 +144,8 @@ class _Surveying:
             self._attachments(component)
         if self._problems:
             raise Impossible("; ".join(self._problems))
-        managers = {self._manager: None}
         model = Model(
-            managers,
+            dict.fromkeys(managers),
             self._units,
             self._wires,
             self._keys,
@@ -178,19 +178,19 @@ class _Surveying:
         made = parse_create(create) if create else None
         options = made.options if made is not None else {}
         members = tuple(m.strip() for m in options.get("members", "").split(",") if m.strip())
-        place = place_name(self._manager, options.get("manager_name", ""))
+        place = self._place(name, options.get("manager_name", ""))
         lack = why_not or self._lack(component)
         places = () if lack or not create else (place,)
         why = lack or ("" if create else f"nothing tells how to make {component.path}")
         module = component.module if component.pattern is None else ""
         self._units[name] = Unit(name, module, places, why, members)
         if module:
-            self._module(module)
+            self._module(self._live_facts.home(name), module)
         is_stated = bool(component.create) or entry is None
         is_stated = is_stated and not (made is not None and is_place_open(made))
         self._desired[f"cmp:{name}"] = self._place_wish(component, facts, place, is_stated)
         if facts is not None:
-            self._live[f"cmp:{name}"] = place_name(self._manager, facts.process)
+            self._live[f"cmp:{name}"] = self._place(name, facts.process)
         self._parameters(component, facts)
         self._activity(component, facts)
 
@@ -198,7 +198,7 @@ class _Surveying:
         """Take in a component that lives and is to be ended."""
         name = component.instance
         self._units[name] = Unit(name)
-        self._live[f"cmp:{name}"] = place_name(self._manager, facts.process)
+        self._live[f"cmp:{name}"] = self._place(name, facts.process)
         self._desired[f"cmp:{name}"] = ABSENT
         self._live_state(component, facts)
 
@@ -227,20 +227,25 @@ class _Surveying:
     ) -> Wish:
         if facts is None:
             return place if is_stated and self._units[component.instance].places else ANY
-        now = place_name(self._manager, facts.process)
+        manager = self._live_facts.home(component.instance)
+        now = place_name(manager, facts.process)
         if not is_stated:
             return ANY
         lack = self._lack(component)
         if lack and not component.is_required:
             self._notes.append(f"{lack}; it stays where it is")
             return now
-        is_any_slave = place == f"{self._manager}:slave" and now != f"{self._manager}:inproc"
+        is_any_slave = place == f"{manager}:slave" and now != f"{manager}:inproc"
         return (now, place) if is_any_slave else place
 
-    def _module(self, module: str) -> None:
+    def _place(self, name: str, process: str) -> str:
+        return place_name(self._live_facts.home(name), process)
+
+    def _module(self, manager: str, module: str) -> None:
         path, init = split_module(module)
-        if any(is_loaded(known, path, init) for known in self._snapshot.modules):
-            self._live[f"mod:{self._manager}/{module}"] = LOADED
+        loaded = self._live_facts.managers[manager].modules
+        if any(is_loaded(known, path, init) for known in loaded):
+            self._live[f"mod:{manager}/{module}"] = LOADED
 
     def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         name = component.instance
@@ -349,6 +354,7 @@ class _Surveying:
         known = live.wire(id)
         pending = [end.instance for end in wire.ports if live.at(end.instance) is None]
         why = missing_end(self._system, live, wire, pending) or self._refused(wanted, pending)
+        why = parting(self._system, live, wire) or why
         if why and not wanted.is_required and known is None:
             self._notes.append(why)
             return
@@ -415,7 +421,7 @@ class _Surveying:
         facts = self._live_facts.namesake(name)
         process = facts.process if facts is not None else ""
         self._units[name] = Unit(name, why_not=f"{name} is not in the profile")
-        self._live[f"cmp:{name}"] = place_name(self._manager, process)
+        self._live[f"cmp:{name}"] = self._place(name, process)
         self._desired[f"cmp:{name}"] = ANY
 
     def _attachments(self, component: WantedComponent) -> None:

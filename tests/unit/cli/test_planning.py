@@ -11,7 +11,7 @@ from pathlib import Path
 import jsonrecords
 import pytest
 
-from rtkit.cli import rtapply, rtplan
+from rtkit.cli import rtapply, rtplan, rtresurrect
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.planning.costs import (
@@ -117,7 +117,7 @@ class Console:
 
     def run(self, line: str) -> tuple[int, str, str]:
         name, *options = shlex.split(line)
-        main = {"rtplan": rtplan.main, "rtapply": rtapply.main}[name]
+        main = {"rtplan": rtplan, "rtapply": rtapply, "rtresurrect": rtresurrect}[name].main
         status = main([*options, str(self._file)], tree=fake_tree(self.world))
         told = self._capsys.readouterr()
         return status, told.out, told.err
@@ -379,16 +379,12 @@ def test_what_the_manager_does_not_find_is_told_before_anything_is_done(console)
     assert "Source0.rtc: no module Source.py)" in console.run("rtplan")[2]
 
 
-def test_what_belongs_to_another_manager_is_told(
-    console: Console, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("rtkit.link.running.managers", lambda: ["manager", "other"])
-    console.change("localhost/Sink0.rtc", "localhost/other.mgr/Sink0.rtc")
-    status, _, err = console.run("rtplan")
-    assert status == 1
-    assert "other.mgr/Sink0.rtc: belongs to manager other, and a plan is for one manager)" in err
-    console.change("/other.mgr/", "/local.mgr/")
-    assert console.run("rtplan")[0] == 0
+def test_rtresurrect_tells_all_that_is_not_found_and_makes_nothing(console: Console) -> None:
+    console.world.lacking = {"Source": "no module Source.py (looked in /x)", "Sink": "no Sink"}
+    told = [f"{kind}0.rtc: {why}" for kind, why in console.world.lacking.items()]
+    said = "".join(f"rtresurrect: Required action failed: /localhost/{each}\n" for each in told)
+    assert console.run("rtresurrect") == (1, "", said)
+    assert console.world.performed == []
 
 
 @pytest.mark.parametrize("how", ["manager_address=localhost:2811", "members=Source0"])

@@ -1,0 +1,106 @@
+"""Which managers of this host a system profile is about, and the connections to them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rtkit.cli._app import App
+from rtkit.errors import Unreachable
+from rtkit.rtc.names import MANAGER_SUFFIX
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.profile.rts_model import RtsProfile
+    from rtkit.tree.client import Tree
+
+
+def names_another(profile: RtsProfile) -> bool:
+    """Whether a component's path may lead below a manager: ``localhost/m1.mgr/…``."""
+    return any(f"{MANAGER_SUFFIX}/" in (each.path_uri or "") for each in profile.components)
+
+
+class Managers:
+    """The managers that the components of a profile belong to.
+
+    Attributes:
+        names: The one first that is asked where nothing is said, if any component belongs to it.
+    """
+
+    def __init__(self, profile: RtsProfile) -> None:
+        from rtkit.deployment.place import Hosts, manager_in
+        from rtkit.link.places import DEFAULT_MANAGER
+
+        self.host = os.uname().nodename
+        self._hosts = Hosts(self.host, {})
+        usual = os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+        self._paths = {c.instance_name: c.path_uri or "" for c in profile.components}
+        self.homes = {
+            name: manager_in(path, self._hosts) or usual for name, path in self._paths.items()
+        }
+        found = dict.fromkeys(self.homes.values())
+        self.names = [usual, *(n for n in found if n != usual)] if usual in found else [*found]
+
+    def connect(self, timeout_s: float) -> tuple[dict[str, Tree], dict[str, str]]:
+        """Connect to each; return the connections, and why those are missing that are."""
+        from rtkit.tree.connect import connect
+
+        trees: dict[str, Tree] = {}
+        absent: dict[str, str] = {}
+        for name in self.names:
+            try:
+                trees[name] = connect(name, timeout_s)
+            except Unreachable as error:
+                absent[name] = f"{error}; it is to hold {self._told(name)}"
+            except BaseException:
+                _close(trees)
+                raise
+        return trees, absent
+
+    def _told(self, manager: str) -> str:
+        first, *more = [path for name, path in self._paths.items() if self.homes[name] == manager]
+        return f"/{first.lstrip('/')}" + (f" and {len(more)} more" if more else "")
+
+    def nothing(self) -> Snapshot:
+        """Return what is to be seen where none of them runs."""
+        from rtkit.deployment.joint import down, joined
+
+        return joined([down(self.host, name) for name in self.names], self.homes)
+
+
+def gather(app: App, profile: RtsProfile, *, is_lenient: bool) -> Snapshot | None:
+    """Connect to the managers of a profile; return what is to be seen if none of them runs.
+
+    Args:
+        app: Is given the connection, if the profile is about another manager or several.
+        profile: The system profile.
+        is_lenient: A manager that does not run is told and counts as holding nothing.
+
+    Raises:
+        Unreachable: Tells which managers do not run, and what belongs there.
+    """
+    managers = Managers(profile)
+    trees, absent = managers.connect(app.timeout_s)
+    if absent and not is_lenient:
+        _close(trees)
+        raise Unreachable("; ".join(absent.values()))
+    for why in absent.values():
+        app.fail(f"{why}; taken as if nothing lived there")
+    if not trees:
+        return managers.nothing()
+    app.ask(_one(managers, trees))
+    return None
+
+
+def _one(managers: Managers, trees: Mapping[str, Tree]) -> Tree:
+    if len(managers.names) == 1:
+        return trees[managers.names[0]]
+    from rtkit.tree.fleet import Fleet
+
+    return Fleet(managers.names, trees, managers.homes)
+
+
+def _close(trees: Mapping[str, Tree]) -> None:
+    for tree in trees.values():
+        tree.close()

@@ -1,0 +1,220 @@
+"""Several managers of this host as one tree: everything is asked of who holds it."""
+
+from __future__ import annotations
+
+import select
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from itertools import groupby
+from typing import Any
+
+from rtkit.closing import Closing
+from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.joint import down, homes_in, joined, manager_for, sent
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.rtc.profiles import ConnectorProfile
+from rtkit.tree.client import Tree
+from rtkit.tree.listening import Ear, Heard
+
+Answer = Callable[[], tuple[Result, ...]]
+
+
+class Fleet(Tree):
+    """Connections to several managers; each batch is split into one for each of them.
+
+    Attributes:
+        names: All managers that are meant, the first one first, also those that do not run.
+        trees: Those that are asked.
+        homes: Where components belong; the others are where they live.
+    """
+
+    def __init__(
+        self, names: Sequence[str], trees: Mapping[str, Tree], homes: Mapping[str, str]
+    ) -> None:
+        first = next(iter(trees.values()))
+        super().__init__(first.link, first.host, names[0], first.timeout_s)
+        self.names = tuple(names)
+        self.trees = dict(trees)
+        self.homes = dict(homes)
+        self._known: dict[str, str] = {}
+        self._wires: tuple[ConnectorProfile, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Fleet: managers {', '.join(self.names)} on {self.host}>"
+
+    def close(self) -> None:
+        """End all connections."""
+        for tree in self.trees.values():
+            tree.close()
+
+    def at(self, manager: str) -> Tree:
+        """Return the connection to one of the managers.
+
+        Raises:
+            Unreachable: It does not run.
+        """
+        name = manager or self.manager
+        if name not in self.trees:
+            raise Unreachable(f"manager {name!r} is not running")
+        return self.trees[name]
+
+    def snapshot(self) -> Snapshot:
+        """Return what all of them know.
+
+        Raises:
+            Unreachable: One that was running does not answer in time.
+        """
+        return self._joined([self._look(name) for name in self.names])
+
+    def remains(self) -> Snapshot:
+        """Return what can still be seen after a failure: a manager that ended holds nothing.
+
+        Raises:
+            Unreachable: One that runs does not answer in time.
+        """
+        return self._joined([self._look(name, may_be_gone=True) for name in self.names])
+
+    def _look(self, name: str, *, may_be_gone: bool = False) -> Snapshot:
+        tree = self.trees.get(name)
+        if tree is None:
+            return down(self.host, name)
+        try:
+            return tree.snapshot()
+        except Unreachable:
+            if may_be_gone and tree.has_ended():
+                return down(self.host, name)
+            raise
+
+    def _joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
+        whole = self.joined(snapshots)
+        self._known.update(homes_in(whole))
+        self._wires = whole.connectors
+        return whole
+
+    def joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
+        """Return what several managers know as one."""
+        return joined(snapshots, self.homes)
+
+    def begin(
+        self,
+        actions: Sequence[Action],
+        *,
+        is_ordered: bool = True,
+        timeout_s: float | None = None,
+    ) -> Answer:
+        """Send each manager its part of a batch and return what awaits the results.
+
+        In order, a manager is sent its part when the one before has done what it was sent.
+        """
+        asked = [(self._manager_for(action), action) for action in actions]
+        if is_ordered:
+            parts = [(name, [a for _, a in part]) for name, part in groupby(asked, lambda x: x[0])]
+            return lambda: self._one_after_another(parts, timeout_s)
+        places: dict[str, list[int]] = {}
+        for place, (name, _) in enumerate(asked):
+            places.setdefault(name, []).append(place)
+        answers = {
+            name: self._begun(name, [actions[place] for place in each], False, timeout_s)
+            for name, each in places.items()
+        }
+        return lambda: _gathered(answers, places, len(actions))
+
+    def _manager_for(self, action: Action) -> str:
+        homes = {**self._known, **self.homes}
+        return manager_for(action, homes, self._wires, self.manager)
+
+    def _begun(
+        self, name: str, actions: Sequence[Action], is_ordered: bool, timeout_s: float | None
+    ) -> Answer:
+        try:
+            words = [sent(action, name) for action in actions]
+            return self.at(name).begin(words, is_ordered=is_ordered, timeout_s=timeout_s)
+        except RtkitError as error:
+            failure = error  # told when it is this manager's turn: the others are asked first
+
+            def fail() -> tuple[Result, ...]:
+                raise failure
+
+            return fail
+
+    def _one_after_another(
+        self, parts: Iterable[tuple[str, list[Action]]], timeout_s: float | None
+    ) -> tuple[Result, ...]:
+        results: list[Result] = []
+        for name, actions in parts:
+            found = self._begun(name, actions, True, timeout_s)()
+            results += found
+            if len(found) < len(actions) or not all(each.ok for each in found):
+                break
+        return tuple(results)
+
+
+def _gathered(
+    answers: Mapping[str, Answer], places: Mapping[str, list[int]], count: int
+) -> tuple[Result, ...]:
+    """Await all answers, also when one does not come; then raise why.
+
+    Raises:
+        Unreachable: A manager did not answer.
+    """
+    results = [Result()] * count
+    failure: RtkitError | None = None
+    for name, answer in answers.items():
+        try:
+            for place, result in zip(places[name], answer(), strict=True):
+                results[place] = result
+        except RtkitError as error:
+            failure = failure or error
+    if failure is not None:
+        raise failure
+    return tuple(results)
+
+
+class FleetEar(Closing):
+    """An ear at each manager of a fleet; used as that at one (`rtkit.tree.listening.Ear`)."""
+
+    def __init__(self, fleet: Fleet, *lines: Any) -> None:
+        self.tree = fleet
+        self._ears: dict[str, Ear] = {}
+        try:
+            for name, tree in fleet.trees.items():
+                self._ears[name] = Ear(tree, *lines)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Listen no more."""
+        for ear in self._ears.values():
+            ear.close()
+
+    @property
+    def facts(self) -> Snapshot:
+        """What all managers know, as of what was taken last."""
+        fleet = self.tree
+        known = {name: ear.facts for name, ear in self._ears.items()}
+        return fleet.joined([known.get(name) or down(fleet.host, name) for name in fleet.names])
+
+    @property
+    def sources(self) -> list[int]:
+        """Descriptors of which one is readable when there is something to `take`."""
+        return [source for ear in self._ears.values() for source in ear.sources]
+
+    def take(self) -> list[Heard]:
+        """Return what has come from all of them."""
+        return [heard for ear in self._ears.values() for heard in ear.take()]
+
+    def wait(self) -> list[Heard]:
+        """Wait until something has come, and take it."""
+        while True:
+            with suppress(InterruptedError):
+                select.select(self.sources, [], [])
+            taken = self.take()
+            if taken:
+                return taken
+
+
+def ear_at(tree: Tree, *lines: Any) -> Ear | FleetEar:
+    """Return an ear at one manager, or at each of several."""
+    return FleetEar(tree, *lines) if isinstance(tree, Fleet) else Ear(tree, *lines)

@@ -1,0 +1,135 @@
+"""One system in two managers of this host: planned, applied, started, stopped, broken, finished."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+PAIRS = (("In1", "Out1", ""), ("In2", "Out2", "m1.mgr/"))
+HEAD = (
+    '<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts"'
+    ' xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"'
+    ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" rts:id="RTSystem:Me:Two:0"'
+    ' rts:version="0.2" rts:creationDate="2026-01-01T00:00:00"'
+    ' rts:updateDate="2026-01-01T00:00:00">'
+)
+COMPONENT = """
+<rts:Components xsi:type="rtsExt:component_ext" rts:id="RTC:rtkit:example:{type}:1.0"
+ rts:pathUri="localhost/{below}{name}.rtc" rts:instanceName="{name}" rts:isRequired="true">
+ <rts:DataPorts rts:name="{name}.{port}"/>
+ <rts:ExecutionContexts xsi:type="rtsExt:execution_context_ext" rts:id="0" rts:kind="PERIODIC"
+  rts:rate="10.0"/>
+ <rtsExt:Properties rtsExt:name="rtkit.create" rtsExt:value="{create}"/>
+</rts:Components>"""
+WIRE = """
+<rts:DataPortConnectors xsi:type="rtsExt:dataport_connector_ext" rts:connectorId="{id}"
+ rts:name="{id}" rts:dataType="IDL:RTC/TimedLong:1.0" rts:interfaceType="corba_cdr"
+ rts:dataflowType="push" rts:subscriptionType="new">
+ <rts:sourceDataPort rts:componentId="RTC:rtkit:example:ConsoleIn:1.0" rts:instanceName="{source}"
+  rts:portName="{source}.out"/>
+ <rts:targetDataPort rts:componentId="RTC:rtkit:example:ConsoleOut:1.0" rts:instanceName="{sink}"
+  rts:portName="{sink}.in"/>
+</rts:DataPortConnectors>"""
+
+
+def profile(
+    path: Path, wires: Sequence[tuple[str, str]] = (("In1", "Out1"), ("In2", "Out2"))
+) -> str:
+    """Write a source and a sink in each of the managers, the source in a slave."""
+    components = [
+        COMPONENT.format(type=type_, below=below, name=name, port=port, create=create)
+        for source, sink, below in PAIRS
+        for type_, name, port, create in (
+            ("ConsoleIn", source, "out", "ConsoleIn?manager_name=source"),
+            ("ConsoleOut", sink, "in", "ConsoleOut"),
+        )
+    ]
+    joined = [WIRE.format(id=f"w-{s}-{t}", source=s, sink=t) for s, t in wires]
+    path.write_text("".join([HEAD, *components, *joined, "</rts:RtsProfile>"]))
+    return str(path)
+
+
+def states(shell: Any) -> dict[str, str]:
+    rows = (line.split() for line in shell.ok("rtls -lR /localhost").splitlines())
+    return {row[-1]: row[0] for row in rows if row and row[-1].endswith(".rtc")}
+
+
+def test_a_system_in_two_managers_is_one_system(manager: Any) -> None:
+    shell = manager
+    file = profile(shell.folder / "two.xml")
+
+    # Who is missing is named as typed, before anything is made; a plan can be shown all the same.
+    refused = shell.run(f"rtapply {file}")
+    missing = (
+        "manager 'm1' is not running (start it with: rtmgr start m1; running: manager);"
+        " it is to hold /localhost/m1.mgr/In2.rtc and 1 more"
+    )
+    assert refused == (1, "", f"rtapply: {missing}\n")
+    assert shell.run(f"rtresurrect {file}").err == f"rtresurrect: {missing}\n"
+    shown = shell.run(f"rtplan {file}")
+    assert (shown.status, shown.err) == (0, f"rtplan: {missing}; taken as if nothing lived there\n")
+    assert "start manager m1" in shown.out
+    assert "create In2 on m1 in slave source" in shown.out
+    assert shell.ok("rtls -1 /localhost") == "manager.mgr/\n"
+
+    shell.ok("rtmgr start m1")
+    crossed = profile(shell.folder / "crossed.xml", [("In1", "Out2")])
+    assert "two managers (manager and m1)" in shell.run(f"rtapply {crossed}").err
+    assert "two managers (manager and m1)" in shell.run(f"rtresurrect {crossed}").err
+    assert states(shell) == {}
+
+    plan = json.loads(shell.ok(f"rtplan --json {file}"))
+    assert {step["text"]: step["layer"] for step in plan["steps"]} == {
+        **{f"create In{n} on {m} in slave source": 1 for n, m in ((1, "manager"), (2, "m1"))},
+        **{f"create Out{n} on {m}": 1 for n, m in ((1, "manager"), (2, "m1"))},
+        **{f"connect In{n}.out to Out{n}.in (w-In{n}-Out{n})": 2 for n in (1, 2)},
+        **{f"activate {name}{n}": 3 for n in (1, 2) for name in ("In", "Out")},
+    }
+    assert shell.run(f"rtapply {file}").status == 0
+    assert shell.run(f"rtcheck {file}") == (0, "", "")
+    assert shell.ok(f"rtplan {file}").startswith("nothing to do")
+    assert states(shell) == dict.fromkeys(("In1.rtc", "Out1.rtc", "In2.rtc", "Out2.rtc"), "Active")
+
+    # The commands of one purpose each.
+    assert shell.run(f"rtstop {file}").status == 0
+    assert set(states(shell).values()) == {"Inactive"}
+    shell.ok(f"rtteardown --exit {file}")
+    assert states(shell) == {}
+    shell.ok(f"rtresurrect {file}")
+    started = shell.run(f"rtstart {file}")
+    assert started.status == 0
+    assert "Activate /localhost/m1.mgr/Out2.rtc" in started.err
+    assert shell.run(f"rtcheck {file}") == (0, "", "")
+
+
+def test_a_manager_killed_on_the_way_stops_it_and_run_again_it_finishes(manager: Any) -> None:
+    shell = manager
+    shell.ok("rtmgr start m1")
+    file = profile(shell.folder / "two.xml")
+    pid = int(json.loads(shell.ok("rtmgr status --json m1"))["pid"])
+    running = shell.open(f"rtapply --parallel 1 {file}")
+    told = ""
+    while "create Out2" not in told:
+        told = running.stderr.readline()
+        assert told
+    os.kill(pid, signal.SIGKILL)
+    broken = shell.end_of(running)
+    assert broken.status == 1
+    assert "start manager m1" in broken.err
+    assert re.search(r"rtapply: .*; \d+ steps left; run it again to go on\n$", broken.err)
+
+    # What can be stopped is stopped; what is needed is said.
+    stopped = shell.run(f"rtstop {file}")
+    assert stopped.status == 0
+    assert "manager 'm1' is not running" in stopped.err
+    assert "Deactivate /localhost/Out1.rtc" in stopped.err
+    assert shell.run(f"rtapply {file}").status == 1
+
+    shell.ok("rtmgr start m1")
+    assert shell.run(f"rtapply {file}").status == 0
+    assert shell.run(f"rtcheck {file}") == (0, "", "")

@@ -1,0 +1,201 @@
+"""Several managers as one tree: who is asked what, what is refused, what strangers there may be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.creation import creation_plan
+from rtkit.deployment.joint import homes_in, inward, outward
+from rtkit.deployment.live import Live
+from rtkit.deployment.wanted import wanted
+from rtkit.deployment.world import World
+from rtkit.errors import Impossible, Refused, Unreachable
+from rtkit.profile import rts_model as rts
+from rtkit.profile.common import Property
+from rtkit.rtc.enums import PortType
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.tree.apply import Runner
+from rtkit.tree.applying import Applier, Goal
+from rtkit.tree.fake import fake_tree
+from rtkit.tree.fleet import Fleet, ear_at
+from rtkit.tree.resurrect import resurrect
+
+NAMES = ("manager", "m1")
+PORTS = (PortProfile("out", PortType.OUT), PortProfile("in", PortType.IN))
+NODE = ComponentPattern(TypeProfile("Node"), PORTS, {"default": {"a": "0"}})
+LOADED = ComponentPattern(TypeProfile("Guest"), PORTS, {"default": {}})
+MODULE = "/m/guest.py:GuestInit"
+
+
+def make_world(name: str) -> World:
+    world = World([NODE], manager=name, modules={"/m/guest.py": [LOADED]})
+    return world
+
+
+def component(name: str, path: str, **told: str) -> rts.Component:
+    properties = tuple(Property(f"rtkit.{key}", value) for key, value in told.items())
+    kind = told["create"].partition("?")[0]
+    context = rts.ExecutionContext("0", "PERIODIC", 10.0)
+    return rts.Component(
+        f"RTC:::{kind}:", path, name, execution_contexts=(context,), properties=properties
+    )
+
+
+def profile(*components: rts.Component, wires: tuple[tuple[str, str], ...] = ()) -> rts.RtsProfile:
+    date = "2025-01-01T00:00:00"
+    joined = tuple(
+        rts.DataPortConnector(
+            f"{one}-{other}",
+            "wire",
+            "IDL:RTC/TimedLong:1.0",
+            "corba_cdr",
+            "push",
+            rts.TargetPort("RTC:::Node:", one, f"{one}.out"),
+            rts.TargetPort("RTC:::Node:", other, f"{other}.in"),
+        )
+        for one, other in wires
+    )
+    return rts.RtsProfile(
+        "RTSystem:a:b:1", "0.2", date, date, components=components, data_port_connectors=joined
+    )
+
+
+HERE = component("Here", "localhost/Here.rtc", create="Node")
+THERE = component("There", "localhost/m1.mgr/There.rtc", create="Node?manager_name=s")
+GUEST = component("Guest0", "localhost/m1.mgr/Guest0.rtc", create="Guest", module=MODULE)
+
+
+class Host:
+    def __init__(self, told: rts.RtsProfile) -> None:
+        self.worlds = {name: make_world(name) for name in NAMES}
+        self.system = wanted(told, "box", managers=["m1"])
+        homes = {c.instance: c.manager or "manager" for c in self.system.components}
+        self.fleet = Fleet(NAMES, {n: fake_tree(w) for n, w in self.worlds.items()}, homes)
+
+    def resurrect(self) -> None:
+        runner = Runner(self.fleet, lambda _: None)
+        resurrect(self.fleet, self.system, self.fleet.snapshot(), runner)
+
+    def apply(self) -> None:
+        before = self.fleet.snapshot()
+        goal = Goal(self.system)
+        Applier(self.fleet, goal, lambda _: None, lambda _: None).run(goal.plan(before), before)
+
+
+@pytest.mark.parametrize("way", [Host.resurrect, Host.apply])
+def test_each_manager_is_asked_for_what_is_its_own_in_its_own_words(way) -> None:
+    host = Host(profile(HERE, THERE, GUEST))
+    way(host)
+    assert homes_in(host.fleet.snapshot()) == {"Here": "manager", "There": "m1", "Guest0": "m1"}
+    there = host.worlds["m1"]
+    assert there.components["There"].names == ("localhost/There.rtc",)
+    assert list(there.loaded) == ["/m/guest.py"]
+    assert host.worlds["manager"].loaded == {}
+    assert act.Load("/m/guest.py", "GuestInit") in there.performed
+    shown = {c.instance: c.names for c in host.fleet.snapshot().components}
+    assert shown["There"] == ("localhost/m1.mgr/There.rtc",)
+
+
+def test_what_is_to_be_done_says_where() -> None:
+    host = Host(profile(HERE, THERE, GUEST))
+    plan = creation_plan(host.system, Live(host.fleet.snapshot(), host.system))
+    assert [step.text.partition(" at path ")[2] or step.text for step in plan.steps] == [
+        f'Load module "{MODULE}" on m1',
+        "/localhost/Here.rtc in the manager",
+        "/localhost/m1.mgr/There.rtc in slave s on m1",
+        "/localhost/m1.mgr/Guest0.rtc in manager m1",
+    ]
+
+
+def test_what_was_made_is_taken_back_where_it_was_made() -> None:
+    host = Host(profile(HERE, GUEST, wires=(("Here", "Here"),)))
+    here = host.worlds["manager"]
+    here.fault = lambda action: (
+        act.Result(act.ReturnCode.ERROR, "refused", "no") if type(action) is act.Connect else None
+    )
+    with pytest.raises(Refused, match=r"removed again: Guest0, Here, module /m/guest\.py"):
+        host.resurrect()
+    assert [world.components for world in host.worlds.values()] == [{}, {}]
+    assert host.worlds["m1"].loaded == {}
+
+
+def test_a_connection_between_two_managers_is_refused_before_anything_is_made() -> None:
+    host = Host(profile(HERE, THERE, wires=(("Here", "There"),)))
+    why = r"/Here.rtc:out to /localhost/m1.mgr/There.rtc:in: its components are in two managers"
+    with pytest.raises(Refused, match=why):
+        host.resurrect()
+    with pytest.raises(Impossible, match=why):
+        host.apply()
+    assert not any(world.performed for world in host.worlds.values())
+    wire = ConnectorProfile("w", "w", (PortRef("Here", "out"), PortRef("There", "in")))
+    with pytest.raises(Refused, match=r"two managers \(manager and m1\)"):
+        host.fleet.apply([act.Connect(wire)])
+
+
+def test_strangers_of_the_same_name_are_told_and_left_alone() -> None:
+    host = Host(profile(HERE, THERE))
+    here = host.worlds["manager"]
+    assert here.perform(act.Create("Node?instance_name=There")).ok
+    # Whether it is to move nobody knows: it is not made a second time.
+    with pytest.raises(Refused, match="There is in manager manager, and stays there"):
+        host.resurrect()
+    assert host.worlds["m1"].components == {}
+    assert host.worlds["m1"].perform(act.Create("Node?instance_name=There")).ok
+    host.apply()
+    assert here.components["There"].state == "Inactive"
+    assert host.worlds["m1"].components["There"].state == "Active"
+
+
+def test_results_come_in_the_order_of_the_actions_and_end_at_a_failure() -> None:
+    host = Host(profile(HERE, THERE))
+    create = [act.Create(f"Node?instance_name={name}") for name in ("There", "Here", "Other")]
+    made = host.fleet.apply(create, is_ordered=False)
+    assert [result.value for result in made] == ["There", "Here", "Other"]
+    results = host.fleet.apply([act.Delete("Here"), act.Delete("Here"), act.Delete("There")])
+    assert [result.ok for result in results] == [True, False]
+    assert "There" in host.worlds["m1"].components
+
+
+def test_what_all_tell_is_heard() -> None:
+    host = Host(profile(HERE, THERE))
+    with ear_at(host.fleet) as ear:
+        host.worlds["m1"].perform(act.Create("Node?instance_name=There"))
+        host.worlds["manager"].perform(act.Create("Node?instance_name=Here"))
+        while len(ear.facts.components) < 2:
+            assert ear.wait()
+        assert homes_in(ear.facts) == {"Here": "manager", "There": "m1"}
+
+
+def test_one_that_does_not_run_holds_nothing() -> None:
+    host = Host(profile(HERE, THERE))
+    fleet = Fleet(NAMES, {"m1": host.fleet.trees["m1"]}, host.fleet.homes)
+    assert [each.pid > 0 for each in (fleet.snapshot(), *fleet.snapshot().others)] == [False, True]
+    with pytest.raises(Unreachable, match="manager 'manager' is not running"):
+        fleet.apply([act.Create("Node?instance_name=Here")])
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("localhost/A.rtc", "localhost/m1.mgr/A.rtc"),
+        ("localhost/dir/A.rtc", "localhost/m1.mgr/dir/A.rtc"),
+        ("box/A.rtc", "box/A.rtc"),
+    ],
+)
+def test_names_of_another_manager_are_shown_below_it(name: str, shown: str) -> None:
+    assert outward(name, "m1") == shown
+    assert outward(shown, "m1") == shown
+    assert inward(shown, "m1") == name
+    assert inward(name, "m2") == name
+
+
+def test_facts_of_one_manager_stay_as_they_are() -> None:
+    host = Host(profile(HERE))
+    tree = host.fleet.trees["manager"]
+    one = Fleet(NAMES[:1], {"manager": tree}, {})
+    assert one.snapshot() == tree.snapshot()
+    assert replace(one.snapshot(), pid=1).others == ()
