@@ -12,11 +12,13 @@ import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
+from random import Random
 from typing import Any
 
 from bench.harness import Lines, Row, paired, timed
-from rtkit.deployment.planning.model import Model, Unit, Wire, Wish
+from rtkit.deployment.planning.model import Key, Model, Unit, Wire, Wish
 from rtkit.deployment.planning.plan import make_plan
+from rtkit.deployment.planning.telling import quality
 from rtkit.deployment.planning.whole import judge
 from rtkit.errors import LimitReached
 from rtkit.planner import Limits, Problem, State, plan
@@ -73,15 +75,19 @@ def _each(work: Callable[[], object], count: int) -> float:
 
 def _deployments() -> Lines:
     for components, connections, target_s in ((50, 100, 1), (200, 400, 5), (1000, 2000, 60)):
-        model = _model(components, connections)
-        moves = make_plan(model).moves
-        figures = paired(
-            lambda model=model: timed(lambda: make_plan(model)),  # type: ignore[misc]
-            lambda model=model, moves=moves: timed(lambda: judge(model, moves)),  # type: ignore[misc]
-            _ROUNDS,
-        )
-        what = f"plan of {components:,} components, {connections:,} connections, from nothing"
-        yield Row(what, "ms", *figures, target_s * 1000, False, "carrying it out on the model")
+        for model, how in (
+            (_model(components, connections), "from nothing"),
+            (_changed(components, connections), "all of it changed, places free in two managers"),
+        ):
+            found = make_plan(model)
+            figures = paired(
+                lambda model=model: timed(lambda: make_plan(model)),  # type: ignore[misc]
+                lambda found=found: timed(lambda: judge(found.model, found.moves)),  # type: ignore[misc]
+                _ROUNDS,
+            )
+            what = f"plan of {components:,} components, {connections:,} connections, {how}"
+            what += f" ({quality(found)})"
+            yield Row(what, "ms", *figures, target_s * 1000, False, "carrying it out on the model")
 
 
 def _model(components: int, connections: int) -> Model:
@@ -91,12 +97,38 @@ def _model(components: int, connections: int) -> Model:
         name = f"c{number}"
         units[name] = Unit(name, f"T{number % 20}", (f"m:slave/s{number % 7}", "m:inproc"))
         desired |= {f"cmp:{name}": "*", f"act:{name}": "active"}
+    wires = _wires(components, connections)
+    desired |= dict.fromkeys((f"con:{name}" for name in wires), "yes")
+    return Model({"m": None}, units, wires, desired=desired)
+
+
+def _changed(components: int, connections: int) -> Model:
+    """Return a deployment in which each component is active, in a wrong place or wrongly set."""
+    chance = Random(1)
+    places = [f"{manager}:{at}" for manager in "mn" for at in ("inproc", "slave/s0", "slave/s1")]
+    units, keys = {}, {}
+    live, desired = {"mgr:m": "up", "mgr:n": "up"}, dict[str, Wish]()
+    for number in range(components):
+        name = f"c{number}"
+        may_be = tuple(chance.sample(places, 3))
+        units[name], keys[f"{name}.gain"] = Unit(name, f"T{number % 20}", may_be), Key("0")
+        live |= {f"cmp:{name}": chance.choice(places), f"act:{name}": "active"}
+        live[f"cfg:{name}.gain"] = "1"
+        wish: Wish = "*" if number % 2 else may_be
+        desired |= {f"cmp:{name}": wish, f"act:{name}": "active", f"cfg:{name}.gain": "2"}
+    wires = _wires(components, connections)
+    for name in wires:
+        live[f"con:{name}"] = chance.choice(["yes", "no", "other"])
+        desired[f"con:{name}"] = chance.choice(["yes", "yes", "no"])
+    return Model({"m": None, "n": None}, units, wires, keys, live, desired)
+
+
+def _wires(components: int, connections: int) -> dict[str, Wire]:
     wires = {}
     for number in range(connections):
         other = (number * 37 + number // components + 1) % components
         wires[f"k{number}"] = Wire((f"c{number % components}", f"c{other}"))
-        desired[f"con:k{number}"] = "yes"
-    return Model({"m": None}, units, wires, desired=desired)
+    return wires
 
 
 PARTS = {"successors": _successors, "deployments": _deployments}
