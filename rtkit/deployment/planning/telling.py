@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from rtkit.deployment.planning.costs import ORIGINS, TABLE, USUAL, Costs
@@ -83,17 +83,28 @@ def as_plain(plan: DeploymentPlan, costs: Costs = USUAL) -> dict[str, Any]:
 
 
 def to_dot(plan: DeploymentPlan) -> Iterator[str]:
-    """Yield the lines of a graph for Graphviz: an edge from what must be done before."""
+    """Yield the lines of a graph for Graphviz: an edge from what must be done just before."""
     yield "digraph plan {"
     yield "  rankdir=LR;"
     yield "  node [shape=box];"
     for n, move in enumerate(plan.moves):
         text = f"{n + 1} {move.text}".replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ")
         yield f'  s{n + 1} [label="{text}"];'
-    for n, before in enumerate(plan.before):
-        for each in sorted(before):
+    for n, before in enumerate(_just_before(plan.before)):
+        for each in before:
             yield f"  s{each + 1} -> s{n + 1};"
     yield "}"
+
+
+def _just_before(before: Sequence[Collection[int]]) -> Iterator[list[int]]:
+    """Yield for each step those before it that are not before another one before it."""
+    all_before: list[int] = []  # of each step a number with a bit for each step
+    for each in before:
+        further = 0
+        for one in each:
+            further |= all_before[one]
+        yield [one for one in sorted(each) if not further >> one & 1]
+        all_before.append(further | sum(1 << one for one in each))
 
 
 def _sources(plan: DeploymentPlan, costs: Costs) -> Iterator[str]:
