@@ -201,9 +201,10 @@ class Host:
                         is_quiet = bool(tenant.ready(mask)) and is_quiet
                     elif number == own:
                         is_quiet = False
-                        self._is_woken = False
                         with contextlib.suppress(BlockingIOError):
                             self._wake.recv(4096)
+                        # Only now: what wakes it before is not heard, but has been posted.
+                        self._is_woken = False
                 now = time.monotonic()
                 if is_quiet and not (self._dirty or self._posted) and now < tidy_at:
                     # Requests that were answered at once, as most are: all else is as it was.
@@ -221,7 +222,7 @@ class Host:
             times.append(self._poll_at)
         if self._dirty:
             times += self._flush(now)
-        if self._tenants:
+        if self._tenants or self.services:
             if now >= self._housekeeping_at:
                 self._keep_house(now)
             times.append(self._housekeeping_at)

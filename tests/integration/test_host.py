@@ -1,0 +1,34 @@
+"""The loop hears of everything that other threads want of it."""
+
+from __future__ import annotations
+
+import threading
+
+from rtkit.serving.host import Host
+
+BOUND_S = 30.0
+
+
+def test_what_is_posted_while_it_wakes_does_not_deafen_it() -> None:
+    host = Host()
+    first, second = threading.Event(), threading.Event()
+    awaken = host._wake
+
+    class Waking:
+        """Another thread posts at the worst moment: while the wake-up is being taken."""
+
+        def recv(self, size: int) -> bytes:
+            host.post(first.set)
+            host._wake = awaken
+            return awaken.recv(size)
+
+        def fileno(self) -> int:
+            return awaken.fileno()
+
+    host._wake = Waking()  # type: ignore[assignment]
+    host.start()
+    host.post(lambda: None)
+    assert first.wait(BOUND_S)
+    host.post(second.set)
+    assert second.wait(BOUND_S)
+    host.close()
