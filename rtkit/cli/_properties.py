@@ -25,7 +25,7 @@ def place_options(function: F) -> F:
     function = click.option(
         "--at",
         metavar="HOST:PORT",
-        help="Ask what is behind this TCP door, http://HOST:PORT, or serial:DEVICE?baud=115200.",
+        help="Ask what is behind this TCP door, http:// or ice://HOST:PORT, or serial:DEVICE.",
     )(function)
     return click.option(
         "-p",
@@ -53,13 +53,17 @@ def connected(app: App, at: str | None) -> Iterator[Places]:
             read_address(at)
         except Malformed as error:
             raise click.BadParameter(str(error), param_hint="--at") from None
-    elif at is not None and not at.startswith("http://") and not at.rpartition(":")[2].isdigit():
+    elif at is not None and not _is_door(at):
         raise click.BadParameter(f"not HOST:PORT: {at}", param_hint="--at")
     places = Places(working_directory(), at or "", app.timeout_s)
     try:
         yield places
     finally:
         places.close()
+
+
+def _is_door(at: str) -> bool:
+    return at.startswith(("http://", "ice://")) or at.rpartition(":")[2].isdigit()
 
 
 def joined(parameters: Sequence[str]) -> str:

@@ -36,9 +36,9 @@ def main(
 
     TARGET is SERVICE.NAME, or a path such as /localhost/SERVICE/NAME; in place of a service it
     may be a component, a manager or this host (/localhost/Motor0.rtc.state). Elsewhere it is
-    http://HOST:PORT/ps/SERVICE/NAME or serial:DEVICE/NAME. Alone, a service stands for the names
-    it has. Behind the name of a property .meta asks what is known of it, .properties what is
-    below, .parameters, .gui, .history more.
+    http://HOST:PORT/ps/SERVICE/NAME, ice://HOST:PORT/SERVICE/NAME or serial:DEVICE/NAME. Alone, a
+    service stands for the names it has. Behind the name of a property .meta asks what is known of
+    it, .properties what is below, .parameters, .gui, .history more.
     """
     if not targets:
         raise WrongArguments("No targets specified.")

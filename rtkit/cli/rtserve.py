@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _LOCAL = frozenset({"", "localhost", "127.0.0.1"})
 
 
-def _http_port(context: click.Context, parameter: click.Parameter, value: str | None) -> int | None:
+def _port(context: click.Context, parameter: click.Parameter, value: str | None) -> int | None:
     if value is None:
         return None
     name, _, port = value.rpartition(":")
@@ -46,8 +46,10 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
               help="Also open this serial line (DEVICE?baud=115200&check=auto).")  # fmt: skip
 @click.option("--allow-set", "settable", multiple=True, metavar="GLOB",
               help="Names that may be set over the serial line (repeatable).")  # fmt: skip
-@click.option("--http", metavar="[HOST:]PORT", callback=_http_port,
+@click.option("--http", metavar="[HOST:]PORT", callback=_port,
               help="Also open an HTTP door on this host, 0 for any free port.")  # fmt: skip
+@click.option("--ice", metavar="[HOST:]PORT", callback=_port,
+              help="Also open an Ice door on this host, 0 for any free port.")  # fmt: skip
 @click.option("--rules", "files", multiple=True, metavar="FILE",
               help="Who may do what through which door, and limits (repeatable).")  # fmt: skip
 @click.option("--rule", "lines", multiple=True, metavar="RULE",
@@ -62,6 +64,7 @@ def main(
     serial: str | None,
     settable: tuple[str, ...],
     http: int | None,
+    ice: int | None,
     files: tuple[str, ...],
     lines: tuple[str, ...],
     thing: str,
@@ -90,13 +93,14 @@ def main(
     policy = _policy(files, lines)
     thing_made = made(thing, arguments)
     with serve(
-        thing_made, name, port=port, serial=serial, settable=settable, http=http, hide=hide,
-        rules=policy,
+        thing_made, name, port=port, serial=serial, settable=settable, http=http, ice=ice,
+        hide=hide, rules=policy,
     ) as served:  # fmt: skip
         doors = [f"/localhost/{served.name}"]
         doors += [] if served.port is None else [f"localhost:{served.port}"]
         doors += [] if serial is None else [f"{SCHEME}{serial.removeprefix(SCHEME)}"]
         doors += [] if served.http is None else [f"http://localhost:{served.http}/ps/{served.name}"]
+        doors += [] if served.ice is None else [f"ice://localhost:{served.ice}/{served.name}"]
         _out.write(["  ".join(doors)])
         import sys
 

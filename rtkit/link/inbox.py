@@ -27,6 +27,9 @@ class Inbox:
         else:
             self._events.append(event)
 
+    def __len__(self) -> int:
+        return len(self._latest) + len(self._events)
+
     def take(self) -> Event | None:
         """Return the next event, None if there is none."""
         if self._latest:

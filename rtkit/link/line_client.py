@@ -18,6 +18,7 @@ from rtkit.property.messages import DONE, Answer, Event, Payload
 
 if TYPE_CHECKING:
     from rtkit.link.http_client import HttpClient
+    from rtkit.link.ice_client import IceClient
 
 _PIECE = 1 << 16
 _FEW = 1 << 12
@@ -235,7 +236,9 @@ def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:
 
 
 @contextmanager
-def listening(client: LineClient | HttpClient, target: str) -> Iterator[Iterator[Event]]:
+def listening(
+    client: LineClient | HttpClient | IceClient, target: str
+) -> Iterator[Iterator[Event]]:
     """Listen on a connection of its own, which is closed at the end."""
     try:
         client.listen(target)

@@ -7,11 +7,11 @@ One rule or limit a line; ``#`` begins a remark::
     deny   *     *        GET  diary
     limit  tcp   rate     100
 
-A rule names a door (``unix tcp http zenoh serial mqtt`` or ``*``), who asks (a pattern; ``nobody``
-is who has not shown who it is), ``GET``, ``SET`` or ``*``, and a pattern of names: it holds for
-what lies below them too, and for all that is asked about them. Listening is a GET. Where no rule
-fits, GET is for all that the door lets in, SET for who is known. What a property itself refuses
-stays refused.
+A rule names a door (``unix tcp http zenoh serial mqtt ice`` or ``*``), who asks (a pattern;
+``nobody`` is who has not shown who it is), ``GET``, ``SET`` or ``*``, and a pattern of names: it
+holds for what lies below them too, and for all that is asked about them. Listening is a GET. Where
+no rule fits, GET is for all that the door lets in, SET for who is known. What a property itself
+refuses stays refused.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from rtkit.errors import Malformed
 
-DOORS = ("unix", "tcp", "http", "zenoh", "serial", "mqtt")
+DOORS = ("unix", "tcp", "http", "zenoh", "serial", "mqtt", "ice")
 METHODS = ("GET", "SET")
 NOBODY = "nobody"
 _ANY = "*"

@@ -177,6 +177,16 @@ def _http(address: str, setting: Setting) -> Source:
     return Source(_calls(another, setting.host), service)
 
 
+def _ice(address: str, setting: Setting) -> Source:
+    from rtkit.link.ice import read_address
+    from rtkit.proxy.objects import ObjectContact
+
+    place = read_address(f"ice:{address}")
+    if not place.service:
+        raise Malformed(f"not ice://HOST:PORT/SERVICE: ice:{address}")
+    return Source(lambda: ObjectContact(setting.host, place, setting.timeout_s), place.service)
+
+
 def _calls(another: Callable[[], End], host: Host) -> Wire:
     return lambda: CallContact(host, another(), another)
 
@@ -188,6 +198,7 @@ SOURCES: dict[str, Callable[[str, Setting], Source]] = {
     "serial": _serial,
     "http": _http,
     "mqtt": _mqtt,
+    "ice": _ice,
 }
 
 
@@ -231,6 +242,15 @@ def _http_door(address: str, owner: Owner, setting: Setting) -> str:
     return f"http://localhost:{open_http(setting.host, port)}/ps/{owner.name}"
 
 
+def _ice_door(address: str, owner: Owner, setting: Setting) -> str:
+    from rtkit.serving.ice_door import open_ice
+
+    host, port = _host_and_port(address.removeprefix("//").rstrip("/"))
+    if host not in _HERE:
+        raise Refused(f"doors are opened on this host only: ice:{address}")
+    return f"ice://localhost:{open_ice(setting.host, port)}/{owner.name}"
+
+
 def _serial_door(device: str, owner: Owner, setting: Setting) -> str:
     from rtkit.link.serial_line import read_address
     from rtkit.serving.serial_door import open_serial
@@ -256,6 +276,7 @@ DOORS: dict[str, Callable[[str, Owner, Setting], str]] = {
     "http": _http_door,
     "serial": _serial_door,
     "mqtt": _mqtt_door,
+    "ice": _ice_door,
 }
 
 

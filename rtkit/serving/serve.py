@@ -24,15 +24,23 @@ class Served(Closing):
         socket: The path of its unix socket.
         port: Of its TCP door, None if it has none.
         http: Port of its HTTP door, None if it has none.
+        ice: Port of its Ice door, None if it has none.
     """
 
     def __init__(
-        self, host: Host, service: Service, socket: str, port: int | None, http: int | None = None
+        self,
+        host: Host,
+        service: Service,
+        socket: str,
+        port: int | None,
+        http: int | None = None,
+        ice: int | None = None,
     ) -> None:
         self.name = service.name
         self.socket = socket
         self.port = port
         self.http = http
+        self.ice = ice
         self.service = service
         self._host = host
 
@@ -75,6 +83,7 @@ def serve(
     serial: str | None = None,
     settable: Iterable[str] = (),
     http: int | None = None,
+    ice: int | None = None,
     hide: Iterable[str] = (),
     rules: str | Policy = "",
     is_on_zenoh: bool = True,
@@ -96,6 +105,7 @@ def serve(
         serial: Also open this serial line, ``DEVICE[?baud=N&check=auto|1|0]``, when it is there.
         settable: Patterns of names that may be set over it; none may, unless told.
         http: Also open this port of the host, 0 for any, for HTTP, likewise.
+        ice: Also open this port of the host, 0 for any, for Ice, likewise.
         hide: Names that are not to be seen.
         rules: Who may do what through which door, and how much: `rtkit.property.access`.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
@@ -124,6 +134,7 @@ def serve(
             open_serial(host, read_address(serial), service.name, tuple(settable))
         opened = None if port is None else open_tcp(host, service.name, port)
         web = None if http is None else _open_http(host, http)
+        objects = None if ice is None else _open_ice(host, ice)
         if is_on_zenoh:
             from rtkit.serving.zenoh_door import open_zenoh
 
@@ -132,10 +143,16 @@ def serve(
         host.close()
         raise
     host.start()
-    return Served(host, service, socket, opened, web)
+    return Served(host, service, socket, opened, web, objects)
 
 
 def _open_http(host: Host, port: int) -> int:
     from rtkit.serving.http_door import open_http
 
     return open_http(host, port)
+
+
+def _open_ice(host: Host, port: int) -> int:
+    from rtkit.serving.ice_door import open_ice
+
+    return open_ice(host, port)

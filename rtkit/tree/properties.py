@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _SERIAL = "serial:"
 _HTTP = "http://"
+_ICE = "ice://"
 WEB_ROOT = "/ps"
 
 
@@ -92,9 +93,9 @@ class Places:
     """Finds properties and keeps one connection for each owner.
 
     Args:
-        at: ``HOST:PORT`` of a TCP door, ``http://HOST:PORT``, or ``serial:DEVICE``, else services
-            of this user on this host are meant. Behind a serial line there is one service, which
-            needs no name.
+        at: ``HOST:PORT`` of a TCP door, ``http://HOST:PORT``, ``ice://HOST:PORT`` or
+            ``serial:DEVICE``, else services of this user on this host are meant. Behind a serial
+            line there is one service, which needs no name.
         timeout_s: Bound on each request [s].
     """
 
@@ -115,6 +116,8 @@ class Places:
         try:
             if typed.startswith(_HTTP):
                 return self._on_web(typed)
+            if typed.startswith(_ICE):
+                return self._on_ice(typed)
             if (self._at or typed).startswith(_SERIAL):
                 return self._on_line(typed)
         except Exception as error:
@@ -168,6 +171,8 @@ class Places:
     def _door(self) -> End:
         if "" not in self._ends and self._at.startswith(_HTTP):
             self._ends[""] = self._web(self._at)
+        elif "" not in self._ends and self._at.startswith(_ICE):
+            self._ends[""] = self._objects(self._at)
         elif "" not in self._ends:
             from rtkit.link.line_client import connect_tcp
 
@@ -180,9 +185,20 @@ class Places:
         address, _, rest = typed.partition(f"{WEB_ROOT}/")
         if address not in self._ends:
             self._ends[address] = self._web(address)
-        door = self._ends[address]
-        services = str(door.ask("").value()).strip("()").split()
-        place = parse(rest, "/", services, os.uname().nodename)
+        return self._behind(self._ends[address], "", rest, typed)
+
+    def _on_ice(self, typed: str) -> tuple[Place, End]:
+        """Return what ``ice://HOST:PORT/SERVICE/NAME`` is."""
+        where, _, rest = typed.removeprefix(_ICE).partition("/")
+        if where not in self._ends:
+            self._ends[where] = self._objects(_ICE + where)
+        return self._behind(self._ends[where], "door/services", rest, typed)
+
+    @staticmethod
+    def _behind(door: End, asked: str, path: str, typed: str) -> tuple[Place, End]:
+        """Return what a path behind a door is; services are known by asking for them."""
+        services = str(door.ask(asked).value()).strip("()").split()
+        place = parse(path, "/", services, os.uname().nodename)
         if not place.service:
             raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
         return place._replace(typed=typed), OfService(door, place.service)
@@ -202,6 +218,11 @@ class Places:
         from rtkit.link.http_client import connect_http
 
         return connect_http(address, self._timeout_s)
+
+    def _objects(self, address: str) -> End:
+        from rtkit.link.ice_client import connect_ice
+
+        return connect_ice(address, self._timeout_s)
 
     def _end(self, place: Place) -> End:
         if not place.service:

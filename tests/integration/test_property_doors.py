@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 
+import icekit
 import pytest
 from conformance import Door, check_answers, check_events, subject
 from propertydoors import BOUND_S, Lines, Zenoh
@@ -15,6 +16,7 @@ from propertydoors import BOUND_S, Lines, Zenoh
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places, secret
 from rtkit.link.http_client import connect_http
+from rtkit.link.ice_client import connect_ice
 from rtkit.link.line_client import LineClient, connect_tcp, connect_unix, listening
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
@@ -29,7 +31,7 @@ def service() -> Service:
 
 @pytest.fixture
 def served(place: str, service: Service) -> Iterator[Served]:
-    with serve(service, "robot", port=0, http=0) as served:
+    with serve(service, "robot", port=0, http=0, ice=icekit.PORT) as served:
         yield served
 
 
@@ -52,16 +54,22 @@ def _http(served: Served) -> Lines:
     return Lines(lambda: connect_http(address, BOUND_S, "robot"))
 
 
+def _ice(served: Served) -> Lines:
+    address = f"ice://127.0.0.1:{served.ice}/robot"
+    return Lines(lambda: connect_ice(address, BOUND_S))
+
+
 DOORS: dict[str, Callable[[Served], Lines | Zenoh]] = {
     "unix": _unix,
     "tcp": _tcp,
     "zenoh": lambda served: Zenoh(),
     "http": _http,
-}
+} | ({"ice": _ice} if icekit.IS_THERE else {})
 """Each is a row: what is asked of one is asked of all."""
+_NO_ICE = [] if icekit.IS_THERE else [pytest.param("ice", marks=pytest.mark.skip(icekit.MISSING))]
 
 
-@pytest.fixture(params=DOORS)
+@pytest.fixture(params=[*DOORS, *_NO_ICE])
 def door(request: pytest.FixtureRequest, served: Served) -> Iterator[Door]:
     made = DOORS[request.param](served)
     yield made
@@ -336,7 +344,7 @@ def test_listeners_are_bounded_at_every_door(place: str) -> None:
             door.close()
 
 
-@pytest.mark.parametrize("name", ["unix", "tcp", "http"])
+@pytest.mark.parametrize("name", ["unix", "tcp", "http", *({"ice"} & DOORS.keys())])
 def test_who_asks_too_often_is_told(place: str, name: str) -> None:
     with _ruled("limit * rate 20") as served:
         door = DOORS[name](served)
@@ -357,4 +365,4 @@ def test_one_connection_too_many_is_told(place: str) -> None:
 
 
 def _ruled(rules: str = RULES) -> Served:
-    return serve(subject(), "robot", port=0, http=0, rules=rules)
+    return serve(subject(), "robot", port=0, http=0, ice=icekit.PORT, rules=rules)

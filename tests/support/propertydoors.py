@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager, contextmanager
 
 from rtkit.link import keys, places
 from rtkit.link.http_client import HttpClient
+from rtkit.link.ice_client import IceClient
 from rtkit.link.line_client import LineClient, listening
 from rtkit.link.properties import PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
@@ -17,9 +18,9 @@ BOUND_S = 30.0
 
 
 class Lines:
-    """Lines or HTTP; each who listens has a client of its own."""
+    """Lines, HTTP or Ice; each who listens has a client of its own."""
 
-    def __init__(self, connect: Callable[[], LineClient | HttpClient]) -> None:
+    def __init__(self, connect: Callable[[], LineClient | HttpClient | IceClient]) -> None:
         self._connect = connect
         self._client = connect()
         self.ask = self._client.ask

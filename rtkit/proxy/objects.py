@@ -1,0 +1,150 @@
+"""A connection of a proxy to its owner over Ice."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from time import monotonic
+
+from rtkit.errors import Unreachable
+from rtkit.link import secret
+from rtkit.link.ice import IceAddress, runtime
+from rtkit.link.ice_session import IceSession, Outcome
+from rtkit.property.messages import Answer, Event, Payload
+from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing
+from rtkit.proxy.lines import DEAD_S, SILENT_S
+from rtkit.proxy.mailbox import Mailbox
+from rtkit.serving.host import Host
+
+_HAS_ID = re.compile(r"[?&]id(?:=|&|$)")
+
+
+class ObjectContact:
+    """A session with an Ice door, used by nobody else.
+
+    Args:
+        address: Of the service.
+        timeout_s: Bound on connecting [s].
+
+    Raises:
+        Refused: Ice is not there.
+        Unreachable: Nobody answers there.
+        PropertyError: ``denied``: the door knows another secret.
+    """
+
+    def __init__(self, host: Host, address: IceAddress, timeout_s: float) -> None:
+        self._host = host
+        self._waiting: dict[int, Answering] = {}
+        self._ears: dict[str, str] = {}
+        self._number = 0
+        self._heard_at = monotonic()
+        self._is_probed = False
+        self._is_open = True
+        self._gone: Gone = lambda why: None
+        runtime()
+        self._session = IceSession(address, secret.read(), timeout_s, went=self._went)
+
+    def start(self, gone: Gone) -> None:
+        """See `Contact.start`."""
+        self._gone = gone
+
+    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+        """See `Contact.ask`."""
+        if not self._is_open:
+            answer(Answer("the connection has ended", "no-service"))
+            return
+        if id and payload is not None and not _HAS_ID.search(target):
+            word = hashlib.blake2b(id.encode(), digest_size=12).hexdigest()
+            target += f"{'&' if '?' in target else '?'}id=i{word}"
+        number = self._expect(answer)
+        self._session.ask(
+            target, payload, lambda told: self._host.post(lambda: self._answered(number, told))
+        )
+
+    def has_room(self, name: str) -> bool:
+        """See `Contact.has_room`: each listening has an object of its own."""
+        return name not in self._ears
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """See `Contact.listen`."""
+        mailbox = Mailbox(self._host, wish, lambda event: self._take(name, key, hear, event))
+
+        def take(events: list[Event]) -> None:
+            for event in events:
+                mailbox.put(event)
+
+        def answered(reply: Answer) -> None:
+            if reply.error and self._ears.get(name) == key:
+                del self._ears[name]
+            answer(reply)
+
+        number = self._expect(answered)
+        key = self._session.listen(
+            f"{name}?{wish}" if wish else name,
+            take,
+            lambda told: self._host.post(lambda: self._answered(number, told)),
+        )
+        self._ears[name] = key
+
+    def leave(self, name: str) -> None:
+        """See `Contact.leave`."""
+        key = self._ears.pop(name, None)
+        if key is not None:
+            self._session.leave(key)
+
+    def check(self, now: float) -> None:
+        """See `Contact.check`."""
+        if not self._waiting and not self._ears:
+            return
+        silent_s = now - self._heard_at
+        if silent_s > DEAD_S and self._is_probed:
+            self._fail(f"no answer within {DEAD_S:g} s", "timeout")
+        elif silent_s > SILENT_S and not self._is_probed:
+            self._is_probed = True
+            self.ask(STATUS, None, "", lambda _: None)
+
+    def close(self) -> None:
+        """See `Contact.close`."""
+        self._close(Answer("the connection has ended", "no-service"))
+
+    # Its own
+
+    def _expect(self, answer: Answering) -> int:
+        if not self._waiting and not self._ears:
+            self._heard_at = monotonic()
+        self._number += 1
+        self._waiting[self._number] = answer
+        return self._number
+
+    def _answered(self, number: int, told: Outcome) -> None:
+        self._hear_of()
+        reply = Answer(str(told), "no-service") if isinstance(told, Unreachable) else told
+        answer = self._waiting.pop(number, None)
+        if answer is not None:
+            answer(reply)
+
+    def _take(self, name: str, key: str, hear: Hearing, event: Event) -> None:
+        self._hear_of()
+        if self._ears.get(name) == key:
+            hear(event)
+
+    def _hear_of(self) -> None:
+        self._heard_at, self._is_probed = monotonic(), False
+
+    def _went(self, why: str) -> None:
+        self._host.post(lambda: self._fail(why, "no-service"))
+
+    def _fail(self, why: str, code: str) -> None:
+        if self._is_open:
+            self._close(Answer(why, code))
+            self._gone(why)
+
+    def _close(self, reply: Answer) -> None:
+        if not self._is_open:
+            return
+        self._is_open = False
+        self._ears.clear()
+        waiting, self._waiting = self._waiting, {}
+        for answer in waiting.values():
+            answer(reply)
+        self._session.close()
