@@ -74,7 +74,7 @@ def test_limits_are_of_a_door_or_of_all() -> None:
 @pytest.mark.parametrize(("text", "says"), [
     ("permit * * GET *", "file:1: expected allow, deny or limit, found permit"),
     ("\n\nallow * * GET", "file:3: expected allow DOOR IDENTITY METHOD TARGET"),
-    ("deny ftp * GET *", "file:1: expected a door (unix tcp http zenoh serial mqtt or *),"),
+    ("deny ftp * GET *", "file:1: expected a door (unix tcp http zenoh serial mqtt ice or *),"),
     ("deny * * get *", "file:1: expected GET, SET or *, found get"),
     ("deny * * GET a/b", "file:1: not a pattern of names: a/b"),
     ("deny * * GET " + "x" * 256, "not a pattern of names"),
