@@ -18,7 +18,8 @@ from rtkit.link import ice, secret
 from rtkit.property.messages import Answer, failed
 from rtkit.serving.gate import LOOPBACK
 from rtkit.serving.host import Host
-from rtkit.serving.ice_guest import STUCK_S, Asked, IceGuest
+from rtkit.serving.ice_ear import STUCK_S
+from rtkit.serving.ice_guest import Asked, IceGuest
 from rtkit.serving.login import PATIENCE_S, Login
 from rtkit.serving.room import Room
 

@@ -1,4 +1,4 @@
-"""One client of the Ice door: who it is, how much it may still send, and what it listens to."""
+"""One client of the Ice door: who it is, how much it may still send, and who listens for it."""
 
 from __future__ import annotations
 
@@ -11,15 +11,13 @@ from rtkit.link import ice
 from rtkit.link.ice import DOOR, LEASE_S
 from rtkit.property.codes import PropertyError
 from rtkit.property.listening import Listener
-from rtkit.property.messages import Answer, Ask, Caller, Event, Payload
-from rtkit.serving.hearer import Hearer
+from rtkit.property.messages import Answer, Ask, Caller, Payload
 from rtkit.serving.host import Host
+from rtkit.serving.ice_ear import IceEar
 from rtkit.serving.login import Login
 from rtkit.serving.pace import too_fast
 from rtkit.serving.room import Room
 
-STUCK_S = 30.0
-"""How long events wait to be heard, and half a message or an answer to be carried [s]."""
 _IDLE_S = 60
 _HIGH = 1 << 20
 """Bytes of answers that may lie unread, above which no further request is taken."""
@@ -27,9 +25,6 @@ _MOST_WAITING = 4096
 """Requests that are being worked on or wait, and bytes of them, above which a client is cut off."""
 _MOST_HELD = 1 << 22
 _HEAD = 64
-_ROOM_FOR_EVENTS = 1 << 18
-_MOST_EVENTS = 1000
-_MOST_FAILURES = 3
 _LONGEST_IDENTITY = 255
 
 
@@ -126,8 +121,9 @@ class IceGuest(Caller):
             self._connection.close(ice.runtime().ice.ConnectionClose.Gracefully)
         elif self.identity and not was_known:
             runtime = ice.runtime().ice
+            # Now it may wait for as long as an action takes.
             self._connection.setACM(
-                _IDLE_S, runtime.ACMClose.CloseOnIdleForceful, runtime.ACMHeartbeat.HeartbeatOff
+                _IDLE_S, runtime.ACMClose.CloseOnIdle, runtime.ACMHeartbeat.HeartbeatOff
             )
 
     def _dispatch(self, asked: Asked, answer: Callable[[Answer], None]) -> None:
@@ -153,9 +149,7 @@ class IceGuest(Caller):
         if len(key) > _LONGEST_IDENTITY:
             raise PropertyError("too-large", f"more than {_LONGEST_IDENTITY} bytes of identity")
         if key not in self._ears:
-            bare = self._connection.createProxy(identity)
-            bare = bare.ice_invocationTimeout(int(STUCK_S * 1000))
-            proxy = ice.runtime().slice.ListenerPrx.uncheckedCast(bare)
+            proxy = self._connection.createProxy(identity)
             self._ears[key] = IceEar(self._host, self, key, proxy, self._room)
         return self._ears[key]
 
@@ -178,6 +172,7 @@ class IceGuest(Caller):
             asked = self._held.popleft()
             self._held_size -= asked.size
             self._work(asked)
+        self._sent(0)
 
     # The end
 
@@ -207,93 +202,6 @@ class IceGuest(Caller):
             del self._ears[ear.key]
             for service in self._host.services.values():
                 service.forget(ear)
-
-
-class IceEar(Hearer):
-    """One that listens: what comes while it is being called waits here, bounded, for the next call.
-
-    Args:
-        key: The identity of who is called.
-        proxy: To call.
-    """
-
-    def __init__(self, host: Host, guest: IceGuest, key: str, proxy: Any, room: Room) -> None:
-        super().__init__(room, guest.identity)
-        self.key = key
-        self._host = host
-        self._guest = guest
-        self._proxy = proxy
-        self._is_called = False
-        self._failures = 0
-
-    def listen(self, listener: Listener) -> None:
-        """See `Caller.listen`."""
-        self._room.check_listeners(self._guest.listening)
-        self._listeners.append(listener)
-
-    def wake(self) -> None:
-        """See `Caller.wake`."""
-        self._host.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; its connection is Ice's."""
-
-    def check(self, now: float) -> None:
-        """See `Tenant.check`; each call has a bound."""
-
-    def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
-        if self._is_called:
-            return None
-        due: list[float] = []
-        events: list[Event] = []
-        room = _ROOM_FOR_EVENTS
-        for listener in list(self._listeners):
-            while room > 0 and len(events) < _MOST_EVENTS:
-                event = listener.take(now)
-                if event is None:
-                    break
-                events.append(event)
-                room -= len(event.payload)
-            if listener.has_ended and not listener.pending:
-                self._listeners.remove(listener)
-            elif listener.pending:
-                at = listener.due()
-                due += [] if at is None else [at]
-        if events:
-            self._call(events)
-            return None
-        if not self._listeners:
-            self._guest.drop(self)
-        return min(due, default=None)
-
-    def _call(self, events: list[Event]) -> None:
-        self._is_called = True
-        try:
-            future = self._proxy.hearAsync([ice.write_event(each) for each in events])
-        except ice.runtime().ice.Exception as error:
-            self._heard(error)
-            return
-        future.add_done_callback(lambda done: self._host.post(lambda: self._heard(_error(done))))
-
-    def _heard(self, error: Exception | None) -> None:
-        runtime = ice.runtime().ice
-        self._is_called = False
-        self._failures = 0 if error is None else self._failures + 1
-        if isinstance(error, runtime.InvocationTimeoutException):
-            self._guest.cut_off()
-        elif isinstance(error, runtime.RequestFailedException) or self._failures >= _MOST_FAILURES:
-            self._guest.drop(self)
-        else:
-            self._host.mark(self)
-
-
-def _error(future: Any) -> Exception | None:
-    try:
-        future.result()
-    except Exception as error:
-        return error
-    return None
 
 
 def _to_listen(target: str) -> str:

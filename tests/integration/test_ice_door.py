@@ -15,6 +15,8 @@ from typing import Any
 import icekit
 import pytest
 from conformance import subject
+from icestranger import Stranger
+from icestranger import string as _string
 
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import ice, ice_session, secret
@@ -30,7 +32,7 @@ from rtkit.property.spec import Spec
 from rtkit.property.types import parse_type
 from rtkit.proxy import objects
 from rtkit.proxy.bridge import bridge
-from rtkit.serving import ice_door, ice_guest, login
+from rtkit.serving import ice_door, ice_ear, ice_guest, login
 from rtkit.serving.ice_door import IceDoor
 from rtkit.serving.ice_guest import IceGuest
 from rtkit.serving.serve import Served, serve
@@ -38,7 +40,6 @@ from rtkit.serving.serve import Served, serve
 pytestmark = pytest.mark.skipif(not icekit.IS_THERE, reason=icekit.MISSING)
 
 BOUND_S = 30.0
-_HELLO = b"IceP\1\0\1\0\3\0\x0e\0\0\0"
 
 
 @pytest.fixture
@@ -80,66 +81,6 @@ def await_that(served: Served, is_so: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
-class Stranger:
-    """Speaks the protocol of Ice, byte by byte."""
-
-    def __init__(self, served: Served) -> None:
-        self.end = socket.create_connection(("127.0.0.1", served.ice or 0), BOUND_S)
-        assert self.read(len(_HELLO)) == _HELLO
-
-    def __enter__(self) -> Stranger:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.end.close()
-
-    def read(self, size: int) -> bytes:
-        data = b""
-        while len(data) < size and (more := self.end.recv(size - len(data))):
-            data += more
-        return data
-
-    def ask(self, operation: str, body: bytes, service: str = "robot", number: int = 1) -> None:
-        mode = 0 if operation == "set" else 2
-        head = struct.pack("<i", number) + _string(service) + _string("") + b"\0"
-        self.message(0, head + _string(operation) + bytes([mode, 0]) + _capsule(body))
-
-    def message(self, kind: int, body: bytes, size: int | None = None) -> None:
-        size = 14 + len(body) if size is None else size
-        self.end.sendall(b"IceP\1\0\1\0" + bytes([kind, 0]) + struct.pack("<i", size) + body)
-
-    def reply(self) -> bytes:
-        head = self.read(14)
-        return self.read(struct.unpack("<i", head[10:])[0] - 14) if head else b""
-
-    def log_in(self) -> None:
-        self.ask("get", _string("nonce"), "door")
-        told = self.reply()
-        nonce = told[12 : 12 + told[11]].decode()
-        known = secret.read()
-        proof = f"{known.user} {login.proof(known.password, nonce)}"
-        self.ask("set", _string("identity") + _string(proof) + b"\0\0", "door")
-        assert self.reply()[4] == 0, "it is let in"
-
-    def is_hung_up_on(self) -> bool:
-        try:
-            while self.end.recv(1 << 16):
-                pass
-        except ConnectionError:
-            return True
-        return True
-
-
-def _string(text: str | bytes) -> bytes:
-    raw = text if isinstance(text, bytes) else text.encode()
-    size = bytes([len(raw)]) if len(raw) < 255 else b"\xff" + struct.pack("<i", len(raw))
-    return size + raw
-
-
-def _capsule(body: bytes) -> bytes:
-    return struct.pack("<i", 6 + len(body)) + b"\1\1" + body
-
-
 # Who means no good
 
 
@@ -159,7 +100,7 @@ def _capsule(body: bytes) -> bytes:
     ids=["TLS", "HTTP", "x", "1 GiB", "less than none", "packed", "batch", "bye", "Ice 2"],
 )  # fmt: skip
 def test_rubbish_ends_only_its_own_connection(served: Served, rubbish: bytes) -> None:
-    with client(served) as other, Stranger(served) as stranger:
+    with client(served) as other, Stranger(served.ice) as stranger:
         sender = threading.Thread(target=_send, args=(stranger.end, rubbish))
         sender.start()
         assert stranger.is_hung_up_on()
@@ -175,7 +116,7 @@ def _send(end: socket.socket, data: bytes) -> None:
 
 
 def test_requests_that_cannot_be_read_are_answered(served: Served) -> None:
-    with Stranger(served) as stranger:
+    with Stranger(served.ice) as stranger:
         stranger.log_in()
         for body in (
             _string(b"\xff\xfe"),
@@ -203,7 +144,7 @@ def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
         ("set", _string("speed") + _string("1") + b"\0\0"),
         ("listen", _string("speed") + _string("ear") + _string("") + b"\0\0\0\1\0\1\1\0\0"),
     ):
-        with Stranger(served) as stranger:
+        with Stranger(served.ice) as stranger:
             stranger.ask(operation, body)
             told = stranger.reply()
             assert b"denied" in told
@@ -223,7 +164,11 @@ def test_who_says_nothing_is_not_waited_for(place: str, monkeypatch: pytest.Monk
     monkeypatch.setattr(ice_door, "STUCK_S", 1.0)
     monkeypatch.setattr(login, "PATIENCE_S", 0.3)
     with serve(subject(), "robot", ice=0, is_on_zenoh=False) as served:
-        with Stranger(served) as silent, Stranger(served) as half, Stranger(served) as unknown:
+        with (
+            Stranger(served.ice) as silent,
+            Stranger(served.ice) as half,
+            Stranger(served.ice) as unknown,
+        ):
             half.message(0, b"half of it", 1000)
             unknown.ask("get", _string("nonce"), "door")
             assert unknown.reply()[4] == 0
@@ -242,7 +187,7 @@ def test_giant_values_are_refused_and_harm_nobody_else(served: Served) -> None:
         assert giant.ask("any", "\udc80").error == "syntax"
         assert giant.ask("\udc80").error == "syntax"
         assert giant.ask("any", "()").error == ""
-        with Stranger(served) as stranger:
+        with Stranger(served.ice) as stranger:
             sender = threading.Thread(
                 target=_send, args=(stranger.end, b"IceP\1\0\1\0\0\0" + struct.pack("<i", 3 << 20))
             )
@@ -261,7 +206,7 @@ def test_who_never_reads_answers_costs_little_and_is_given_up(
     with (
         serve(service, "robot", ice=0, is_on_zenoh=False) as served,
         client(served) as other,
-        Stranger(served) as deaf,
+        Stranger(served.ice) as deaf,
     ):
         deaf.log_in()
         (guest,) = [each for each in guests(served) if each is not guests(served)[0]]
@@ -318,7 +263,7 @@ def _listeners(service: Service) -> int:
 def test_who_never_answers_delays_nobody_and_is_dropped(
     served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ice_guest, "STUCK_S", 1.0)
+    monkeypatch.setattr(ice_ear, "STUCK_S", 1.0)
     went: SimpleQueue[str] = SimpleQueue()
     calls: list[int] = []
     never = ice.runtime().ice.Future()
@@ -427,7 +372,7 @@ def test_a_service_that_ends_answers_and_tells(place: str) -> None:
     go = threading.Event()
     served = serve(Slow(), "robot", ice=0, is_on_zenoh=False)
     told: SimpleQueue[Outcome] = SimpleQueue()
-    with client(served) as waits, session(served) as asks, Stranger(served) as stranger:
+    with client(served) as waits, session(served) as asks, Stranger(served.ice) as stranger:
         waits.listen("work")
         assert waits.event(BOUND_S) is not None
         asks.ask("work?echo", "", told.put)
