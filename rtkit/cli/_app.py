@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 DEFAULT_TIMEOUT_S = 10.0
 _LEAST_TIMEOUT_S = 2.0
 """How long a manager may take on a machine that is at work [s]."""
-_SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+SETTINGS = {"max_content_width": 100}
 
 
 class App:
@@ -255,7 +255,9 @@ def command(
     """
 
     def decorate(function: Callable[..., int | None]) -> Main:
-        make: Any = click.command(name=name, context_settings=_SETTINGS, **settings)
+        make: Any = click.command(
+            name=name, context_settings=SETTINGS, add_help_option=False, **settings
+        )
         made: click.Command = make(pass_app(function))
         own = {text for each in made.params for text in each.opts}
         offered = common_options(is_local=is_local)
@@ -311,6 +313,15 @@ def common_options(*, is_local: bool = False) -> list[click.Option]:
             callback=_show_version,
             help="Show the version and exit.",
         ),
+        # Click's own one looks for a translation of this text, through each start of a command.
+        click.Option(
+            ["-h", "--help"],
+            is_flag=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_show_help,
+            help="Show this message and exit.",
+        ),
     ]
 
 
@@ -327,6 +338,12 @@ def _show_version(context: click.Context, _parameter: click.Parameter, value: bo
         from rtkit import __version__
 
         click.echo(f"rtkit {__version__}")
+        context.exit(0)
+
+
+def _show_help(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
+    if value and not context.resilient_parsing:
+        click.echo(context.get_help(), color=context.color)
         context.exit(0)
 
 

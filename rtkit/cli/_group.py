@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import click
 
-from rtkit.cli._app import App, Main, WrongArguments, common_options
+from rtkit.cli._app import SETTINGS, App, Main, WrongArguments, common_options
 from rtkit.errors import UsageProblem
 
 
@@ -36,7 +36,8 @@ class Group(click.Group):
             invoke_without_command=True,
             no_args_is_help=False,
             subcommand_metavar="COMMAND [ARGS]...",
-            context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+            context_settings=SETTINGS,
+            add_help_option=False,
         )
         self.words = dict(words)
 

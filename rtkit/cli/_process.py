@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import _signal  # type: ignore[import-not-found]
 import os
-import signal
 import sys
 from typing import NoReturn, TextIO
 
@@ -29,9 +29,9 @@ def _closed() -> TextIO:
 
 def hear_interrupts() -> None:
     """Have Ctrl-C raise KeyboardInterrupt, which `rtkit.cli` has put off until now."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_DFL:
+    if _signal.getsignal(_signal.SIGINT) == _signal.SIG_DFL:
         sys.unraisablehook = _not_lost
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        _signal.signal(_signal.SIGINT, _signal.default_int_handler)
 
 
 def _not_lost(failure: sys.UnraisableHookArgs) -> None:
@@ -40,8 +40,8 @@ def _not_lost(failure: sys.UnraisableHookArgs) -> None:
     Such are the callbacks with which the import of a module ends.
     """
     if failure.exc_type is KeyboardInterrupt:
-        signal.signal(signal.SIGALRM, signal.default_int_handler)
-        signal.setitimer(signal.ITIMER_REAL, _MOMENT_S)
+        _signal.signal(_signal.SIGALRM, _signal.default_int_handler)
+        _signal.setitimer(_signal.ITIMER_REAL, _MOMENT_S)
     else:
         sys.__unraisablehook__(failure)
 
@@ -53,8 +53,8 @@ def die_interrupted() -> NoReturn:
     """
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    signal.raise_signal(signal.SIGINT)
+    _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
+    _signal.raise_signal(_signal.SIGINT)
     os._exit(INTERRUPTED)  # somebody blocks the signal
 
 
