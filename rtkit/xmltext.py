@@ -10,9 +10,14 @@ _NOT_IN_XML = "[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]"
 
 def bad_character(text: str) -> re.Match[str] | None:
     """Return the first character that no XML document may contain, not even as a reference."""
-    return None if text.isprintable() else re.search(_NOT_IN_XML, text)
+    return None if _is_plain(text) else re.search(_NOT_IN_XML, text)
 
 
 def without_bad_characters(text: str) -> str:
     """Return the text with a replacement character for each that XML cannot carry."""
-    return text if text.isprintable() else re.sub(_NOT_IN_XML, "\ufffd", text)
+    return text if _is_plain(text) else re.sub(_NOT_IN_XML, "\ufffd", text)
+
+
+def _is_plain(text: str) -> bool:
+    """Whether a text needs no closer look."""
+    return text.replace("\n", "").isprintable()

@@ -58,7 +58,7 @@ _MANY = 50_000
 
 
 def _begin_script() -> None:
-    """Make this process fit for one of our scripts; what imports a command to call it is not touched.
+    """Make this process fit for one of our scripts; who imports a command is not touched.
 
     Ctrl-C ends it without a traceback while it still imports. The module `signal` itself takes as
     long to import as all that comes before this. And what is imported lives until the end: to

@@ -74,7 +74,6 @@ def main(
         raise UsageProblem("--components and --ignore are for --static")
     if is_diff and form != _static.TEXT:
         raise UsageProblem("--diff has a form of its own: no --json, no --format")
-    from rtkit.cli.system.judged import text_of, told
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import Live
 
@@ -91,8 +90,12 @@ def main(
     if is_diff:
         _out.write(map(_out.printable, diff_lines([*found, *surplus(system, live)])))
     elif form != _static.TEXT:
+        from rtkit.cli.system.judged import told
+
         _out.write(told(form, document.source, system, found))
-    else:
+    elif found:
+        from rtkit.cli.system.judged import text_of
+
         for each in found:
             app.say(text_of(each))
     return app.status(Refused()) if any(each.is_required for each in found) else 0

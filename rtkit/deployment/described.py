@@ -21,7 +21,7 @@ _TYPES = {
     "out": PortType.OUT,
     "corbaport": PortType.SERVICE,
 }
-_INTERFACE_KEY = re.compile(r"(.+)\.port\.(.+)\.(provided|required)\.(.+)\.([^.]+)")
+_INTERFACE_KEY = r"(.+)\.port\.(.+)\.(provided|required)\.(.+)\.([^.]+)"
 
 
 def properties_of(items: Iterable[Property]) -> dict[str, str]:
@@ -64,7 +64,7 @@ def interfaces_told(
 ) -> Iterable[tuple[str, str, PortInterfaceProfile]]:
     """Yield (instance, port, interface) for each interface that a connector's properties name."""
     for key in properties:
-        found = _INTERFACE_KEY.fullmatch(key)
+        found = re.fullmatch(_INTERFACE_KEY, key) if ".port." in key else None
         if found:
             instance, port, polarity, type_name, name = found.groups()
             yield (

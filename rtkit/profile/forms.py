@@ -12,7 +12,7 @@ _ENDINGS = {".xml": XML, ".yaml": YAML, ".yml": YAML, ".json": JSON}
 _MARKS = (b"\xef\xbb\xbf", b"\xff\xfe", b"\xfe\xff")
 _LOOKED_AT = 4096
 _COMPONENT_ROOTS = (b"RtcProfile", b"rtcProfile")
-_YAML_ROOT = re.compile(rb"^(---\s+)?\s*[\"']?[Rr]t[cs]Profile[\"']?\s*:", re.MULTILINE)
+_YAML_ROOT = rb"^(---\s+)?\s*[\"']?[Rr]t[cs]Profile[\"']?\s*:"
 
 
 def may_be_component(head: bytes) -> bool:
@@ -55,4 +55,4 @@ def form_of(data: bytes, name: str = "") -> str:
         return told if told == YAML else JSON
     if told is not None:
         return told
-    return YAML if _YAML_ROOT.search(head) else XML
+    return YAML if re.search(_YAML_ROOT, head, re.MULTILINE) else XML

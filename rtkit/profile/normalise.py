@@ -9,15 +9,11 @@ import re
 from typing import Any
 
 from rtkit.profile.findings import Findings
-from rtkit.profile.parse import MAX_ATTRIBUTES
-from rtkit.profile.spec import DATE, DATE_FORM, FLAG, WHOLE, WORD, Attr, Child, Spec
+from rtkit.profile.parse import MAX_ATTRIBUTES, MAX_DEPTH
+from rtkit.profile.spec import DATE, FLAG, WHOLE, WORD, Attr, Child, Spec, is_date
 from rtkit.profile.xmlnames import NAMESPACES, XML, XSI, XSI_TYPE, clark, short, split
 
-MAX_DEPTH = 64
-"""Elements nested deeper than this are refused; real profiles need about ten."""
-
-
-_LANGUAGE = re.compile(r"[a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*")
+_LANGUAGE = r"[a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*"
 _OUR_NAMESPACES = frozenset(NAMESPACES.values()) | {""}
 _CLOSED = frozenset(("", NAMESPACES["rtc"], NAMESPACES["rts"]))
 """Here all names are known; the extension namespaces grow, so unknown ones there are kept."""
@@ -84,7 +80,7 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
     elif attribute.kind == DATE:
         better = text.replace("/", "-").replace(" ", "T", 1)
         better = better if "T" in better else f"{better}T00:00:00"
-        better = better if DATE_FORM.fullmatch(better) else value
+        better = better if is_date(better) else value
     if better != value:
         element.set(attribute.name, better)
         said = f"{short(attribute.name)} {value!r} taken as {better!r}"
@@ -137,7 +133,7 @@ def _is_wrong_xml(namespace: str, local: str, value: str) -> bool:
 
     Schema libraries differ in what they know of these, so only that one is kept.
     """
-    return namespace == XML and (local != "lang" or not _LANGUAGE.fullmatch(value))
+    return namespace == XML and (local != "lang" or not re.fullmatch(_LANGUAGE, value))
 
 
 def _supply(element: Any, spec: Spec, found: Findings) -> None:

@@ -15,6 +15,9 @@ from rtkit.profile.xmlnames import short
 
 MAX_BYTES = 12 * 2**20
 MAX_ATTRIBUTES = 200
+MAX_DEPTH = 64
+"""Elements nested deeper than this are refused; real profiles need about ten."""
+
 _LONG_TAG = 5 * MAX_ATTRIBUTES
 """A tag that has more attributes is longer, in bytes."""
 
@@ -22,9 +25,10 @@ _MAX_TAGS = 150_000
 _MAX_EQUALS = 300_000
 _MAX_NAMESPACES = 1_000
 _LARGE = "too-large"
-_BEFORE_ROOT = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*", re.DOTALL)
-_PLACE = re.compile(r"(?:,? line [0-9]+)?, line [0-9]+, column [0-9]+$")
-_DOCTYPE = re.compile(rb"<!DOCTYPE\s*([^\s\[>]*)")
+# Compiled at use: most documents need none of them.
+_BEFORE_ROOT = rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*"
+_PLACE = r"(?:,? line [0-9]+)?, line [0-9]+, column [0-9]+$"
+_DOCTYPE = rb"<!DOCTYPE\s*([^\s\[>]*)"
 
 
 def may_drop_blanks(data: bytes) -> bool:
@@ -61,7 +65,7 @@ def parse(data: bytes, source: str, *, drops_blanks: bool = False) -> Any:
         root = etree.fromstring(data, parser)
     except etree.XMLSyntaxError as error:
         line = error.lineno or 1
-        why = _PLACE.sub("", str(error.msg).removesuffix(f" (<string>, line {error.lineno})"))
+        why = re.sub(_PLACE, "", str(error.msg).removesuffix(f" (<string>, line {error.lineno})"))
         text = f"not well-formed: {_one_line(why)}"
         raise InvalidProfile(source, [Note(line, text, rule="not-well-formed")]) from error
     _refuse_long_tags(root, data, source)
@@ -121,9 +125,11 @@ def _refuse_doctype(data: bytes, source: str) -> None:
     text = data
     if b"\0" in data[:8]:
         text = data.removeprefix(b"\xff\xfe").removeprefix(b"\xfe\xff").replace(b"\0", b"")
-    before = _BEFORE_ROOT.match(text)
+    if b"<!DOCTYPE" not in text:
+        return
+    before = re.match(_BEFORE_ROOT, text, re.DOTALL)
     start = before.end() if before else 0
-    found = _DOCTYPE.match(text, start)
+    found = re.compile(_DOCTYPE).match(text, start)
     if found:
         name = found[1].decode("utf-8", "replace")
         raise _doctype_problem(source, text.count(b"\n", 0, start) + 1, name)

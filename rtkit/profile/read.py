@@ -154,18 +154,28 @@ class Grammar(NamedTuple):
 
 def _grammar(kind: str) -> Grammar:
     if kind == "rts":
-        from rtkit.profile.references import check_references
         from rtkit.profile.rts_spec import RTS_PROFILE
         from rtkit.profile.strict import is_plain_system
         from rtkit.profile.validate import RTS
 
-        return Grammar(kind, RTS_PROFILE, RTS, check_references, is_plain_system)
-    from rtkit.profile.rtc_rules import check_names
+        return Grammar(kind, RTS_PROFILE, RTS, _check_references, is_plain_system)
     from rtkit.profile.rtc_spec import RTC_PROFILE
     from rtkit.profile.strict import is_plain_component
     from rtkit.profile.validate import RTC
 
-    return Grammar(kind, RTC_PROFILE, RTC, check_names, is_plain_component)
+    return Grammar(kind, RTC_PROFILE, RTC, _check_names, is_plain_component)
+
+
+def _check_references(root: Any, found: Findings) -> None:
+    from rtkit.profile.references import check_references
+
+    check_references(root, found)
+
+
+def _check_names(root: Any, found: Findings) -> None:
+    from rtkit.profile.rtc_rules import check_names
+
+    check_names(root, found)
 
 
 def _opened(

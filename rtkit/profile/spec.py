@@ -16,11 +16,10 @@ Supply = str | Callable[[Any, Any], str]
 
 TEXT, FLAG, WHOLE, REAL, DATE, WORD = "text", "flag", "whole", "real", "date", "word"
 
-REAL_FORM = re.compile(
-    r"\s*[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?\s*"
-)
-WHOLE_FORM = re.compile(r"\s*[+-]?[0-9]{1,18}\s*")
-DATE_FORM = re.compile(
+# Compiled at use: to build what is in strict form needs none of them.
+_REAL_FORM = r"\s*[+-]?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})([eE][+-]?[0-9]{1,3})?\s*"
+_WHOLE_FORM = r"\s*[+-]?[0-9]{1,18}\s*"
+_DATE_FORM = (
     r"\s*[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,12})?"
     r"(Z|[+-][0-9]{2}:[0-9]{2})?\s*"
 )
@@ -35,7 +34,17 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 def is_real(text: str) -> bool:
     """Whether a text is a finite number as profiles write it."""
-    return REAL_FORM.fullmatch(text) is not None and isfinite(float(text))
+    return re.fullmatch(_REAL_FORM, text) is not None and isfinite(float(text))
+
+
+def is_whole(text: str) -> bool:
+    """Whether a text is a whole number as profiles write it."""
+    return re.fullmatch(_WHOLE_FORM, text) is not None
+
+
+def is_date(text: str) -> bool:
+    """Whether a text is a date and time as profiles write it."""
+    return re.fullmatch(_DATE_FORM, text) is not None
 
 
 def _finite(text: str) -> float:
@@ -83,9 +92,9 @@ def attribute(
     kind = WORD if words else kind
     check: dict[str, Callable[[str], Any] | None] = {
         FLAG: lambda text: text.strip() in _FLAGS,
-        WHOLE: WHOLE_FORM.fullmatch,
+        WHOLE: is_whole,
         REAL: is_real,
-        DATE: DATE_FORM.fullmatch,
+        DATE: is_date,
         WORD: frozenset(words).__contains__,
     }
     read: dict[str, Callable[[str], Any]] = {

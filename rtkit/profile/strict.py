@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from rtkit.profile.build import NotStrict, build_strict
-from rtkit.profile.normalise import MAX_DEPTH
+from rtkit.profile.parse import MAX_DEPTH
 from rtkit.profile.rts_rules import OLD_VERSIONS
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.spec import Spec

@@ -6,11 +6,11 @@ import re
 from typing import Any
 
 from rtkit.errors import Malformed
-from rtkit.profile.spec import FLAG, REAL, WHOLE, WHOLE_FORM, Attr, Child, Spec, is_real
+from rtkit.profile.spec import FLAG, REAL, WHOLE, Attr, Child, Spec, is_real, is_whole
 from rtkit.profile.xmlnames import short, split
 from rtkit.xmltext import bad_character
 
-_LOCAL_NAME = re.compile(r"[^\W\d][\w.-]*")
+_LOCAL_NAME = r"[^\W\d][\w.-]*"
 
 
 def check_text(text: str) -> str:
@@ -33,7 +33,7 @@ def checked_name(name: str) -> str:
         Malformed: It cannot.
     """
     local = split(name)[1]
-    if not _LOCAL_NAME.fullmatch(local):
+    if not re.fullmatch(_LOCAL_NAME, local):
         raise Malformed(f"{local!r} is not an XML name")
     return check_text(name)
 
@@ -65,7 +65,7 @@ def format_value(item: Attr, value: Any) -> str:
         return text
     if item.kind == WHOLE:
         text = str(int(value))
-        if not WHOLE_FORM.fullmatch(text):
+        if not is_whole(text):
             raise Malformed(f"{short(item.name)} is beyond 18 digits: {text}")
         return text
     return str(value)

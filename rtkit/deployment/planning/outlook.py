@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from rtkit.deployment.live import Live
 from rtkit.deployment.system import System, WantedComponent
+from rtkit.records import dataclass, field
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.profiles import PortProfile
 

@@ -13,8 +13,7 @@ import pytest
 
 from rtkit.errors import InvalidDocument
 from rtkit.profile.findings import InvalidProfile
-from rtkit.profile.normalise import MAX_DEPTH
-from rtkit.profile.parse import MAX_BYTES
+from rtkit.profile.parse import MAX_BYTES, MAX_DEPTH
 from rtkit.profile.read import explain_rts, read_rtc, read_rts
 
 RTS = "http://www.openrtp.org/namespaces/rts"
