@@ -28,13 +28,13 @@ from rtkit.component.describe import describe
 from rtkit.component.fsm import EventPort, FsmComponent
 from rtkit.component.kinds import kind_of
 from rtkit.component.parameter import Parameter, declared_parameters
-from rtkit.component.typenames import scoped_name
 from rtkit.errors import Malformed
 from rtkit.profile import rtc_doc_model as docs
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile.common import Property
 from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.constraint_text import parse_constraint
+from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import ExecutionKind, PortType
 from rtkit.rtc.profiles import PortProfile
 

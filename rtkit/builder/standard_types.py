@@ -7,8 +7,8 @@ from importlib import import_module
 from typing import Any
 
 from rtkit.component.standard import HOMES
-from rtkit.component.typenames import scoped_name
 from rtkit.idl.model import Path
+from rtkit.rtc.data_types import scoped_name
 
 KNOWN: frozenset[Path] = frozenset((scope, name) for scope in HOMES for name in HOMES[scope])
 """Their paths."""

@@ -201,7 +201,7 @@ def _matched(app: App, streams: Sequence[Stream], channels: Sequence[Channel]) -
     Raises:
         Refused: A port has another data type than its channel, or there is nothing to play.
     """
-    from rtkit.component.typenames import is_same_type
+    from rtkit.rtc.data_types import is_same_type
 
     named = {channel.name: channel for channel in channels}
     left = list(channels)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from rtkit.component.options import interface_name
-from rtkit.component.typenames import is_same_type
+from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.interface_types import interface_name
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
 
 WRONG_TYPE = "Wrong port type."

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
 from rtkit.component.fsm import FsmComponent
-from rtkit.component.typenames import scoped_name, type_name
+from rtkit.component.typenames import type_name
 from rtkit.records import replace
+from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile
 
 

@@ -27,8 +27,9 @@ from rtkit.component.buffer import Sink, Source
 from rtkit.component.machine import Machine, Move, Table
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort, Listener, Renew
-from rtkit.component.typenames import is_same_type, scoped_name, type_by_name, type_name
+from rtkit.component.typenames import type_by_name, type_name
 from rtkit.errors import Malformed, NotFound, Refused
+from rtkit.rtc.data_types import is_same_type, scoped_name
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.profiles import ConnectorProfile
 

@@ -1,7 +1,4 @@
-"""Names of data types, as the RTC world writes them, and the classes that they stand for.
-
-``IDL:RTC/TimedLong:1.0``, ``RTC::TimedLong`` and ``TimedLong`` are one type.
-"""
+"""The classes that names of data types stand for."""
 
 from __future__ import annotations
 
@@ -12,37 +9,10 @@ from importlib import import_module
 from rtkit.component.standard import HOMES
 from rtkit.errors import Malformed
 from rtkit.records import is_record
-
-ANY = "any"
-"""Data type of a port that carries bytes of whatever type."""
+from rtkit.rtc.data_types import ANY, scoped_name
 
 _by_name: dict[str, type] = {}
 _by_class: dict[type, str] = {bytes: ANY}
-
-
-def scoped_name(text: str) -> str:
-    """Return the name in the form ``RTC::TimedLong``; "" for a type that is left open."""
-    name = text.strip()
-    if name.upper().startswith("IDL:"):
-        name = name[4:]
-        head, colon, tail = name.rpartition(":")
-        if colon and tail.replace(".", "").isdigit():
-            name = head
-    name = name.replace("/", "::").removeprefix("::")
-    return "" if name.lower() == ANY else name
-
-
-def is_same_type(one: str, other: str) -> bool:
-    """Whether two data type names may be connected; an open type goes with all.
-
-    A name without module stands for the type of that name in any module.
-    """
-    one, other = scoped_name(one), scoped_name(other)
-    if not one or not other or one == other:
-        return True
-    if "::" in one and "::" in other:
-        return False
-    return one.rpartition("::")[2] == other.rpartition("::")[2]
 
 
 def register(cls: type, name: str) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from rtkit.component.options import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.deployment import extension
 from rtkit.deployment.described import interfaces_to_text, is_run_time
 from rtkit.deployment.facts import ComponentFacts, Snapshot
@@ -13,6 +12,7 @@ from rtkit.profile.common import Property
 from rtkit.records import dataclass
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import PortType
+from rtkit.rtc.interface_types import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from rtkit.component.options import differing
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, absence, context_of
 from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector, address
 from rtkit.records import dataclass
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
+from rtkit.rtc.interface_types import differing
 from rtkit.rtc.profiles import PortRef
 
 _BASE = (

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from rtkit.component.typenames import ANY, is_same_type, scoped_name
 from rtkit.deployment.extension import STATED_TYPE
 from rtkit.deployment.system import WantedComponent, WantedConnector
 from rtkit.records import replace
+from rtkit.rtc.data_types import ANY, is_same_type, scoped_name
 from rtkit.rtc.profiles import PortProfile
 
 _TYPE = "dataport.data_type"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from rtkit.component.options import differing
 from rtkit.deployment.actions import ActivateSet, Connect, SetParameters
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, absence
 from rtkit.deployment.plan import Plan, Step, layer
 from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector, address
+from rtkit.rtc.interface_types import differing
 from rtkit.rtc.profiles import ConnectorProfile
 
 

@@ -9,7 +9,6 @@ import itertools
 from collections.abc import Callable, Iterable, Mapping
 
 from rtkit.component.check import WRONG_TYPE, refusal
-from rtkit.component.options import differing
 from rtkit.component.period import check_rate
 from rtkit.deployment import actions as act
 from rtkit.deployment import world_composites as composites
@@ -19,6 +18,7 @@ from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.records import replace
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType, ReturnCode, Transition
+from rtkit.rtc.interface_types import differing
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, check_instance_name
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import (

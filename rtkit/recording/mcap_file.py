@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import IO, Any, Self
 
-from rtkit.component.typenames import scoped_name
 from rtkit.errors import Malformed
 from rtkit.recording import schema
 from rtkit.recording.entries import Channel, Entry, Info, Span
+from rtkit.rtc.data_types import scoped_name
 
 CHUNK_S = 0.5
 """After how long a chunk is closed at the latest [s]."""

@@ -17,7 +17,8 @@ from rtkit.component.layout import (
     Text,
     layout_of,
 )
-from rtkit.component.typenames import scoped_name, type_name
+from rtkit.component.typenames import type_name
+from rtkit.rtc.data_types import scoped_name
 
 ENCODING = "omgidl"
 _NUMBERS = {

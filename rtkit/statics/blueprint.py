@@ -8,12 +8,12 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from rtkit.component.fit import Declared, declared_type
-from rtkit.component.options import interface_name
 from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.rtc_model import Configuration, DataPort, RtcProfile, ServicePort
 from rtkit.profile.words import property_value
 from rtkit.records import dataclass
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
+from rtkit.rtc.interface_types import interface_name
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
 
 INTERFACE, DATAFLOW, SUBSCRIPTION = "interface_type", "dataflow_type", "subscription_type"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.component.check import ANY_DATA_TYPE
-from rtkit.component.typenames import scoped_name
 from rtkit.profile.rts_model import DataPortConnector
 from rtkit.profile.words import property_value
 from rtkit.report.finding import ERROR, NOTE, WARNING
+from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
 from rtkit.statics.blueprint import DATAFLOW, INTERFACE, OFFERS, SUBSCRIPTION, words
 from rtkit.statics.ports import fits_type, type_names

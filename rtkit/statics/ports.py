@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
-from rtkit.component.typenames import is_same_type, scoped_name
 from rtkit.profile.rts_model import Port
 from rtkit.profile.words import strip_instance
 from rtkit.report.finding import ERROR
+from rtkit.rtc.data_types import is_same_type, scoped_name
 from rtkit.rtc.enums import PortType
 from rtkit.statics.blueprint import Blueprint, DataPortType
 from rtkit.statics.remark import Place, Remark

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rtkit.component.typenames import is_same_type
 from rtkit.deployment.described import interfaces_told
 from rtkit.profile.rts_model import ServicePortConnector
 from rtkit.profile.words import strip_instance
 from rtkit.report.finding import ERROR
+from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import Polarity
 from rtkit.rtc.profiles import PortInterfaceProfile
 from rtkit.statics.remark import TOP, Place, Remark

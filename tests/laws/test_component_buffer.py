@@ -6,13 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.component.buffer import make_ring
-from rtkit.component.options import (
-    BufferOptions,
-    EmptyPolicy,
-    FullPolicy,
-    PortStatus,
-    PushPolicy,
-)
+from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus, PushPolicy
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
 from rtkit.component.types import TimedLong

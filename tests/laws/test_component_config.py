@@ -8,8 +8,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from rtkit.component.config import Configuration
 from rtkit.component.kinds import kind_of
-from rtkit.component.typenames import is_same_type, scoped_name
 from rtkit.errors import NotFound, Refused
+from rtkit.rtc.data_types import is_same_type, scoped_name
 
 SETS = st.sampled_from(["default", "fast", "slow", "__widget__", "_x", ""])
 DECLARED = {"default", "fast", "__widget__"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rtkit.cli.prompt.live import Plain
-from rtkit.component.typenames import is_same_type
+from rtkit.rtc.data_types import is_same_type
 
 _SERVICE = "CorbaPort"
 

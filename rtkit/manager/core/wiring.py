@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from rtkit.component.check import refusal
-from rtkit.component.options import DIRECT, differing, parse_options
+from rtkit.component.options import parse_options
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.state import Opening, Process, State
 from rtkit.manager.core.wishes import Ask, Procedure, Tell
 from rtkit.rtc.enums import Polarity, PortType
+from rtkit.rtc.interface_types import DIRECT, differing
 from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 

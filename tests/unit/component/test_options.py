@@ -10,10 +10,10 @@ from rtkit.component.options import (
     EmptyPolicy,
     FullPolicy,
     PushPolicy,
-    differing,
     parse_options,
 )
 from rtkit.errors import Malformed
+from rtkit.rtc.interface_types import differing
 
 IN = "dataport.inport.buffer."
 

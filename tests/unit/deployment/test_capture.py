@@ -1,6 +1,5 @@
 import pytest
 
-from rtkit.component.options import INTERFACE_TYPE
 from rtkit.deployment import actions as act
 from rtkit.deployment.capture import Heading, capture
 from rtkit.deployment.creation import creation_plan
@@ -9,6 +8,7 @@ from rtkit.deployment.plan import merged
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.profile.words import property_value
 from rtkit.rtc.enums import PortType
+from rtkit.rtc.interface_types import INTERFACE_TYPE
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 DAY = "2025-01-01T00:00:00"
