@@ -5,8 +5,7 @@ from __future__ import annotations
 import click
 
 from rtkit.cli._app import App, command
-from rtkit.cli._meter import counted, metered
-from rtkit.cli.system import shared, step_times
+from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 from rtkit.cli.system.foresight import lacking
 from rtkit.errors import UsageProblem
@@ -49,7 +48,6 @@ def main(
     from rtkit.deployment.creation import creation_plan
     from rtkit.deployment.live import Live
     from rtkit.deployment.wiring import wiring_plan
-    from rtkit.tree.resurrect import resurrect
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
@@ -72,6 +70,10 @@ def main(
     lacks = {} if no_create else lacking(app, system, before)
     with document.naming():
         if not dry_run:
+            from rtkit.cli._meter import counted, metered
+            from rtkit.cli.system import step_times
+            from rtkit.tree.resurrect import resurrect
+
             with (
                 step_times.noting(app, system, before) as taken,
                 metered(app, "resurrect") as show,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rtkit.cli._app import App, command
-from rtkit.cli.system import progress, shared, step_times
+from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 
 
@@ -34,6 +34,8 @@ def main(
     if dry_run:
         shared.show(plan)
         return
+    from rtkit.cli.system import progress, step_times
+
     with (
         progress.telling(app, system, left_now),
         step_times.noting(app, system, snapshot) as taken,

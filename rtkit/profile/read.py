@@ -8,7 +8,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from rtkit.errors import NotFound
 from rtkit.profile.common import Note, Reading
@@ -16,6 +16,7 @@ from rtkit.profile.findings import FAR_LINE, Findings, InvalidProfile
 from rtkit.profile.forms import XML, YAML, check_form, form_of
 from rtkit.profile.spec import Spec
 from rtkit.profile.xmlnames import clark, short, split
+from rtkit.records import dataclass
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
@@ -142,7 +143,8 @@ def profile_kind(data: bytes | str, source: str = STDIN, *, form: str | None = N
     return _opened(data, source, form, None)[0]
 
 
-class Grammar(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Grammar:
     """What is to be known of a kind of profile, ``rts`` or ``rtc``."""
 
     kind: str
@@ -272,7 +274,8 @@ def as_it_stands(
     return (*elements(grammar.spec), grammar)
 
 
-class Outcome(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Outcome:
     """A document looked through: the profile, None where there are errors, and what was found.
 
     Attributes:

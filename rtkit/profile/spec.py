@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 from rtkit.profile.common import NO_FOREIGN
 from rtkit.profile.xmlnames import clark, split
-from rtkit.records import MISSING, fields
+from rtkit.records import MISSING, dataclass, fields
 
 Supply = str | Callable[[Any, Any], str]
 """A value for an absent attribute, or how to find one from its element and the findings."""
@@ -54,7 +54,8 @@ def _finite(text: str) -> float:
     return value
 
 
-class Attr(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Attr:
     """One attribute: its model field, its name, what it may hold.
 
     Attributes:
@@ -117,7 +118,8 @@ def attribute(
     )
 
 
-class Child(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Child:
     """One child element: its model field, its tag, what it is; None is a text element.
 
     Attributes:

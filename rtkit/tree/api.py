@@ -5,12 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rtkit.deployment.listing import Listing, Row
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.rtc.enums import Transition
-from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, Path, parse_path
-from rtkit.tree import resolve
-from rtkit.tree.view import Node, build, shown_path
 
 Value = str | float
 """A value of a parameter or property: text, a number, or true and false."""
@@ -20,6 +15,9 @@ if TYPE_CHECKING:
 
     from rtkit.deployment.actions import Action, Result
     from rtkit.deployment.facts import ComponentFacts, Snapshot
+    from rtkit.deployment.listing import Listing, Row
+    from rtkit.rtc.names import Path
+    from rtkit.tree.view import Node
 
     class _Calls(Protocol):
         def listing(self) -> Listing: ...
@@ -61,8 +59,7 @@ class ByPath:
         Raises:
             NotFound: Nothing is there.
         """
-        listing = self.listing()
-        node = resolve.entry(build(listing), _read(path), listing.host)
+        node = _entry(self.listing(), _read(path))
         return [child.name for child in node.entries()] if node.is_directory else [node.name]
 
     def component(self: _Calls, path: str) -> ComponentFacts:
@@ -117,11 +114,11 @@ class ByPath:
             Refused: It is no component.
         """
         from rtkit.deployment.actions import Delete
+        from rtkit.tree.resolve import check_component_syntax
 
         where = _read(path)
-        resolve.check_component_syntax(where)
-        listing = self.listing()
-        node = resolve.entry(build(listing), where, listing.host)
+        check_component_syntax(where)
+        node = _entry(self.listing(), where)
         if node.is_directory:
             raise Refused(f"Not a component: {path}")
         self.perform(Delete(node.instance))
@@ -132,7 +129,7 @@ class ByPath:
         Raises:
             Refused: Its state does not allow it.
         """
-        _change(self, path, context, Transition.ACTIVATE)
+        _change(self, path, context, "activate")
 
     def deactivate(self: _Calls, path: str, context: int | str = 0) -> None:
         """Make a component inactive in an execution context; returns when it is.
@@ -140,7 +137,7 @@ class ByPath:
         Raises:
             Refused: Its state does not allow it.
         """
-        _change(self, path, context, Transition.DEACTIVATE)
+        _change(self, path, context, "deactivate")
 
     def reset(self: _Calls, path: str, context: int | str = 0) -> None:
         """Bring a component from Error to Inactive; returns when it is.
@@ -148,7 +145,7 @@ class ByPath:
         Raises:
             Refused: Its state does not allow it.
         """
-        _change(self, path, context, Transition.RESET)
+        _change(self, path, context, "reset")
 
     def connect(
         self: _Calls, one: str, other: str, connector_id: str = "", **properties: Value
@@ -229,6 +226,8 @@ def as_text(value: object, what: str) -> str:
 
 
 def _read(path: str) -> Path:
+    from rtkit.rtc.names import parse_path
+
     return parse_path(as_text(path, "a path"))
 
 
@@ -247,6 +246,9 @@ def _value(value: object, name: str) -> str:
 
 def _path_of(row: Row, listing: Listing) -> str:
     """Return where a component is found: its first name, else the place below its manager."""
+    from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
+    from rtkit.tree.view import shown_path
+
     if row.names:
         return shown_path(row.names[0], listing.host)
     usual = f"{LOCAL}/{listing.manager}{MANAGER_SUFFIX}"
@@ -254,16 +256,27 @@ def _path_of(row: Row, listing: Listing) -> str:
     return f"{manager}/{row.instance}{COMPONENT_SUFFIX}"
 
 
+def _entry(listing: Listing, where: Path) -> Node:
+    from rtkit.tree.resolve import entry
+    from rtkit.tree.view import build
+
+    return entry(build(listing), where, listing.host)
+
+
 def _component(listing: Listing, path: str) -> Node:
-    return resolve.component(build(listing), _read(path), listing.host)
+    from rtkit.tree.resolve import component
+    from rtkit.tree.view import build
+
+    return component(build(listing), _read(path), listing.host)
 
 
-def _change(tree: _Calls, path: str, context: int | str, transition: Transition) -> None:
+def _change(tree: _Calls, path: str, context: int | str, transition: str) -> None:
     from rtkit.deployment.actions import ChangeState
+    from rtkit.rtc.enums import Transition
 
     node = _component(tree.listing(), path)
     id = context if isinstance(context, str) else _context(tree, node, context)
-    tree.perform(ChangeState(node.instance, id, transition))
+    tree.perform(ChangeState(node.instance, id, Transition(transition)))
 
 
 def _context(tree: _Calls, node: Node, index: int) -> str:

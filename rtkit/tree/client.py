@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
 from rtkit.closing import Closing
-from rtkit.deployment.listing import Listing, listing_from_text
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import keys
-from rtkit.link.base import Link
 from rtkit.tree.api import ByPath, as_text
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action, Result
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.listing import Listing
     from rtkit.deployment.news import Picture
+    from rtkit.link.base import Link
 
 DEFAULT_TIMEOUT_S = 10.0
 _GRACE_S = 1.0
@@ -64,6 +64,8 @@ class Tree(ByPath, Closing):
         Raises:
             Unreachable: The manager does not answer in time.
         """
+        from rtkit.deployment.listing import listing_from_text
+
         return listing_from_text(self._ask(keys.extension_key(self._service, "listing")))
 
     def snapshot(self) -> Snapshot:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from rtkit.cli._app import App, check_at_most_one
 from rtkit.errors import InvalidDocument
+from rtkit.records import dataclass
 
 if TYPE_CHECKING:
     from rtkit.profile.rts_model import RtsProfile
@@ -16,7 +17,8 @@ if TYPE_CHECKING:
 STDIN = "-"
 
 
-class Document(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Document:
     """A system profile, and the text that it was read from.
 
     Attributes:

@@ -39,12 +39,15 @@ def lacking(app: App, system: System, snapshot: Snapshot) -> dict[str, str]:
         Unreachable: The manager does not answer.
     """
     from rtkit.deployment.live import Live
-    from rtkit.deployment.planning.outlook import makings
 
     live = Live(snapshot, system)
+    absent = {each.instance for each in system.components if live.at(each.instance) is None}
+    if not absent:
+        return {}
+    from rtkit.deployment.planning.outlook import makings
+
     asked = makings(system, live)
-    missing = {name: asked[name] for name in asked if live.at(name) is None}
-    return _lacking(app, missing, live)
+    return _lacking(app, {name: asked[name] for name in asked if name in absent}, live)
 
 
 def _lacking(app: App, asked: Mapping[str, Making], live: Live) -> dict[str, str]:

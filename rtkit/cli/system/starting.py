@@ -9,8 +9,7 @@ import click
 from click.core import ParameterSource
 
 from rtkit.cli._app import App
-from rtkit.cli._meter import counted, metered
-from rtkit.cli.system import progress, shared, step_times
+from rtkit.cli.system import shared
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
@@ -70,6 +69,8 @@ def run(
     if dry_run:
         shared.show(plan)
         return
+    from rtkit.cli.system import progress, step_times
+
     shared.runner(app).check(plan.checks)
     with (
         progress.telling(app, system, active_now),
@@ -79,6 +80,7 @@ def run(
 
 
 def _carry_out(app: App, plan: StartPlan, taken: list[tuple[Action, float]]) -> None:
+    from rtkit.cli._meter import counted, metered
     from rtkit.tree.start import Starter
 
     source = click.get_current_context().get_parameter_source("timeout")
