@@ -82,7 +82,7 @@ def test_a_manager_s_life(shell: Any) -> None:
 def test_managers_of_other_names(shell: Any) -> None:
     shell.ok("rtmgr start one")
     shell.ok("rtmgr start two")
-    assert shell.run("rtls").status == 1
+    assert shell.ok("rtls") == "localhost/\n"  # others, though not the usual one
     shell.environment["RTKIT_MANAGER"] = "two"
     assert shell.ok("rtls /localhost") == "one.mgr/\ntwo.mgr/\n"
     assert shell.run("rtmgr start ../evil").status == 1
