@@ -10,6 +10,7 @@ from rtkit.cli._app import App, command
 from rtkit.cli._atomic import STDOUT, write_output
 from rtkit.cli.system import shared
 from rtkit.errors import NotFound
+from rtkit.rtc.names import MANAGER_SUFFIX
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
@@ -47,7 +48,8 @@ def main(
 ) -> None:
     """Save the live system as an RTS profile, with all that rtresurrect needs to make it again.
 
-    Components that are connected are saved, on the SERVERs named or everywhere.
+    Components that are connected are saved, on the SERVERs named or everywhere. A SERVER may also
+    be a manager of this host, /localhost/m1.mgr: what several of them hold becomes one system.
     """
     from datetime import datetime
 
@@ -57,6 +59,10 @@ def main(
 
     for text in (abstract, name, system_version, vendor):
         shared.check_text(text)
+    if app.finds_managers and any(server.endswith(MANAGER_SUFFIX) for server in servers):
+        from rtkit.cli.system.gathering import gather_named
+
+        servers = gather_named(app, servers)
     snapshot = shared.snapshot(app)
     date = datetime.now().replace(microsecond=0).isoformat()
     heading = Heading(date, name, system_version, vendor, abstract)

@@ -56,7 +56,8 @@ def capture(
     With `hosts` only components registered below one of these. Zombies are left out, and so are
     guests: what a data tool shows for a while is no part of the system.
     """
-    chosen = _chosen(snapshot, takes_all, tuple(hosts))
+    own = _own(snapshot)
+    chosen = _chosen(snapshot, own, takes_all, tuple(hosts))
     names = {c.instance: c for c in chosen}
     wires = [w for w in snapshot.connectors if all(end.instance in names for end in w.ports)]
     wires.sort(key=lambda wire: (wire.ports, wire.connector_id))
@@ -68,24 +69,37 @@ def capture(
         creation_date=heading.date,
         update_date=heading.date,
         abstract=heading.abstract,
-        components=tuple(_component(c, snapshot) for c in chosen),
+        components=tuple(_component(c, own[c.instance]) for c in chosen),
         data_port_connectors=tuple(_data_connector(wire, names) for wire in data),
         service_port_connectors=tuple(_service_connector(wire, names) for wire in service),
     )
 
 
+def _own(snapshot: Snapshot) -> dict[str, Snapshot]:
+    """Return what the manager of each component knows, by its name."""
+    own = dict.fromkeys((c.instance for c in snapshot.components), snapshot)
+    for each in snapshot.others:
+        own.update((c.instance, each) for c in each.components)
+    return own
+
+
 def _chosen(
-    snapshot: Snapshot, takes_all: bool, hosts: tuple[str, ...]
+    snapshot: Snapshot, own: Mapping[str, Snapshot], takes_all: bool, hosts: tuple[str, ...]
 ) -> tuple[ComponentFacts, ...]:
     wired = {end.instance for wire in snapshot.connectors for end in wire.ports}
     wired = _with_composites(snapshot, wired)
-    guests = {process.name for process in snapshot.processes if process.is_guest}
+    guests = {
+        (each.manager, process.name)
+        for each in (snapshot, *snapshot.others)
+        for process in each.processes
+        if process.is_guest
+    }
     chosen = [
         c
         for c in snapshot.components
-        if not (c.zombie or c.process in guests)
+        if not (c.zombie or (own[c.instance].manager, c.process) in guests)
         and (takes_all or c.instance in wired)
-        and (not hosts or any(name.partition("/")[0] in hosts for name in _names(c, snapshot)))
+        and (not hosts or any(n.partition("/")[0] in hosts for n in _names(c, own[c.instance])))
     ]
     return tuple(sorted(chosen, key=lambda component: component.instance))
 

@@ -10,6 +10,7 @@ from systems import ACTIVE, INACTIVE, INSTANCES, disturb, disturbances, make_wor
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.capture import Heading, capture
 from rtkit.deployment.check import deviations
 from rtkit.deployment.joint import homes_in
 from rtkit.deployment.live import Live
@@ -143,6 +144,21 @@ def test_the_goal_is_reached_from_anywhere_and_a_second_plan_is_empty(drawn, dis
     managers.check(goal)
     for name, world in managers.worlds.items():
         assert {c for c in world.components if c in homes} == {c for c in homes if homes[c] == name}
+
+
+@given(spread())
+@few
+def test_what_is_saved_of_it_is_wanted_again_as_it_is(drawn):
+    profile, homes = drawn
+    managers = Managers(homes)
+    managers.reach(managers.goal(profile))
+    saved = capture(managers.snapshot(), Heading("2025-01-01T00:00:00"), takes_all=True)
+    goal = managers.goal(saved)
+    assert {c.instance: c.manager or NAMES[0] for c in goal.system.components} == homes
+    managers.check(goal)
+    elsewhere = Managers(homes)
+    elsewhere.reach(elsewhere.goal(saved))
+    elsewhere.check(elsewhere.goal(profile))
 
 
 @given(spread())

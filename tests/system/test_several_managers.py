@@ -95,6 +95,11 @@ def test_a_system_in_two_managers_is_one_system(manager: Any) -> None:
     assert shell.ok(f"rtplan {file}").startswith("nothing to do")
     assert states(shell) == dict.fromkeys(("In1.rtc", "Out1.rtc", "In2.rtc", "Out2.rtc"), "Active")
 
+    # What is saved of both is the same system.
+    shell.ok("rtcryo -o saved.xml /localhost /localhost/m1.mgr")
+    assert shell.run("rtcheck saved.xml") == (0, "", "")
+    assert shell.ok("rtplan saved.xml").endswith("kept: 2 managers, 4 components, 2 connections\n")
+
     # The commands of one purpose each.
     assert shell.run(f"rtstop {file}").status == 0
     assert set(states(shell).values()) == {"Inactive"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
@@ -30,11 +30,10 @@ class Managers:
 
     def __init__(self, profile: RtsProfile) -> None:
         from rtkit.deployment.place import Hosts, manager_in
-        from rtkit.link.places import DEFAULT_MANAGER
 
         self.host = os.uname().nodename
         self._hosts = Hosts(self.host, {})
-        usual = os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
+        usual = usual_manager()
         self._paths = {c.instance_name: c.path_uri or "" for c in profile.components}
         self.homes = {
             name: manager_in(path, self._hosts) or usual for name, path in self._paths.items()
@@ -91,6 +90,40 @@ def gather(app: App, profile: RtsProfile, *, is_lenient: bool) -> Snapshot | Non
         return managers.nothing()
     app.ask(_one(managers, trees))
     return None
+
+
+def gather_named(app: App, servers: Sequence[str]) -> tuple[str, ...]:
+    """Connect to the managers among some servers; return the hosts that the servers stand for.
+
+    The manager that is asked by default is among them when the host itself is named.
+
+    Raises:
+        Unreachable: One does not run.
+    """
+    from rtkit.deployment.place import Hosts, manager_in
+    from rtkit.rtc.names import LOCAL
+    from rtkit.tree.connect import connect
+    from rtkit.tree.fleet import Fleet
+
+    hosts = Hosts(os.uname().nodename, {})
+    usual = usual_manager()
+    named = {server: manager_in(f"{server.strip('/')}/.", hosts) for server in servers}
+    trees: dict[str, Tree] = {}
+    try:
+        for name in dict.fromkeys(manager or usual for manager in named.values()):
+            trees[name] = connect(name, app.timeout_s)
+    except BaseException:
+        _close(trees)
+        raise
+    app.ask(Fleet(list(dict.fromkeys([usual, *trees])), trees, {}))
+    return tuple(dict.fromkeys(LOCAL if manager else host for host, manager in named.items()))
+
+
+def usual_manager() -> str:
+    """Return the manager that is asked where nothing else is said."""
+    from rtkit.link.places import DEFAULT_MANAGER
+
+    return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
 
 
 def _one(managers: Managers, trees: Mapping[str, Tree]) -> Tree:
