@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from heapq import heappop, heappush
 from itertools import count
 from time import perf_counter
+from typing import Any
 
 from rtkit.errors import Impossible, LimitReached, Malformed
 from rtkit.planner.command import State
@@ -61,16 +62,25 @@ def optimal_plans(
 
 
 class _Node:
-    """What is known of a state; ways into it are pairs of state before and place of command."""
+    """What is known of a state.
+
+    Attributes:
+        ways: Ways into it: a state before, the place of its command, the next state before, … A
+            flat tuple, as there are millions: lists of pairs are what the collector looks through.
+    """
 
     __slots__ = ("cost", "heuristic", "is_closed", "steps", "ways")
 
-    def __init__(self, cost: float, steps: int, heuristic: float) -> None:
+    def __init__(self, cost: float, steps: int, heuristic: float, *way: Any) -> None:
         self.cost = cost
         self.steps = steps
         self.heuristic = heuristic
         self.is_closed = False
-        self.ways: list[tuple[State, int]] = []
+        self.ways: tuple[Any, ...] = way
+
+    def pairs(self) -> Iterator[tuple[State, int]]:
+        """Yield states before with the places of commands that lead here."""
+        return zip(self.ways[::2], self.ways[1::2], strict=True)
 
 
 class _Search:
@@ -128,17 +138,16 @@ class _Search:
             known = nodes.get(after)
             if known is None:
                 rest = estimate(after)
-                known = nodes[after] = _Node(whole, steps, rest)
-                known.ways.append((state, place))
+                known = nodes[after] = _Node(whole, steps, rest, state, place)
                 if not rest >= 0:
                     raise Malformed(f"heuristic is negative at {after}: {rest}")
                 heappush(heap, (whole + rest, steps, next(number), after))
             elif whole < known.cost and not known.is_closed:
                 known.cost, known.steps = whole, steps
-                known.ways = [(state, place)]
+                known.ways = (state, place)
                 heappush(heap, (whole + known.heuristic, steps, next(number), after))
             elif whole == known.cost:
-                known.ways.append((state, place))
+                known.ways += (state, place)
                 if steps < known.steps and not known.is_closed:
                     known.steps = steps
                     heappush(heap, (whole + known.heuristic, steps, next(number), after))
@@ -209,7 +218,7 @@ class _Search:
         ways = {self._problem.start: 1}
         for state in sorted(involved, key=lambda state: nodes[state].cost):
             if state != self._problem.start:
-                ways[state] = sum(ways.get(before, 0) for before, _ in nodes[state].ways)
+                ways[state] = sum(ways.get(before, 0) for before, _ in nodes[state].pairs())
         return sum(ways[goal] for goal in goals)
 
     def _following(
@@ -221,7 +230,7 @@ class _Search:
         seen, left = set(goals), list(goals)
         while left:
             state = left.pop()
-            for before, place in nodes[state].ways:
+            for before, place in nodes[state].pairs():
                 if is_fewest and nodes[before].steps + 1 != nodes[state].steps:
                     continue
                 following.setdefault(before, []).append((place, before))
