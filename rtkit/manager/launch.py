@@ -12,6 +12,7 @@ from typing import NamedTuple
 from rtkit import fault
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
+from rtkit.manager.processes.inherited import withhold
 from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
 from rtkit.manager.settings.configuration import Wanted
 
@@ -37,6 +38,7 @@ def start(name: str, wanted: Wanted, timeout_s: float) -> Started:
     """
     places.make_private(places.state_dir())
     ready_read, ready_write = os.pipe()
+    withhold()
     os.set_inheritable(ready_write, True)
     # -P: no file of this folder stands in for a standard module.
     arguments = [sys.executable, "-P", "-m", "rtkit.manager.daemon", name, wanted.to_text()]

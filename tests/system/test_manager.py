@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import resource
+import select
 import signal
 import socket
 import subprocess
@@ -165,6 +166,27 @@ def test_a_killed_manager_s_sockets_are_taken_over(shell: Any) -> None:
     assert outcome.err == told
     shell.ok("rtmgr start")
     shell.ok("rtls")
+
+
+@pytest.mark.parametrize("command", ["start", "run"])
+def test_what_a_script_holds_is_not_held_by_what_outlives_it(shell: Any, command: str) -> None:
+    read, write = os.pipe()
+    (shell.modules / "Thing.py").write_text(MODULE)
+    script = subprocess.Popen(
+        shell.command(f"rtmgr {command}"),
+        env=shell.environment,
+        cwd=shell.folder,
+        pass_fds=(write,),
+        stdout=subprocess.DEVNULL,
+    )
+    os.close(write)
+    with open(read, "rb") as held, script:
+        until(lambda: not shell.run("rtls").status, "the manager")
+        shell.ok("rtmgr /localhost/manager.mgr -c 'Thing?instance_name=A&manager_name=s'")
+        if command == "run":
+            script.kill()
+        assert select.select([held], [], [], BOUND_S)[0], "somebody holds it"
+        assert held.read() == b""
 
 
 def test_a_manager_leaves_the_sockets_of_others_whose_names_begin_alike(shell: Any) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Message
+from rtkit.manager.processes.inherited import withhold
 from rtkit.manager.processes.patience import Patience
 from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import reason
@@ -51,6 +52,7 @@ class ForkServer:
         """Start one."""
         ours, theirs = socket.socketpair()
         with theirs:
+            withhold()
             theirs.set_inheritable(True)
             module = ["-P", "-m", "rtkit.manager.processes.zygote"]
             arguments = [sys.executable, *module, str(theirs.fileno()), self._settings]
