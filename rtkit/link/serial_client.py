@@ -19,7 +19,7 @@ from rtkit.errors import Unreachable
 from rtkit.link.inbox import Inbox
 from rtkit.link.serial_line import SerialAddress, SerialEnd, read_address
 from rtkit.property.checked import HELLO, CheckedReplies, frame
-from rtkit.property.codes import PropertyError
+from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Event, Payload
 
@@ -243,7 +243,7 @@ class SerialClient(Closing):
         for request in [each for each, at in self._leases.items() if at <= now]:
             self._leases[request] = now + LEASE_S / 3
             answer = self.ask(request, "self")
-            if answer.error:
+            if answer.error and answer.error not in PASSING:
                 name = request.partition("?")[0].removesuffix(".listen")
                 self._keep(Event(name, "", time.time(), 0, "bad", 0, answer.error))
 

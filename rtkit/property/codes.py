@@ -36,6 +36,9 @@ CODES: dict[str, Code] = {
 }
 """Every code there is; the text ``checksum`` never leaves a serial line, so it has no status."""
 
+PASSING = frozenset({"no-service", "timeout", "busy", "checksum"})
+"""Codes that say nothing of what was asked for, only of the moment: asked again it may be well."""
+
 _OF_KIND = {
     "usage": "bad-parameter",
     "malformed": "bad-value",

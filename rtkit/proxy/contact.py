@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
+from rtkit.property.codes import PASSING
 from rtkit.property.messages import Answer, Event, Payload
 
 Answering = Callable[[Answer], object]
@@ -53,6 +54,13 @@ class Contact(Protocol):
 
 Wire = Callable[[], Contact]
 """Makes a connection. It may take its time, on a thread of its own, and raises `RtkitError`."""
+
+
+def over(name: str, reply: Answer) -> Event | None:
+    """Return the last event of a listening that the owner does not go on with, None if it may."""
+    if not reply.error or reply.error in PASSING:
+        return None
+    return Event(name, "", 0.0, 0, "bad", 0, reply.error)
 
 
 def slot(name: str) -> str:

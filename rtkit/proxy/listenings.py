@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.property.codes import PropertyError
+from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.listening import LONGEST_LEASE_S, LONGEST_QUEUE, Listener, Wish
 from rtkit.property.messages import DONE, Answer, Caller, Event
 from rtkit.property.naming import write_parameters
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 _MOST_OF_CALLER = 1024
 _ALIKE = {"queue", "initial"}
 """Wishes of which the events are the same for all who have them, whenever they began."""
-_PASSING = {"no-service", "timeout", "busy"}
+_AGAIN_S = 1.0
+"""After which time the owner is asked anew that was there but could not say yes or no [s]."""
 
 
 class Wished(NamedTuple):
@@ -111,13 +112,23 @@ class Relayed(Listener):
 
 
 class Listening:
-    """A listening at the owner, and those here whom it serves."""
+    """A listening at the owner, and those here whom it serves.
+
+    Attributes:
+        contact: At which the owner was asked; None while nothing is in force.
+        has_begun: The owner has said yes.
+        is_asked: The owner has not answered yet.
+        again_at: From when on it may be asked anew [s, monotonic].
+        last: What the owner sent last.
+    """
 
     def __init__(self, name: str, wish: Wished) -> None:
         self.name = name
         self.wish = wish
         self.contact: Contact | None = None
         self.has_begun = False
+        self.is_asked = False
+        self.again_at = 0.0
         self.last: Event | None = None
         self.relayed: list[Relayed] = []
         self.waiting: list[tuple[Relayed, Answering]] = []
@@ -175,6 +186,8 @@ class Listenings:
             self._start(listening)
         elif not listening.has_begun:
             listening.waiting.append((relayed, answer))
+            if not listening.is_asked:
+                self._start(listening, is_again=True)
         else:
             self._join(listening, relayed, answer)
 
@@ -197,8 +210,10 @@ class Listenings:
             self._leave_unused(listening)
 
     def tick(self) -> None:
-        """End the leases that are over."""
+        """End the leases that are over; ask anew for what has failed in passing."""
         now = self._clock()
+        if self._uplink.is_up:
+            self._go_on(now)
         over = [
             each
             for mine in self._of.values()
@@ -211,6 +226,8 @@ class Listenings:
     # At the owner
 
     def _start(self, listening: Listening, *, is_again: bool = False) -> None:
+        listening.is_asked = True
+
         def placed(contact: Contact | PropertyError) -> None:
             if isinstance(contact, PropertyError):
                 self._answered(listening, Answer(str(contact), contact.code))
@@ -227,14 +244,15 @@ class Listenings:
 
     def _answered(self, listening: Listening, reply: Answer) -> None:
         """Take what the owner said to the wish to listen."""
+        listening.is_asked = False
         if listening not in self._all:
             return
         waiting, listening.waiting = listening.waiting, []
-        if reply.error and listening.relayed and reply.error not in _PASSING:
+        if reply.error and listening.relayed and reply.error not in PASSING:
             self._finish(listening, reply.error)
         listening.has_begun = not reply.error
         if reply.error:
-            listening.contact = None
+            listening.contact, listening.again_at = None, self._clock() + _AGAIN_S
         for relayed, answer in waiting:
             if not reply.error:
                 self._attach(listening, relayed, answer)
@@ -312,8 +330,11 @@ class Listenings:
 
     def came(self) -> None:
         """Go on listening."""
+        self._go_on(float("inf"))
+
+    def _go_on(self, now: float) -> None:
         for listening in list(self._all):
-            if listening.contact is None:
+            if listening.contact is None and not listening.is_asked and listening.again_at <= now:
                 self._start(listening, is_again=True)
 
     # Ends

@@ -23,7 +23,7 @@ from rtkit.link.properties import (
 )
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Event, Payload
-from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing
+from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, over
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.serving.host import Host
 
@@ -40,6 +40,7 @@ class _Ear(NamedTuple):
     id: str
     subscriber: zenoh.Subscriber[None]
     renewed_at: list[float]
+    hear: Hearing
 
 
 class QueryContact:
@@ -82,7 +83,7 @@ class QueryContact:
         handler = zenoh.handlers.Callback(_receiver(mailbox), indirect=False)
         subscriber = self._session.declare_subscriber(ear_key(self._key, id), handler)
         target = f"{name}.listen".lstrip(".") + (f"?{wish}" if wish else "")
-        self._ears[name] = _Ear(target, id, subscriber, [monotonic()])
+        self._ears[name] = _Ear(target, id, subscriber, [monotonic()], hear)
 
         def answered(reply: Answer) -> None:
             if reply.error:
@@ -100,10 +101,10 @@ class QueryContact:
 
     def check(self, now: float) -> None:
         """See `Contact.check`: ask for a sign of life, and renew what has a lease."""
-        for ear in self._ears.values():
+        for name, ear in self._ears.items():
             if now - ear.renewed_at[0] > LEASE_S / 3:
                 ear.renewed_at[0] = now
-                self._query(ear.target, "self", ear.id, _PROBE_S, lambda _: None)
+                self._query(ear.target, "self", ear.id, _PROBE_S, self._renewed(name, ear))
         if not self._is_probing and now - self._probed_at > _PROBE_EVERY_S:
             self._is_probing, self._probed_at = True, now
             self._query(STATUS, None, "", _PROBE_S, self._probed)
@@ -115,6 +116,15 @@ class QueryContact:
             self._session.close()  # type: ignore[no-untyped-call]
 
     # Its own
+
+    def _renewed(self, name: str, ear: _Ear) -> Answering:
+        def renewed(reply: Answer) -> None:
+            last = over(name, reply)
+            if last is not None and self._ears.get(name) is ear:
+                self._take_off(name)
+                ear.hear(last)
+
+        return renewed
 
     def _probed(self, reply: Answer) -> None:
         self._is_probing = False

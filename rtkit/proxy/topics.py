@@ -16,7 +16,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.property.naming import parse_target
-from rtkit.proxy.contact import Answering, Gone, Hearing
+from rtkit.proxy.contact import Answering, Gone, Hearing, over
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.serving.host import Host
 
@@ -103,10 +103,10 @@ class TopicContact:
 
     def check(self, now: float) -> None:
         """See `Contact.check`: that somebody is there the broker tells; leases are renewed."""
-        for ear in self._ears.values():
+        for name, ear in self._ears.items():
             if now - ear.renewed_at[0] > LEASE_S / 3:
                 ear.renewed_at[0] = now
-                self._request(ear.target, "self", ear.topic, lambda reply: None)
+                self._request(ear.target, "self", ear.topic, self._renewed(name, ear))
 
     def close(self) -> None:
         """See `Contact.close`."""
@@ -120,6 +120,15 @@ class TopicContact:
         self._session.close()
 
     # Its own
+
+    def _renewed(self, name: str, ear: _Ear) -> Answering:
+        def renewed(reply: Answer) -> None:
+            last = over(name, reply)
+            if last is not None and self._ears.get(name) is ear:
+                del self._ears[name]
+                ear.mailbox.put(last)
+
+        return renewed
 
     def _request(
         self, target: str, payload: Payload | None, reply_to: str, answer: Answering

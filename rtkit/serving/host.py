@@ -187,7 +187,7 @@ class Host:
 
     def run(self) -> None:
         """Serve until the host is closed."""
-        wait_s: float | None = None
+        wait_s: float | None = 0.0
         tidy_at = 0.0
         own = self._wake.fileno()
         poll, tenants, lock = self._epoll.poll, self._tenants, self.lock

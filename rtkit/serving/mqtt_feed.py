@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from rtkit.link.mqtt import Message, topic_of
+from rtkit.property.codes import PASSING
 from rtkit.property.line import write_attributes
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Caller
@@ -60,6 +61,7 @@ class Feed:
         self._listened: set[str] = set()
         self._attributes: dict[str, dict[str, str]] = {}
         self._ears: list[_Ear] = []
+        self._is_due_for: list[_Ear] | None = None
         self._ready: Callable[[], None] = lambda: None
         self._is_listing = False
         self._is_stale = False
@@ -116,17 +118,25 @@ class Feed:
     def _begun(self, answer: Answer) -> None:
         if not answer.error:
             return  # the names that there are come as an event
-        if answer.error not in ("no-service", "timeout"):
+        if answer.error not in PASSING:
             self._names_changed()  # they cannot be listened to
             return
-        ears = self._ears
-        again = threading.Timer(_AGAIN_S, self._host.post, (lambda: self._retry(ears),))
+        self._later(lambda: self.begin(self._ready))
+
+    def _later(self, work: Callable[[], object]) -> None:
+        """Do something after a while, if this has not been ended or begun anew by then."""
+        if self._is_due_for is self._ears:
+            return
+        ears = self._is_due_for = self._ears
+
+        def run() -> None:
+            if ears is self._ears and ears:
+                self._is_due_for = None
+                work()
+
+        again = threading.Timer(_AGAIN_S, self._host.post, (run,))
         again.daemon = True
         again.start()
-
-    def _retry(self, ears: list[_Ear]) -> None:
-        if ears is self._ears and ears:
-            self.begin(self._ready)
 
     def _names_changed(self) -> None:
         self._is_stale = True
@@ -140,8 +150,12 @@ class Feed:
         if self._is_stale:
             self._names_changed()
             return
-        if answer.error or not self._ears:
-            return  # the owner is away; its names are told when it is back
+        if not self._ears:
+            return
+        if answer.error:
+            # The owner is away. Its names are told when it is back, but it may never have gone.
+            self._later(self._names_changed)
+            return
         described = _described(str(answer.payload))
         for name in [name for name in self._attributes if name not in described]:
             self._listened.discard(name)
@@ -174,7 +188,14 @@ class Feed:
             self._ears.append(ear)
         ear.count += 1
         self._listened.add(name)
-        self._service.handle(Ask(f"{name}.listen", "self", lambda answer: None, ear))
+
+        def begun(answer: Answer) -> None:
+            if answer.error in PASSING:
+                ear.count -= 1
+                self._listened.discard(name)
+                self._later(self._names_changed)
+
+        self._service.handle(Ask(f"{name}.listen", "self", begun, ear))
 
 
 class _Ear(Caller):

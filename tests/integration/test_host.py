@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 
+from rtkit.property.service import Service
 from rtkit.serving.host import Host
 
 BOUND_S = 30.0
@@ -31,4 +32,18 @@ def test_what_is_posted_while_it_wakes_does_not_deafen_it() -> None:
     assert first.wait(BOUND_S)
     host.post(second.set)
     assert second.wait(BOUND_S)
+    host.close()
+
+
+def test_its_house_is_kept_without_any_socket() -> None:
+    is_kept = threading.Event()
+
+    class Kept(Service):
+        def tick(self) -> None:
+            is_kept.set()
+
+    host = Host()
+    host.add(Kept("kept"))
+    host.start()
+    assert is_kept.wait(BOUND_S)
     host.close()
