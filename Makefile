@@ -8,12 +8,14 @@ report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test test-pure test-real campaign lint bench man clean
+.PHONY: help venv demo test test-pure test-real campaign campaign-faults lint bench man clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
 	@echo "make test    linters, types, layers and all tests"
-	@echo "make campaign what make test tries of faults, everywhere and for long (hours)"
+	@echo "make campaign  200 random faults on a system at work, their recovery times in docs/campaign.md"
+	@echo "              (a quarter of an hour; SEED=N repeats one, FAULTS=N only so many)"
+	@echo "make campaign-faults  what make test tries of faults, at every point (hours)"
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
 	@echo "make man     write the manual pages anew from the commands"
 	@echo "make lint    what make test checks before the tests"
@@ -44,13 +46,17 @@ test-real: lint
 		$(call report,real) $(PYTEST_ARGS)
 
 campaign: $(READY)
+	$(BIN)/python -m campaign --report docs/campaign.md $(if $(SEED),--seed $(SEED)) \
+		$(if $(FAULTS),--faults $(FAULTS))
+
+campaign-faults: $(READY)
 	$(BIN)/python -m pytest -m campaign tests $(PYTEST_ARGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/mypy bench examples/demo.py
+	$(BIN)/mypy bench campaign examples/demo.py
 	$(BIN)/lint-imports
 
 bench: $(READY)

@@ -12,7 +12,13 @@ from typing import TypeVar
 
 from rtkit.errors import Malformed
 from rtkit.records import dataclass
-from rtkit.rtc.interface_types import DEFAULT_INTERFACE, INTERFACE_TYPE, interface_name
+from rtkit.rtc.interface_types import (
+    DATAFLOW_TYPE,
+    DEFAULT_INTERFACE,
+    INTERFACE_TYPE,
+    USUAL_DATAFLOW,
+    interface_name,
+)
 
 DEFAULT_LENGTH = 8
 MIN_LENGTH = 2
@@ -111,7 +117,7 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
     return ConnectorOptions(
         data_type=properties.get("dataport.data_type", ""),
         interface=interface_name(_word(properties, INTERFACE_TYPE, DEFAULT_INTERFACE)),
-        dataflow=_word(properties, "dataport.dataflow_type", "push"),
+        dataflow=_word(properties, DATAFLOW_TYPE, USUAL_DATAFLOW),
         subscription=subscription if subscription in _SUBSCRIPTIONS else "new",
         push_policy=policy,
         skip_count=skip_count,

@@ -43,7 +43,7 @@ from rtkit.records import replace
 
 _log = logging.getLogger(__name__)
 TIDY_S = 1.0
-"""How often it is seen to that what processes write past their logs stays short [s]."""
+"""How often processes are looked at that tell nothing of themselves [s]."""
 
 _WAKES = 4096
 
@@ -253,10 +253,12 @@ class Loop:
         return known
 
     def _tidy(self) -> None:
-        """Keep short what processes write past their logs, when it is time."""
+        """See who is stopped, and keep short what is written past logs, when it is time."""
         state, now = self._core.state, time.monotonic()
         if state.components and now >= self._tidy_at:
             self._tidy_at = now + TIDY_S
+            for event in list(self._nursery.halts()):
+                self._handle(event)
             for process in state.processes.values():
                 if process.is_guest:
                     continue

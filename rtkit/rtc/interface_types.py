@@ -1,4 +1,4 @@
-"""How a data connector carries its values: the names of its interface type, here and elsewhere."""
+"""How a data connector carries its values: names of its interface type, and what is usual."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ DIRECT = "direct"
 USUAL_NAMES = {DEFAULT_INTERFACE: "corba_cdr", "shm": "shared_memory"}
 """Names by which other tools know interface types of rtkit."""
 
+DATAFLOW_TYPE = "dataport.dataflow_type"
+USUAL_DATAFLOW = "push"
+
 _ALIASES = {"corba_cdr": "zenoh", "data_service": "zenoh", "shared_memory": "shm"}
 
 
@@ -20,7 +23,10 @@ def interface_name(text: str) -> str:
 
 
 def differing(wanted: Mapping[str, str], present: Mapping[str, str]) -> list[str]:
-    """Return the keys of `wanted` whose value is another one in `present`, by any of its names."""
+    """Return the keys of `wanted` whose value means another one in `present`.
+
+    Interface types go by any of their names; what is left out is what is usual.
+    """
     return sorted(
         key
         for key, value in wanted.items()
@@ -29,4 +35,7 @@ def differing(wanted: Mapping[str, str], present: Mapping[str, str]) -> list[str
 
 
 def _is_alias(key: str, one: str, other: str) -> bool:
-    return key == INTERFACE_TYPE and interface_name(one) == interface_name(other)
+    if key == INTERFACE_TYPE:
+        one, other = one or DEFAULT_INTERFACE, other or DEFAULT_INTERFACE
+        return interface_name(one) == interface_name(other)
+    return key == DATAFLOW_TYPE and (one or USUAL_DATAFLOW) == (other or USUAL_DATAFLOW)

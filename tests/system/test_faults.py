@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import signal
 import time
 from collections.abc import Callable
@@ -27,7 +28,7 @@ from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
 
 FAULTY = '''
-import ctypes, os, signal, subprocess, sys, threading, time
+import ctypes, locale, os, signal, subprocess, sys, threading, time
 from rtkit.component import Component
 
 
@@ -82,6 +83,31 @@ def start_children():
     subprocess.Popen(["sh", "-c", "setsid sleep 1000 & exit"]).wait()
 
 
+def leak():
+    """Take memory until there is none."""
+    kept = []
+    while True:
+        kept.append(bytearray(1 << 20))
+
+
+def crowd():
+    """Leave two hundred children, each in a session of its own."""
+    for _ in range(200):
+        subprocess.Popen(["sleep", "1000"], start_new_session=True)
+
+
+def litter():
+    """Change what a process has only once."""
+    os.chdir("/")
+    os.umask(0o777)
+    for number in (signal.SIGTERM, signal.SIGCHLD, signal.SIGUSR1):
+        ctypes.CDLL(None).signal(int(number), ctypes.c_void_p(int(signal.SIG_IGN)))
+    sys.path.clear()
+    sys.stdout.close()
+    sys.stderr.close()
+    locale.setlocale(locale.LC_ALL, "C")
+
+
 WAYS = {
     "raise": lambda: raise_(ValueError("told to")),
     "sys.exit": lambda: sys.exit(3),
@@ -98,6 +124,9 @@ WAYS = {
     "hang": hang,
     "spin": spin,
     "children": start_children,
+    "leak": leak,
+    "crowd": crowd,
+    "litter": litter,
 }
 
 
@@ -323,6 +352,35 @@ def test_a_component_that_closes_all_descriptors_harms_its_own_slave_only(
     assert stream.is_whole()
 
 
+def test_a_component_that_changes_its_process_harms_its_own_slave_only(
+    stream: Stream, world: Tree
+) -> None:
+    for instance in "AB":
+        world.perform(faulty(instance, "s", "on_activated", "litter"))
+        world.perform(activate(instance))
+    stream.flows()
+    assert stream.is_whole()
+    for instance in "AB":
+        world.perform(deactivate(instance))
+        world.perform(Delete(instance))
+    until(lambda: "s" not in [name for name, _, _ in world.listing().slaves], "its end")
+
+
+def test_memory_that_is_used_up_is_an_error_of_who_wants_more(stream: Stream, world: Tree) -> None:
+    """Where the system limits it: the slave and what else it holds go on."""
+    world.perform(faulty("Other", "s"))
+    world.perform(faulty("A", "s", "on_execute", "leak"))
+    world.perform(activate("Other"))
+    pid = slave_pid(world, "s")
+    resource.prlimit(pid, resource.RLIMIT_DATA, (300 << 20, 300 << 20))
+    world.perform(activate("A"))
+    until(lambda: row(world, "A").state == "Error", "the error")
+    assert "MemoryError" in world.snapshot().component("A").cause
+    assert (row(world, "Other").state, slave_pid(world, "s")) == ("Active", pid)
+    stream.flows()
+    assert stream.is_whole()
+
+
 # one that hangs
 
 
@@ -507,6 +565,14 @@ def test_what_a_component_started_ends_with_its_slave(world: Tree, end: str) -> 
         world.perform(Delete("A"))
     else:
         os.kill(pid, signal.SIGKILL if end == "kill" else signal.SIGTERM)
+    until(lambda: all(map(has_ended, left)), "the end of the children")
+
+
+def test_two_hundred_children_end_with_their_slave(world: Tree) -> None:
+    world.perform(faulty("A", "s", "on_activated", "crowd"))
+    world.perform(activate("A"))
+    left = until(lambda: len(leftovers()) == 200 and leftovers(), "the children")
+    os.kill(slave_pid(world, "s"), signal.SIGKILL)
     until(lambda: all(map(has_ended, left)), "the end of the children")
 
 

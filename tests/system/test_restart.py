@@ -260,6 +260,10 @@ def test_manager_and_zygote_killed(pair: Any) -> None:
     os.kill(zygote, signal.SIGKILL)
     pair.ok("rtmgr start")
     until(lambda: "A.rtc" in pair.ok("rtls /localhost"), "the slaves' return")
+    os.kill(slave, signal.SIGSTOP)
+    until(lambda: "(stopped)" in pair.ok("rtls -l /localhost"), "the stop")
+    os.kill(slave, signal.SIGCONT)
+    until(lambda: "(stopped)" not in pair.ok("rtls -l /localhost"), "the continuation")
     os.kill(slave, signal.SIGKILL)
     until(lambda: "*A.rtc  (exit status unknown)" in pair.ok("rtls -l /localhost"), "the zombie")
 

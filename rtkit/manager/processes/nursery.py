@@ -22,7 +22,12 @@ from rtkit.manager.holding.estate import Estate, estate_path
 from rtkit.manager.processes.absent import UNKNOWN, Absent
 from rtkit.manager.processes.forkserver import ForkServer
 from rtkit.manager.processes.fosters import Fosters
-from rtkit.manager.processes.leftovers import end_children, end_sessions, reap_orphans
+from rtkit.manager.processes.leftovers import (
+    end_children,
+    end_sessions,
+    is_stopped,
+    reap_orphans,
+)
 from rtkit.manager.processes.watchman import remove_traces
 from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import ENDS, STOPS, reason
@@ -70,6 +75,7 @@ class Nursery:
         self._asked: dict[int, str] = {}
         self._adopted: set[int] = set()
         self._guests: set[int] = set()
+        self._halted: set[int] = set()
         self._over: set[int] = set()
         self._over_since = 0.0
         self._is_all_ours = True
@@ -182,6 +188,18 @@ class Nursery:
             for key, pid in self._pids.items()
             if key in self._adopted and key in self._pidfds and not self.fosters.has(pid)
         ]
+
+    def halts(self) -> Iterator[ev.Event]:
+        """Yield which of those slaves have been stopped since the last look, or have gone on.
+
+        A pidfd tells of neither, so somebody has to look.
+        """
+        for key, _ in self.orphans():
+            pid = self._pids[key]
+            is_halted = is_stopped(pid)
+            if pid not in self._guests and is_halted is not (key in self._halted):
+                self._halted ^= {key}
+                yield ev.SlaveHalted(key, is_halted)
 
     def signal(self, key: int, number: signal.Signals) -> None:
         """Send a signal to a slave; through its pidfd, so never to a stranger of the same pid."""
@@ -323,6 +341,7 @@ class Nursery:
             return None
         fault.point("manager.heard_of_end")
         self._adopted.discard(key)
+        self._halted.discard(key)
         self._is_all_ours &= self._parents.pop(pid, None) is not None
         del self._pids[key]
         pidfd = self._pidfds.pop(key, None)

@@ -115,4 +115,7 @@ def test_what_differs_but_by_name():
         "dataport.interface_type",
     ]
     assert differing({"b": ""}, kept) == ["b"]
+    usual = {"dataport.interface_type": "corba_cdr", "dataport.dataflow_type": "push"}
+    assert differing(usual, {}) == []
+    assert differing({"dataport.dataflow_type": "pull"}, {}) == ["dataport.dataflow_type"]
     assert differing({}, kept) == []

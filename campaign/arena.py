@@ -1,0 +1,207 @@
+"""The system at work, as the campaign sees it: its processes, its facts, its counts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import rtkit
+from bench.harness import command, folders
+from bench.processes import living, parent
+from campaign.counts import Counts
+from campaign.layout import NAMES, WIRES, activations, creations, settings, wire_id
+from rtkit.deployment.actions import Action
+from rtkit.deployment.facts import Snapshot
+from rtkit.errors import Unreachable
+from rtkit.tree.client import Tree
+from rtkit.tree.listening import Ear
+
+TICK_S = 0.01
+"""How long to wait for news before looking at what tells no news [s]."""
+_MODULES = Path(__file__).parent / "components"
+_PATIENCE_S = 60.0
+_ZYGOTE = b"rtkit.manager.processes.zygote"
+
+
+class Arena:
+    """Twenty cells under a manager of their own.
+
+    Attributes:
+        profile: The desired state, as an RTS profile.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.profile = folder / "system.xml"
+        self._orders = Path(os.environ["RTKIT_STATE_DIR"]) / "orders"
+        self._orders.parent.mkdir(mode=0o700)
+        self._orders.mkdir()
+        self._counts = Counts(str(self._orders.parent / "counts"), is_new=True)
+        self.cells = [self._counts.cell(number) for number in range(len(NAMES))]
+        self._ear: Ear | None = None
+        self._tree: Tree | None = None
+
+    # processes
+
+    @property
+    def manager(self) -> int:
+        """The process of the manager."""
+        return self.facts.pid
+
+    def slave(self, name: str) -> int:
+        """Return the process of a slave."""
+        (pid,) = [each.pid for each in self.facts.processes if each.name == name]
+        return pid
+
+    def slaves(self) -> dict[str, int]:
+        """Return the processes of all slaves."""
+        return {each.name: each.pid for each in self.facts.processes if each.is_slave}
+
+    def zygote(self) -> int:
+        """Return the process that forks slaves, 0 while there is none."""
+        manager = self.manager
+        slaves = set(self.slaves().values())
+        for entry in Path("/proc").iterdir():
+            if not entry.name.isdigit() or int(entry.name) in slaves:
+                continue
+            try:
+                if parent(int(entry.name)) != manager:
+                    continue
+                if _ZYGOTE in (entry / "cmdline").read_bytes() and living([int(entry.name)]):
+                    return int(entry.name)
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+        return 0
+
+    # what is known
+
+    @property
+    def facts(self) -> Snapshot:
+        """What the manager has told so far."""
+        assert self._ear is not None
+        return self._ear.facts
+
+    def listen(self) -> None:
+        """Listen to the manager that runs now.
+
+        Raises:
+            Unreachable: None answers.
+        """
+        self.deafen()
+        self._tree = rtkit.connect(timeout_s=_PATIENCE_S)
+        self._ear = Ear(self._tree)
+
+    def deafen(self) -> None:
+        """Listen no more."""
+        if self._ear is not None:
+            self._ear.close()
+        if self._tree is not None:
+            self._tree.close()
+        self._ear = self._tree = None
+
+    def until(self, is_so: Callable[[], bool], patience_s: float = _PATIENCE_S) -> float:
+        """Wait until something is so; return when that was, monotonic [s].
+
+        Raises:
+            TimeoutError: It did not become so.
+        """
+        deadline = time.monotonic() + patience_s
+        while not is_so():
+            if time.monotonic() > deadline:
+                raise TimeoutError
+            assert self._ear is not None
+            self._ear.wait(TICK_S)
+        return time.monotonic()
+
+    def trouble(self) -> str:
+        """Return what the manager says of itself; empty when nothing troubles it."""
+        assert self._tree is not None
+        return self._tree.listing().trouble
+
+    def lacks(self) -> str:
+        """Return the first thing that the manager says and that is not as desired; empty if none.
+
+        A look at what changes with faults; `differs` compares everything.
+        """
+        facts = self.facts
+        known = {each.instance: each for each in facts.components}
+        for name in NAMES:
+            its = known.get(name)
+            if its is None:
+                return f"{name} is not there"
+            if its.zombie or its.trouble or its.state != "Active":
+                return f"{name} is {its.zombie or its.trouble or its.state}"
+        wires = {each.connector_id for each in facts.connectors}
+        missing = [wire_id(*wire) for wire in WIRES if wire_id(*wire) not in wires]
+        return f"{missing[0]} is not connected" if missing else ""
+
+    def differs(self) -> str:
+        """Return what `rtplan` would still do to reach the desired state; empty for nothing."""
+        done = run("rtplan", "--detailed-exitcode", str(self.profile))
+        return "" if done.returncode == 0 else f"rtplan: {done.stdout}{done.stderr}"
+
+    # what is done
+
+    def order(self, cell: int, when: str, what: str) -> None:
+        """Have a cell do something at its next birth, activation or cycle (``work``)."""
+        draft = self._orders / "draft"
+        draft.write_text(what)
+        draft.rename(self._orders / f"{NAMES[cell]}.{when}")
+
+    def start_manager(self) -> None:
+        """Start a manager by its command, as an operator would, and listen to it."""
+        done = run("rtmgr", "start")
+        if done.returncode:
+            raise Unreachable(f"rtmgr start: {done.stderr}")
+        self.listen()
+
+    def bring_up(self) -> None:
+        """Make the system, and keep what it is like as the desired state."""
+        self.start_manager()
+        assert self._tree is not None
+        for actions in (creations(), settings(), activations()):
+            _apply(self._tree, actions)
+        self.until(lambda: not self.lacks())
+        done = run("rtcryo", "-o", str(self.profile))
+        if done.returncode:
+            raise Unreachable(f"rtcryo: {done.stderr}")
+
+    def log(self) -> str:
+        """Return the end of the manager's log."""
+        path = self._orders.parent / "manager.log"
+        return path.read_text()[-6000:] if path.exists() else ""
+
+
+def _apply(tree: Tree, actions: list[Action]) -> None:
+    for result in tree.apply(actions, is_ordered=False, timeout_s=_PATIENCE_S):
+        result.raise_for_error()
+
+
+def run(name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run an installed command to its end."""
+    line = [command(name), *arguments]
+    return subprocess.run(line, capture_output=True, text=True, timeout=_PATIENCE_S, check=False)
+
+
+def kill(pids: Iterable[int], number: int = signal.SIGKILL) -> None:
+    """Send a signal to processes, one right after the other."""
+    for pid in pids:
+        os.kill(pid, number)
+
+
+@contextmanager
+def arena() -> Iterator[Arena]:
+    """Bring the system up; at the end nothing of it is left."""
+    os.environ["RTKIT_PORT"] = "none"
+    with folders(str(_MODULES)) as folder:
+        here = Arena(Path(folder))
+        try:
+            here.bring_up()
+            yield here
+        finally:
+            here.deafen()
+            run("rtmgr", "stop")

@@ -1,0 +1,121 @@
+"""What a campaign came to, for people: recovery times of each kind of fault, beside floors."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+import re
+import statistics
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from campaign.floors import Floor
+from campaign.layout import MANAGER, NAMES, SLAVES, WIRES, members
+from campaign.schedule import DECK
+from campaign.trial import Outcome
+
+_HEAD = ("fault", "count", "median", "p99", "max", "floor", "others' longest pause")
+_BY_PROCESS = ("kill a slave", "kill two slaves", "exit")
+_BY_MANAGER = ("kill the manager", "kill manager and slave", "kill everything")
+
+
+class Conditions(NamedTuple):
+    """Where and how a campaign was run."""
+
+    seed: int
+    seconds: float
+    load: float
+
+
+def conditions_line(conditions: Conditions) -> str:
+    """Return machine, seed and load, in one line."""
+    cpu = re.search(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    return (
+        f"Seed {conditions.seed}, {conditions.seconds:.0f} s, {os.cpu_count()} processors"
+        f" ({cpu[1] if cpu else platform.machine()}), Linux {platform.release()}, Python"
+        f" {platform.python_version()}; load average before {conditions.load:.1f}"
+    )
+
+
+def percentile(values: Sequence[float], share: float) -> float:
+    """Return the least value that so large a share of all does not exceed."""
+    ranked = sorted(values)
+    return ranked[max(0, math.ceil(share * len(ranked)) - 1)]
+
+
+def rows(outcomes: Sequence[Outcome], floors: Sequence[Floor]) -> list[tuple[str, ...]]:
+    """Return the cells of the table, its head first."""
+    told: list[tuple[str, ...]] = [_HEAD]
+    for kind in DECK:
+        its = [outcome for outcome in outcomes if outcome.fault.kind == kind]
+        if not its:
+            continue
+        times = [outcome.recovery_s for outcome in its]
+        pauses = [outcome.pause_s for outcome in its if outcome.pause_s]
+        figures = (statistics.median(times), percentile(times, 0.99), max(times))
+        told.append(
+            (
+                kind,
+                str(len(its)),
+                *(f"{figure:.3f} s" for figure in figures),
+                _floor(kind, floors),
+                f"{max(pauses):.3f} s" if pauses else "-",
+            )
+        )
+    return told
+
+
+def _floor(kind: str, floors: Sequence[Floor]) -> str:
+    for floor, kinds in zip(floors, (_BY_PROCESS, _BY_MANAGER), strict=False):
+        if kind in kinds:
+            return f"{floor.seconds:.3f} s"
+    return "-"
+
+
+def document(outcomes: Sequence[Outcome], floors: Sequence[Floor], conditions: Conditions) -> str:
+    """Return the whole report (Markdown)."""
+    table = ["| " + " | ".join(cells) + " |" for cells in rows(outcomes, floors)]
+    table.insert(1, "| --- " + "| ---: " * (len(_HEAD) - 1) + "|")
+    broken = [f"- {each.fault}: {'; '.join(each.failures)}" for each in outcomes if each.failures]
+    measured = "; ".join(f"{each.what}, {each.seconds:.3f} s" for each in floors)
+    return _DOCUMENT.format(
+        count=len(outcomes),
+        conditions=conditions_line(conditions),
+        components=len(NAMES),
+        inside=len(members(MANAGER)),
+        slaves=len(SLAVES),
+        wires=len(WIRES),
+        table="\n".join(table),
+        floors=measured,
+        verdict="\n".join(["Broken were:", "", *broken]) if broken else "None was broken.",
+    )
+
+
+_DOCUMENT = """# What comes of {count} faults
+
+Written by `make campaign`, not by hand. `make campaign SEED=…` does the same to the same again.
+
+{conditions}.
+
+{components} components at 50 Hz, {inside} in the manager and the rest in {slaves} slaves; {wires}
+connections with blocking buffers, which carry numbered values. Each component is to be made again
+on failure (`rtkit.restart=on-failure`), and when a callback takes longer than 1 s
+(`rtkit.health.stuck=restart`). `campaign/` has the program.
+
+{table}
+
+Times are from the fault (what is stopped: from when it goes on) until all components are Active and
+connected, those that died live again, and values come over every connection. A restart waits
+0.1 s, and twice as long each further time within 30 s; a callback that hangs has its second, and
+is found within the next; slow starts and activations sleep as long as they were told to. The last
+column is the longest time that a component which the fault did not concern was without a cycle.
+
+Floors, measured beside the same system at work: {floors}.
+
+Promises, looked at after each fault: it is over within the wait of the law of restarts and 10 s;
+then `rtplan --detailed-exitcode` has nothing to do; components were made again just once if the
+fault ended them, else not; all others went on in their process; no value of a connection whose ends
+both live on was lost or came twice. {verdict}
+"""

@@ -1,0 +1,218 @@
+"""What makes promises true: the tests of faults are to fail when it is taken away.
+
+Each guard is some text of one file, and what stands there without it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Guard(NamedTuple):
+    """One guard.
+
+    Attributes:
+        test: Below ``tests/``, ``system/test_x.py::test_y``; what is in brackets may be left out.
+        file: From the root of the project.
+    """
+
+    test: str
+    file: str
+    old: str
+    new: str
+
+    def __str__(self) -> str:
+        return f"{self.test.rpartition('::')[2]}-{self.file.rpartition('/')[2]}"
+
+
+GUARDS = (
+    Guard(
+        "system/test_faults.py::test_a_slave_that_a_component_ends",
+        "rtkit/manager/core/core.py",
+        """                self.state.update(instance, zombie=process.reason, trouble="")
+""",
+        "",
+    ),
+    Guard(
+        "system/test_faults.py::test_a_component_that_raises_does_not_end_its_slave",
+        "rtkit/component/callbacks.py",
+        "    except BaseException as error:\n        return Failure(describe",
+        "    except Exception as error:\n        return Failure(describe",
+    ),
+    Guard(
+        "system/test_stuck.py::test_a_stuck_callback_is_named_with_its_line",
+        "rtkit/manager/processes/watchman.py",
+        "        return age_ns > bound_s * 1e9",
+        "        return False",
+    ),
+    Guard(
+        "system/test_faults.py::test_a_creation_that_hangs_is_given_up_in_time_and_cleaned_away",
+        "rtkit/manager/processes/watchman.py",
+        "            bound_s = min(bound_s, watched.age_s)",
+        "            bound_s = 1e6",
+    ),
+    Guard(
+        "system/test_supervision.py::test_who_is_not_well_is_shown_or_made_again",
+        "rtkit/manager/core/wellbeing.py",
+        "        if rule.reaction is Reaction.RESTART:",
+        "        if False:",
+    ),
+    Guard(
+        "system/test_supervision.py::test_a_killed_slave_is_back_as_it_was",
+        "rtkit/manager/core/restoring.py",
+        "    yield from rewire(state, failed)\n    yield from _attach",
+        "    yield from _attach",
+    ),
+    Guard(
+        "system/test_supervision.py::test_error_is_answered_in_place_and_who_fails_always_is_given_up",
+        "rtkit/deployment/supervision.py",
+        "    if len(recent) >= policy.limit:",
+        "    if False:",
+    ),
+    Guard(
+        "system/test_faults.py::test_what_a_component_started_ends_with_its_slave",
+        "rtkit/manager/processes/nursery.py",
+        "            end_sessions(over, is_ancestor=is_all_ours)",
+        "            pass",
+    ),
+    Guard(
+        "system/test_faults.py::test_two_hundred_children_end_with_their_slave",
+        "rtkit/manager/processes/nursery.py",
+        "            end_sessions(over, is_ancestor=is_all_ours)",
+        "            pass",
+    ),
+    Guard(
+        "system/test_faults.py::test_memory_that_is_used_up_is_an_error_of_who_wants_more",
+        "rtkit/component/callbacks.py",
+        "    except BaseException as error:\n        return Failure(describe",
+        "    except ValueError as error:\n        return Failure(describe",
+    ),
+    Guard(
+        "system/test_faults.py::test_a_killed_slave_costs_nobody_else_a_message",
+        "rtkit/manager/core/core.py",
+        "                self.state.drop_connectors(instance)\n                self.state.update",
+        "                self.state.update",
+    ),
+    Guard(
+        "system/test_faults.py::test_a_stopped_slave_is_answered_for_at_once_and_hears_of_it_later",
+        "rtkit/manager/core/core.py",
+        "                self._halted(key, is_halted)",
+        "                pass",
+    ),
+    Guard(
+        "system/test_restart.py::test_manager_and_zygote_killed",
+        "rtkit/manager/loop.py",
+        "list(self._nursery.halts())",
+        "()",
+    ),
+    Guard(
+        "system/test_faults.py::test_a_killed_zygote_is_replaced_and_its_slaves_run_on",
+        "rtkit/manager/processes/lines.py",
+        "            self._nursery.restart()\n",
+        "            return\n",
+    ),
+    Guard(
+        "system/test_faults.py::test_a_stopped_zygote_costs_only_new_slaves",
+        "rtkit/manager/processes/nursery.py",
+        '(f"the zygote is stopped (pid {report.si_pid})" * is_stopped)',
+        '("")',
+    ),
+    Guard(
+        "system/test_restart.py::test_a_killed_manager_stops_no_component_and_loses_no_message",
+        "rtkit/manager/processes/zygote.py",
+        "            if self._children:\n                self._listen()",
+        "            self._children.clear()",
+    ),
+    Guard(
+        "system/test_keeping.py::test_a_killed_manager_finds_the_living_and_makes_its_own_again",
+        "rtkit/manager/core/restoring.py",
+        "    yield from revive(state, missing, failed)",
+        "    yield from ()",
+    ),
+    Guard(
+        "system/test_keeping.py::test_all_is_back_after_a_loss_of_power",
+        "rtkit/manager/keeping/store.py",
+        """                db.execute("commit")""",
+        """                db.execute("rollback")""",
+    ),
+    Guard(
+        "system/test_fault_points.py::test_killed_at_points[create]",
+        "rtkit/manager/core/restoring.py",
+        "    _adopt(state)\n    kept = state.kept",
+        "    kept = state.kept",
+    ),
+    Guard(
+        "system/test_system_calls.py::test_calls_here_and_there[cryo]",
+        "rtkit/cli/_atomic.py",
+        "    os.fsync(stream.fileno())\n",
+        "",
+    ),
+    Guard(
+        "system/test_keeping.py::test_a_damaged_store_is_put_aside_and_made_anew_from_what_lives",
+        "rtkit/manager/keeping/store.py",
+        """            return Found([], f"{self.set_aside('damaged')} ({error})")""",
+        """            return Found([], "")""",
+    ),
+    Guard(
+        "system/test_keeping.py::test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse",
+        "rtkit/manager/core/keeping.py",
+        "                self._take_back(done, why)",
+        "                done.tell(done.results)",
+    ),
+    Guard(
+        "unit/manager/test_logfile.py::test_a_full_file_is_begun_anew_and_the_older_ones_are_bounded",
+        "rtkit/manager/logs/logfile.py",
+        "        for number in range(self._files - 1, 0, -1):",
+        "        for number in ():",
+    ),
+    Guard(
+        "system/test_clock_jumps.py::test_only_stamps_follow_a_clock_that_jumps",
+        "rtkit/manager/loop.py",
+        "self._core.handle(event, time.monotonic())",
+        "self._core.handle(event, time.time())",
+    ),
+    Guard(
+        "system/test_manager.py::test_a_manager_without_descriptors_refuses_the_new_and_keeps_the_old",
+        "rtkit/manager/processes/lines.py",
+        "            os.close(self._spare)\n            self._spare = -1",
+        "            self._spare = -1",
+    ),
+    Guard(
+        "system/test_manager.py::test_of_several_starts_at_once_exactly_one_of_each_name_serves",
+        "rtkit/manager/claim.py",
+        "            fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)",
+        "            pass",
+    ),
+    Guard(
+        "system/test_manager.py::test_what_is_no_socket_is_not_removed",
+        "rtkit/manager/claim.py",
+        "if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):",
+        "if False:",
+    ),
+    Guard(
+        "system/test_bad_input.py::test_a_first_message_that_is_wrong_is_refused",
+        "rtkit/manager/processes/lines.py",
+        """        if first.get("protocol") != PROTOCOL or not isinstance(pid, int):
+            return None
+""",
+        "",
+    ),
+    Guard(
+        "laws/test_supervision.py",
+        "rtkit/deployment/supervision.py",
+        "    wait_s = max(ledger.wait_s, usual",
+        "    wait_s = min(1.0, usual",
+    ),
+    Guard(
+        "laws/test_deployment_applying.py",
+        "rtkit/tree/applying.py",
+        "_MOST_PLANS = 10",
+        "_MOST_PLANS = 0",
+    ),
+    Guard(
+        "system/test_campaign.py::test_every_kind_of_fault",
+        "rtkit/manager/core/restoring.py",
+        "        if wire.connector_id not in state.connectors\n",
+        "        if wire.connector_id not in {*state.connectors, 'Cell3-Cell4'}\n",
+    ),
+)

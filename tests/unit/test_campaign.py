@@ -1,0 +1,91 @@
+"""What a campaign does to whom is drawn from its seed; its law and its table are right."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from campaign.counts import Counts
+from campaign.floors import Floor
+from campaign.law import Law
+from campaign.layout import PLACES, SLAVES, members
+from campaign.report import Conditions, document, percentile, rows
+from campaign.schedule import DECK, SPACING, Fault, schedule
+from campaign.trial import Outcome
+
+FLOORS = (Floor(0.05, "a process"), Floor(1.0, "a manager"))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_happens_is_drawn_from_the_seed(seed: int) -> None:
+    faults = schedule(seed, 200)
+    assert faults == schedule(seed, 200)
+    assert faults[:40] == schedule(seed, 40)
+    assert {fault.kind for fault in faults[: len(DECK)]} == set(DECK)
+    for number in range(len(faults)):
+        recent = [fault for fault in faults[number : number + SPACING] if fault.slaves]
+        hits = Counter(cell for fault in recent for cell in fault.renewed)
+        assert max(hits.values(), default=0) <= 5  # the law gives nobody up
+    assert {slave for fault in faults for slave in fault.slaves} == set(SLAVES)
+
+
+def test_seeds_differ() -> None:
+    assert schedule(1, 20) != schedule(2, 20)
+
+
+def test_whom_a_fault_concerns() -> None:
+    both = members("c") + members("e")
+    assert Fault("kill two slaves", ("c", "e")).renewed == set(both)
+    assert Fault("raise", cell=3).renewed == {3}
+    assert Fault("kill manager and slave", ("c",)).renewed == {*members("manager"), *members("c")}
+    assert Fault("kill the zygote").renewed == Fault("stop a slave", ("a",)).renewed == set()
+    assert Fault("stop a slave", ("a",)).held_up == set(members("a"))
+    assert len(Fault("kill everything").renewed) == len(PLACES)
+
+
+def test_the_law_is_counted_along() -> None:
+    law, fault = Law(), Fault("kill a slave", ("i",))
+    waits = [law.longest_wait_s(fault, 100.0 + number) for number in range(5)]
+    assert waits == [pytest.approx(0.11 * 2**number) for number in range(5)]
+    assert law.room_at_s(fault) == pytest.approx(100.0 + waits[0] + 60.0)
+    assert law.room_at_s(Fault("kill a slave", ("h",))) <= 0.0
+    with pytest.raises(AssertionError, match="no room"):
+        law.longest_wait_s(fault, 105.0)
+    assert law.longest_wait_s(Fault("kill the manager"), 106.0) == 0.0
+    assert law.room_at_s(fault) <= 0.0
+    assert law.longest_wait_s(fault, 107.0) == pytest.approx(0.11)
+    law.well(107.5)
+    assert law.longest_wait_s(fault, 140.0) == pytest.approx(0.11)
+
+
+def test_counts_are_shared(tmp_path) -> None:
+    ours = Counts(str(tmp_path / "counts"), is_new=True)
+    theirs = Counts(str(tmp_path / "counts"))
+    cell, same = theirs.cell(3), ours.cell(3)
+    cell.begin()
+    cell.execute(20_000_000)
+    cell.execute(10_000_000)
+    for missing in (0, 4, -2):
+        cell.receive(7, missing)
+    assert (same.lives, same.executions, same.longest_s) == (1, 2, 0.02)
+    assert same.stream(7) == (3, 4, 1)
+    assert same.stream(8) == ours.cell(4).stream(7) == (0, 0, 0)
+    same.forget()
+    assert cell.longest_s == 0.0
+    for record in (cell, same):
+        record.close()
+
+
+def test_the_table() -> None:
+    times = [number / 100 for number in range(1, 201)]
+    assert percentile(times, 0.99) == 1.98
+    assert percentile([1.0], 0.99) == 1.0
+    outcomes = [Outcome(Fault("exit", ("a",), 1), seconds, 0.05, ()) for seconds in times]
+    head, line = rows(outcomes, FLOORS)
+    assert len(head) == len(line)
+    assert line == ("exit", "200", "1.005 s", "1.980 s", "2.000 s", "0.050 s", "0.050 s")
+    conditions = Conditions(1, 60.0, 0.3)
+    assert "None was broken." in document(outcomes, FLOORS, conditions)
+    bad = Outcome(Fault("raise", cell=1), 1.0, 0.0, ("Cell2 did not go on",))
+    assert "- raise Cell1: Cell2 did not go on" in document([bad], FLOORS, conditions)
