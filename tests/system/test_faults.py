@@ -338,7 +338,13 @@ def test_a_component_that_raises_does_not_end_its_slave(world: Tree, when: str, 
     world.perform(faulty("Other", "s"))
     world.perform(faulty("A", "s", when, how))
     pid = slave_pid(world, "s")
-    world.apply([activate("Other"), activate("A"), deactivate("A"), Delete("A")], is_ordered=False)
+    world.apply([activate("Other"), activate("A")], is_ordered=False)
+    if when in ("on_execute", "on_activated"):
+        until(lambda: row(world, "A").state == "Error", "the error")
+        assert world.snapshot().component("A").cause
+    world.apply([deactivate("A")])
+    assert one(world.apply([Delete("A")])).ok
+    assert one(world.apply([faulty("Third", "s")])).ok
     assert row(world, "Other").state == "Active"
     assert slave_pid(world, "s") == pid
 
