@@ -155,6 +155,49 @@ def test_nothing_is_activated_before_what_it_needs(profile, disturbances, when):
             disturb(world, [d for d in disturbances if not isinstance(d, act.SetParameters)])
         return None
 
+    begun = lacking_at_activations(world, goal)
+    if when == 0:
+        reach(world, goal)
+        assert not any(begun)
+        return
+    world.fault = watch
+    if not attempt(world, goal):
+        assert differs(world, goal) == []
+
+
+@given(
+    profiles(), disturbances(), st.sets(st.integers(0, 14), min_size=1, max_size=4), st.booleans()
+)
+@few
+def test_steps_that_fail_activate_nothing_before_what_it_needs(
+    profile, disturbances, failing, is_there
+):
+    """However often it is run again; in the end the goal is reached, with nothing left to do."""
+    world = make_world()
+    if is_there:
+        reach(world, goal_of(world, profile, INACTIVE))
+        disturb(world, disturbances)
+    goal = goal_of(world, profile)
+    begun = lacking_at_activations(world, goal)
+    count = 0
+
+    def fault(_action: act.Action) -> Result | None:
+        nonlocal count
+        count += 1
+        return Result(ReturnCode.ERROR, "refused", "no luck") if count - 1 in failing else None
+
+    world.fault = fault
+    tries = 1
+    while attempt(world, goal):
+        tries += 1
+        assert tries <= len(failing) + 1
+    assert not any(begun), begun
+    assert differs(world, goal) == []
+    assert not is_left(world, goal)
+
+
+def lacking_at_activations(world: World, goal: Goal) -> list[list[str]]:
+    """Return a list to which is added what each activation lacks at the moment that it begins."""
     begun: list[list[str]] = []
     perform = world.perform
 
@@ -164,13 +207,7 @@ def test_nothing_is_activated_before_what_it_needs(profile, disturbances, when):
         return perform(action)
 
     world.perform = performing
-    if when == 0:
-        reach(world, goal)
-        assert not any(begun)
-        return
-    world.fault = watch
-    if not attempt(world, goal):
-        assert differs(world, goal) == []
+    return begun
 
 
 def lacking(world: World, goal: Goal, instance: str) -> list[str]:

@@ -76,6 +76,24 @@ def test_what_may_be_done_at_once_may_be_done_in_any_order(model, chance: random
 
 @given(models())
 @settings(max_examples=60, deadline=None)
+def test_a_component_is_activated_after_its_connections_and_parameters(model):
+    try:
+        found = make_plan(model)
+    except NoPlan:
+        return
+    layer_of = {n: number for number, layer in enumerate(found.layers) for n in layer}
+    changed = {
+        variable: layer_of[n] for n, move in enumerate(found.moves) for variable, _ in move.changes
+    }
+    for n, move in enumerate(found.moves):
+        if move.kind == "activate":
+            wires = [f"con:{wire}" for wire in model.wires_of[move.subject]]
+            keys = [f"cfg:{key}" for key in model.keys_of[move.subject]]
+            assert all(changed.get(each, -1) < layer_of[n] for each in (*wires, *keys))
+
+
+@given(models())
+@settings(max_examples=60, deadline=None)
 def test_of_wishes_that_cannot_hold_together_none_can_be_left_out(model):
     wishes = conflict(model)
     named = [wish for wish in model.desired.items() if wish[0] in wishes]
