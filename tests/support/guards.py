@@ -90,10 +90,13 @@ GUARDS = (
     Guard(
         "system/test_faults.py::test_a_killed_slave_costs_nobody_else_a_message",
         "rtkit/manager/core/core.py",
-        "                self._cut(wire)\n            if (process.is_wanted or process.verdict) and not"
-        " process.is_guest:\n                self.state.drop_connectors(instance)\n",
-        "                pass\n            if (process.is_wanted or process.verdict) and not"
-        " process.is_guest:\n",
+        """                self._cut(wire)
+            if (process.is_wanted or process.verdict) and not process.is_guest:
+                self.state.drop_connectors(instance)
+""",
+        """                pass
+            if (process.is_wanted or process.verdict) and not process.is_guest:
+""",
     ),
     Guard(
         "system/test_faults.py::test_a_stopped_slave_is_answered_for_at_once_and_hears_of_it_later",
