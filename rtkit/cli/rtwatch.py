@@ -20,7 +20,9 @@ from rtkit.deployment.happenings import HEARTBEAT, KINDS, SYSTEM_STATE, Happenin
 
 if TYPE_CHECKING:
     from rtkit.cli._ears import Told
+    from rtkit.cli.system.gathering import Managers
     from rtkit.cli.system.states import States
+    from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.figures import Figures
     from rtkit.tree.scope import Scope
 
@@ -88,14 +90,14 @@ def main(
         raise WrongArguments("No component specified.")
     all_kinds = {*KINDS, SYSTEM_STATE}
     wanted = all_kinds if ALL in kinds else set(kinds) or all_kinds - {HEARTBEAT}
-    states = _states(app, system) if system is not None else None
+    states, managers = _states(app, system) if system is not None else (None, None)
     until = None if duration_s is None else time.monotonic() + duration_s
     scopes = scopes_of(app, paths)
-    is_wide = not all(scope.is_one_manager for scope in scopes)
+    is_wide = managers is not None or not all(scope.is_one_manager for scope in scopes)
     lines = (TREE, FIGURES) if HEARTBEAT in wanted else (TREE,)
     left = number
     with Ears(app, lines, is_wide=is_wide) as ears:
-        watch = _Watch(app, ears, scopes, wanted, states)
+        watch = _Watch(app, ears, scopes, wanted, states, managers)
         watch.begin()
         app.tell("listening")
         for told in ears.listen(until):
@@ -107,22 +109,26 @@ def main(
     return 0 if number is None and watch.count else 1
 
 
-def _states(app: App, file: str) -> States:
-    """Return the states of the system of a profile.
+def _states(app: App, file: str) -> tuple[States, Managers | None]:
+    """Return the states of the system of a profile, and its managers if it is not in one.
 
     Raises:
         InvalidDocument: It tells none, or they make no sense.
     """
     from rtkit.cli.system import shared
     from rtkit.cli.system.document import read_document
+    from rtkit.cli.system.gathering import Managers, names_another
     from rtkit.cli.system.planning import Begun
     from rtkit.cli.system.states import States
     from rtkit.tree.applying import Goal
 
     document = read_document(app, (file,), strict=False)
+    managers = Managers(document.profile) if names_another(document.profile) else None
     snapshot = shared.snapshot(app)
+    if managers is not None:
+        snapshot = managers.joined([snapshot])
     system = shared.wanted_system(app, document, snapshot)
-    return States(Begun(document, Goal(system), snapshot))
+    return States(Begun(document, Goal(system), snapshot)), managers
 
 
 class _Watch:
@@ -139,8 +145,10 @@ class _Watch:
         scopes: Sequence[Scope],
         wanted: Container[str],
         states: States | None,
+        managers: Managers | None,
     ) -> None:
         self._states = states
+        self._managers = managers
         self._state = ""
         self._app = app
         self._ears = ears
@@ -178,16 +186,23 @@ class _Watch:
 
     def begin(self) -> None:
         """Note in which state the system is before anything happens."""
-        ear = self._ears.ears.get("")
-        if self._states is not None and ear is not None:
-            self._state = self._states.now(ear.facts)
+        facts = self._facts("")
+        if self._states is not None and facts is not None:
+            self._state = self._states.now(facts)
+
+    def _facts(self, manager: str) -> Snapshot | None:
+        """Return what is known of the system, if this manager has to do with it."""
+        if self._managers is not None:
+            return self._managers.joined([ear.facts for ear in self._ears.ears.values()])
+        ear = self._ears.ears.get(manager)
+        return ear.facts if ear is not None and not manager else None
 
     def _came_to(self, manager: str, moment: float) -> Iterator[Record]:
         """Yield that the system is in another state than it was seen in before."""
-        ear = self._ears.ears.get(manager)
-        if self._states is None or manager or ear is None or SYSTEM_STATE not in self._wanted:
+        facts = self._facts(manager)
+        if self._states is None or facts is None or SYSTEM_STATE not in self._wanted:
             return
-        now = self._states.now(ear.facts, self._state)
+        now = self._states.now(facts, self._state)
         if now in ("", self._state):
             return
         before, self._state = self._state, now

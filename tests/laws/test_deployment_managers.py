@@ -209,11 +209,23 @@ def test_what_fails_in_one_manager_is_taken_back_in_all(drawn, disturbances, whe
     managers.check(goal)
 
 
-@given(spread(), st.sampled_from(NAMES[1:]), st.integers(0, 6), st.booleans())
-@few
-def test_a_manager_that_ends_stops_it_and_run_again_it_finishes(drawn, name, when, rolls_back):
+@given(
+    spread(),
+    disturbances(),
+    st.sampled_from(NAMES[1:]),
+    st.integers(0, 6),
+    st.booleans(),
+    st.booleans(),
+)
+@settings(max_examples=40, deadline=None)
+def test_a_manager_that_ends_stops_it_and_run_again_it_finishes(
+    drawn, disturbances, name, when, comes_up, rolls_back
+):
     profile, homes = drawn
     managers = Managers(homes)
+    if comes_up:
+        managers.reach(managers.goal(profile))
+        managers.disturb(disturbances)
     world = managers.worlds[name]
     count = 0
 
@@ -238,7 +250,8 @@ def test_a_manager_that_ends_stops_it_and_run_again_it_finishes(drawn, name, whe
     assert not why or f"manager {name!r} ended" in why
     if why and rolls_back:
         assert f"but for what was in manager {name}" in why
-        assert not any(w.components for n, w in managers.worlds.items() if n != name)
+        others = [w for n, w in managers.worlds.items() if n != name]
+        assert comes_up or not any(w.components for w in others)
     elif why:
         assert "run it again to go on" in why
         assert any(f"start manager {name}" in line for line in told)

@@ -35,6 +35,15 @@ WIRE = """
  <rts:targetDataPort rts:componentId="RTC:rtkit:example:ConsoleOut:1.0" rts:instanceName="{sink}"
   rts:portName="{sink}.in"/>
 </rts:DataPortConnectors>"""
+STATES = "".join(
+    f'<rtsExt:Properties rtsExt:name="rtkit.{name}" rtsExt:value="{value}"/>'
+    for name, value in {
+        "states": "run, standby",
+        "state.standby": "*=Inactive",
+        "transitions": "run -halt-&gt; standby; standby -go-&gt; run",
+    }.items()
+)
+"""States of the system, all of it active or all of it at rest."""
 
 
 def profile(
@@ -50,7 +59,7 @@ def profile(
         )
     ]
     joined = [WIRE.format(id=f"w-{s}-{t}", source=s, sink=t) for s, t in wires]
-    path.write_text("".join([HEAD, *components, *joined, "</rts:RtsProfile>"]))
+    path.write_text("".join([HEAD, *components, *joined, STATES, "</rts:RtsProfile>"]))
     return str(path)
 
 
@@ -100,7 +109,13 @@ def test_a_system_in_two_managers_is_one_system(manager: Any) -> None:
     assert shell.run("rtcheck saved.xml") == (0, "", "")
     assert shell.ok("rtplan saved.xml").endswith("kept: 2 managers, 4 components, 2 connections\n")
 
-    # The commands of one purpose each.
+    # The commands of one purpose each; which state that is both managers tell.
+    watching = shell.open(f"rtwatch -v -n 1 -f SYSTEM_STATE --system {file} /localhost")
+    assert "listening\n" in iter(watching.stderr.readline, "")
+    assert shell.run(f"rtstop {file}").status == 0
+    assert shell.end_of(watching).out.endswith(" RTSystem:Me:Two:0 state standby (was run)\n")
+    assert shell.run(f"rtstate --event go {file}").status == 0
+    assert set(states(shell).values()) == {"Active"}
     assert shell.run(f"rtstop {file}").status == 0
     assert set(states(shell).values()) == {"Inactive"}
     shell.ok(f"rtteardown --exit {file}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
@@ -61,11 +61,12 @@ class Managers:
         first, *more = [path for name, path in self._paths.items() if self.homes[name] == manager]
         return f"/{first.lstrip('/')}" + (f" and {len(more)} more" if more else "")
 
-    def nothing(self) -> Snapshot:
-        """Return what is to be seen where none of them runs."""
+    def joined(self, told: Iterable[Snapshot]) -> Snapshot:
+        """Return what managers tell as what is known of these; who tells nothing is down."""
         from rtkit.deployment.joint import down, joined
 
-        return joined([down(self.host, name) for name in self.names], self.homes)
+        known = {each.manager: each for each in told}
+        return joined([known.get(n) or down(self.host, n) for n in self.names], self.homes)
 
 
 def gather(app: App, profile: RtsProfile, *, is_lenient: bool) -> Snapshot | None:
@@ -87,7 +88,7 @@ def gather(app: App, profile: RtsProfile, *, is_lenient: bool) -> Snapshot | Non
     for why in absent.values():
         app.fail(f"{why}; taken as if nothing lived there")
     if not trees:
-        return managers.nothing()
+        return managers.joined([])
     app.ask(_one(managers, trees))
     return None
 

@@ -88,9 +88,7 @@ def _words(model: Model, wish: Wished) -> str:
     value = values if isinstance(values, str) else " or ".join(values)
     match kind:
         case "cmp":
-            return {ANY: f"that {name} exists", ABSENT: f"no {name}"}.get(
-                value, f"{name} at {value}"
-            )
+            return {ANY: name, ABSENT: f"no {name}"}.get(value, f"{name} at {value}")
         case "act":
             return f"{name} {value}"
         case "cfg":

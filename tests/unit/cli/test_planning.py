@@ -369,7 +369,7 @@ def test_what_the_manager_does_not_find_is_told_before_anything_is_done(console)
     status, _, err = console.run("rtapply")
     assert status == 1
     assert err == (
-        "rtapply: impossible: that Source0 exists cannot be (/localhost/Source0.rtc: no module"
+        "rtapply: impossible: Source0 cannot be (/localhost/Source0.rtc: no module"
         " Source.py (looked in /x)); moreover: /localhost/Sink0.rtc: no Sink\n"
     )
     assert console.world.performed == []

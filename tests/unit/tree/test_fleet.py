@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NoReturn
 
 import pytest
 
@@ -15,7 +16,7 @@ from rtkit.deployment.world import World
 from rtkit.errors import Impossible, Refused, Unreachable
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import Property
-from rtkit.rtc.enums import PortType
+from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
 from rtkit.tree.apply import Runner
@@ -174,8 +175,43 @@ def test_one_that_does_not_run_holds_nothing() -> None:
     host = Host(profile(HERE, THERE))
     fleet = Fleet(NAMES, {"m1": host.fleet.trees["m1"]}, host.fleet.homes)
     assert [each.pid > 0 for each in (fleet.snapshot(), *fleet.snapshot().others)] == [False, True]
-    with pytest.raises(Unreachable, match="manager 'manager' is not running"):
-        fleet.apply([act.Create("Node?instance_name=Here")])
+    plan = Goal(host.system).plan(fleet.snapshot())
+    assert [move.text for move in plan.moves][:2] == [
+        "start manager manager",
+        "create Here on manager",
+    ]
+    # The others do their part before it is told that one did not.
+    create = [act.Create(f"Node?instance_name={name}") for name in ("Here", "There")]
+    for is_ordered in (True, False):
+        with pytest.raises(Unreachable, match="manager 'manager' is not running"):
+            fleet.apply(create, is_ordered=is_ordered)
+        assert ("There" in host.worlds["m1"].components) is not is_ordered
+
+
+def test_the_way_back_leaves_out_what_was_in_a_manager_that_ended() -> None:
+    host = Host(profile(HERE, THERE))
+    host.apply()
+    before = host.fleet.snapshot()
+    there = host.worlds["m1"]
+
+    def gone(*_: object) -> NoReturn:
+        there.snapshot = gone  # type: ignore[method-assign]
+        raise Unreachable("m1 ended")
+
+    there.fault = gone
+    host.fleet.trees["m1"].has_ended = lambda: True
+    goal = Goal(host.system, LifeCycleState.INACTIVE)
+    applier = Applier(host.fleet, goal, lambda _: None, lambda _: None)
+    with pytest.raises(
+        Unreachable, match="before, but for what was in manager m1, which has ended"
+    ):
+        applier.run(goal.plan(before), before, rolls_back=True)
+    here = host.worlds["manager"]
+    assert here.components["Here"].state == "Active"
+    assert [a.transition.value for a in here.performed[-2:] if type(a) is act.ChangeState] == [
+        "deactivate",
+        "activate",
+    ]
 
 
 @pytest.mark.parametrize(
