@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import socket
 import subprocess
@@ -21,6 +22,7 @@ from rtkit.link.properties import Ear, PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
 
 _TIMES = 300
+_ON_THE_WAY = 200
 _MANY = 1000
 _VERY_MANY = 100_000
 _TICKS = 500
@@ -56,11 +58,21 @@ def _line() -> Lines:
             yield Row(
                 "property: GET as a line, time", "us", *measured, 100.0, False, _BARE_LINES_IS
             )
+            values = itertools.cycle(("2.5", "3.5"))
             measured = paired(
-                lambda: _each_us(lambda: client.ask("p7", "2.5")),
+                lambda: _each_us(lambda: client.ask("p7", next(values))),
                 lambda: _each_us(lambda: _echo(bare, b"SET p7 2.5\n")),
             )
             yield Row("property: SET as a line", "us", *measured, 1 / 0.6, True, _BARE_LINES_IS)
+            with client.detach() as ours:
+                many = line * _ON_THE_WAY
+                length = len(_ask_many(ours, many, 0))
+                measured = paired(
+                    lambda: timed(lambda: _ask_many(ours, many, length)) * 1e3 / _ON_THE_WAY,
+                    lambda: timed(lambda: _ask_many(bare, many, len(many))) * 1e3 / _ON_THE_WAY,
+                )
+                what = f"property: GET as a line, {_ON_THE_WAY} on the way"
+                yield Row(what, "us", *measured, 100.0, False, _BARE_LINES_IS)
 
 
 def _bulk() -> Lines:
@@ -195,6 +207,15 @@ def _query(session: zenoh.Session, selector: str, payload: str | None) -> str:
         if reply.ok is not None:
             return reply.ok.payload.to_string()
     raise RuntimeError(f"no reply to {selector}")
+
+
+def _ask_many(end: socket.socket, lines: bytes, length: int) -> bytes:
+    """Send requests without waiting for replies, of which there are so many bytes, if known."""
+    end.sendall(lines)
+    got, count = b"", lines.count(b"\n")
+    while len(got) < length or (not length and got.count(b"\n") < count):
+        got += end.recv(65536)
+    return got
 
 
 def _echo(end: socket.socket, line: bytes) -> None:

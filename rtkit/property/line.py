@@ -193,6 +193,8 @@ class Requests:
 
 def write_request(target: str, payload: Payload | None, id: str = "") -> bytes:
     """Return a request as it is sent."""
+    if isinstance(payload, str) and payload[:1] != "{" and payload.isprintable() and not id:
+        return f"SET {target} {payload}\n".encode("utf-8", "surrogatepass")  # as most are
     head = f"#{id} " if id else ""
     if payload is None:
         return f"{head}GET {target}\n".encode("utf-8", "surrogatepass")

@@ -78,14 +78,22 @@ class Node:
         Raises:
             PropertyError: ``bad-value``, ``too-large``: no text stands for it; nothing changed.
         """
-        payload = to_payload(self.spec.type, value)
-        has_changed = self.value is None or payload != self.payload or quality != self.quality
+        payload: Payload | None
+        old = self.value
+        if type(value) is float and type(old) is float and self.history is None:
+            payload = None  # a loop sets it more often than somebody reads it
+            # Zeros have a sign, and what is no number is not equal to itself.
+            differs = value != old if value and value == value else repr(value) != repr(old)
+        else:
+            payload = to_payload(self.spec.type, value)
+            differs = old is None or payload != self.payload
+        has_changed = differs or quality != self.quality
         self.value, self._payload, self.time, self.quality = value, payload, time, quality
         self._line = None
         if has_changed:
             self.revision += 1
         if self.history is not None:
-            self.history.append((time, quality, payload))
+            self.history.append((time, quality, self.payload))
         return has_changed
 
     def compute(self, parameters: dict[str, Value]) -> Content:

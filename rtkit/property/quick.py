@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rtkit.property.service import Service
 
 _MOST_KNOWN = 4096
-"""Names of properties that are known as bytes."""
+"""Lines, and names of properties, that are known as bytes."""
 
 
 class Quick:
@@ -24,39 +24,45 @@ class Quick:
 
     def __init__(self, service: Service) -> None:
         self._service = service
-        self._known: dict[bytes, Node] = {}
+        self._lines: dict[bytes, Node] = {}
+        self._names: dict[bytes, Node] = {}
 
     def reply(self, line: bytes, caller: Caller) -> bytes | None:
         """Return the reply to a whole request line, None if it has to go the long way."""
-        is_get = line.startswith(b"GET ")
-        end = len(line) - 1 if is_get else line.find(b" ", 4)
-        if end < 0:
-            return None
-        name = line[4:end]
-        node = self._known.get(name) or self._found(name)
+        node = self._lines.get(line)
+        if node is None:
+            if line[:4] == b"SET ":
+                return self._set(line, caller)
+            node = self._found(self._lines, line, line[4:-1]) if line[:4] == b"GET " else None
         if node is None or node.reader is not None or node.value is None:
             return None
-        if is_get:
-            return (node.line or None) if caller.may("GET", node.name) else None
-        raw = line[end + 1 : -1]
-        is_odd = raw[:1] == b"{" or raw[-1:] == b"\r" or not raw.isascii()
-        is_plain = node.writer is None and node.function is None and line.startswith(b"SET ")
-        if is_odd or not is_plain or not caller.may("SET", node.name):
+        return (node.line or None) if caller.may("GET", node.name) else None
+
+    def _set(self, line: bytes, caller: Caller) -> bytes | None:
+        name, blank, raw = line[4:-1].partition(b" ")
+        node = self._names.get(name) or self._found(self._names, name, name)
+        if node is None or node.reader is not None or node.value is None or not blank:
+            return None
+        if node.writer is not None or node.function is not None or not raw.isascii():
+            return None
+        text = raw.decode("ascii")
+        if text[:1] == "{" or text[-1:] == "\r" or not caller.may("SET", node.name):
             return None
         try:
-            self._service.set_plain(node, raw.decode("ascii"))
+            self._service.set_plain(node, text)
         except PropertyError as error:
             return f"! {error.code} {error}\n".encode("utf-8", "replace")
         return b"=\n"
 
-    def _found(self, raw: bytes) -> Node | None:
-        node = self._service.registry.nodes.get(raw.decode("latin-1"))
+    def _found(self, known: dict[bytes, Node], key: bytes, name: bytes) -> Node | None:
+        node = self._service.registry.nodes.get(name.decode("latin-1"))
         if node is not None:
-            if len(self._known) >= _MOST_KNOWN:
-                self._known.clear()
-            self._known[raw] = node
+            if len(known) >= _MOST_KNOWN:
+                known.clear()
+            known[key] = node
         return node
 
     def forget(self) -> None:
         """Look every name up anew: some have gone."""
-        self._known.clear()
+        self._lines.clear()
+        self._names.clear()

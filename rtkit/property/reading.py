@@ -99,7 +99,7 @@ def lone_number(text: str) -> float | None:
     number = _NUMBER.fullmatch(text) if len(text) < _SHORT else None
     if number is None:
         return None
-    return float(text) if number[1] is None else int(text)
+    return int(text) if number.lastindex else float(text)
 
 
 def read_item(text: str, depth: int, budget: Budget) -> Value:

@@ -157,8 +157,14 @@ class Service:
         Raises:
             PropertyError: As answered.
         """
-        self.check_writable(node, node.name)
-        self.apply(node, node.spec.within(from_payload(node.spec.type, payload)))
+        spec = node.spec
+        if "w" not in spec.access:
+            self.check_writable(node, node.name)
+        value = spec.within(from_payload(spec.type, payload))
+        if node.writer is None and node.reader is None and "r" in spec.access:
+            self._keep(node, value)
+        else:
+            self.apply(node, value)
 
     def revision(self, name: str) -> int | None:
         """Return the revision of a property, None of what is none."""
@@ -398,6 +404,9 @@ class Service:
             return
         if node.reader is not None:
             value = self.value_of(node)
+        self._keep(node, value)
+
+    def _keep(self, node: Node, value: Content) -> None:
         has_changed = node.put(value, self.wall())
         if node.listeners:
             self.listeners.changed(node, has_changed)

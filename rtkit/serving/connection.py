@@ -16,6 +16,7 @@ from rtkit.property.line import Asked, Requests, write_answer, write_event
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Event
 from rtkit.property.order import InOrder
+from rtkit.serving.attendant import Left
 from rtkit.serving.hearer import Hearer
 from rtkit.serving.pace import too_fast
 
@@ -34,6 +35,8 @@ HALF_S = 30.0
 """How long half a request, or a reply that nobody reads, is waited for [s]."""
 _MOST_WAITING = 4096
 """Requests that are being worked on for one connection."""
+IN_A_ROW = 32
+"""Requests answered at once, between two looks at the client, for which it is given a thread."""
 
 
 class Connection(Hearer):
@@ -72,6 +75,7 @@ class Connection(Hearer):
         self._is_stuck = False
         self._moved_at = monotonic()
         self._is_closing = False
+        self._in_a_row = 0
         self.is_open = True
         end.setblocking(False)
         host.register(end, self)
@@ -111,12 +115,9 @@ class Connection(Hearer):
         """Answer what nearly all requests are: one line, about a property that is kept here."""
         if self._out or self._is_half or self._order.waiting or self._is_closing:
             return False
-        is_allowed = self.identity and self._pace is None and len(data) <= self._longest
-        if not is_allowed or data.find(b"\n") != len(data) - 1:
-            return False
-        service = self._host.services.get(self._service)
-        reply = None if service is None else service.quick(data, self)
+        reply = self._reply_at_once(data) if self.identity and self._pace is None else None
         if reply is None:
+            self._in_a_row = 0
             return False
         try:
             sent = self._end.send(reply)
@@ -126,7 +127,30 @@ class Connection(Hearer):
             self._out += reply[sent:]
             self._moved_at = monotonic()
             self._send()
+            return True
+        self._in_a_row += 1
+        if self._in_a_row >= IN_A_ROW:
+            self._in_a_row = 0
+            self._host.attend(self._end, self._reply_at_once, self._take_back)
         return True
+
+    def _reply_at_once(self, data: bytes) -> bytes | None:
+        """Return the reply to a request that takes only a look; None if this is another."""
+        if len(data) > self._longest or data.find(b"\n") != len(data) - 1:
+            return None
+        service = self._host.services.get(self._service)
+        return None if service is None else service.quick(data, self)
+
+    def _take_back(self, left: Left) -> None:
+        """Serve on after an attendant."""
+        self._moved_at = monotonic()
+        self._out += left.unsent
+        if left.data == b"":
+            self.close()
+            return
+        if left.data is not None:
+            self._requests.feed(left.data)
+        self._work()
 
     def _work(self) -> None:
         """Take the requests that are there, as long as replies are read."""
@@ -206,6 +230,7 @@ class Connection(Hearer):
 
     def check(self, now: float) -> None:
         """See `Tenant.check`."""
+        self._in_a_row = 0
         is_half = self._requests.waits or bool(self._out)
         login = self._login
         if (is_half and now - self._moved_at > HALF_S) or (

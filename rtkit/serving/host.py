@@ -17,6 +17,7 @@ from typing import Protocol
 from rtkit.property.access import Policy
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import Finished, Work
+from rtkit.serving.attendant import Attendants, Left
 from rtkit.serving.owner import Owner
 
 POLL_S = 0.02
@@ -79,6 +80,7 @@ class Host:
         self.policy = policy or Policy()
         self.services: dict[str, Owner] = {}
         self.lock = threading.Lock()
+        self._attendants = Attendants(self.lock)
         self._epoll = select.epoll()
         self._wake, self._waker = socket.socketpair()
         for end in (self._wake, self._waker):
@@ -178,6 +180,30 @@ class Host:
             self._epoll.unregister(number)
         self._dirty.discard(tenant)
 
+    def attend(
+        self, end: End, answer: Callable[[bytes], bytes | None], back: Callable[[Left], object]
+    ) -> None:
+        """Have a client served by a thread of its own, if one is free; on the loop's thread.
+
+        Args:
+            end: Its socket; of what is none, nothing changes.
+            answer: Returns the reply to what came, None if it takes more than a look.
+            back: Takes the client back; on the loop's thread.
+        """
+        if not isinstance(end, socket.socket):
+            return
+
+        def leave(left: Left) -> None:
+            self.post(lambda: take_back(left))
+
+        def take_back(left: Left) -> None:
+            end.setblocking(False)
+            self._epoll.register(end.fileno(), select.EPOLLIN)
+            back(left)
+
+        if self._attendants.begin(end, answer, leave):
+            self._epoll.unregister(end.fileno())
+
     def mark(self, tenant: Tenant) -> None:
         """Note that a tenant has something to send; by who holds the lock."""
         self._dirty.add(tenant)
@@ -267,6 +293,7 @@ class Host:
             self._thread.join()
         while self._closers:
             self._closers.pop()()
+        self._attendants.close()
         for end in [*self._sockets.values(), self._wake, self._waker]:
             end.close()
         self._epoll.close()

@@ -1,0 +1,169 @@
+"""A client that asks one thing after another is served by a thread of its own, and served alike."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+import pytest
+from conformance import check_answers, check_events, subject
+from propertydoors import BOUND_S, Lines
+
+from rtkit.link.line_client import LineClient, connect_tcp, connect_unix
+from rtkit.property.service import Service
+from rtkit.serving import attendant, connection
+from rtkit.serving.serve import Served, serve
+
+_IDLE = '= <call state="idle"/>\n'
+
+
+@pytest.fixture
+def service() -> Service:
+    return subject()
+
+
+@pytest.fixture
+def served(place: str, service: Service) -> Iterator[Served]:
+    with serve(service, "robot", port=0, is_on_zenoh=False) as served:
+        yield served
+    assert _attendants() == 0
+
+
+@pytest.fixture
+def eager(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each client has an attendant from its first request on, and again after each other one."""
+    monkeypatch.setattr(connection, "IN_A_ROW", 1)
+
+
+def _attendants() -> int:
+    return sum(each.name == "attendant" for each in threading.enumerate())
+
+
+def _until(holds: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + BOUND_S
+    while not holds():
+        assert time.monotonic() < deadline
+        threading.Event().wait(0.002)
+
+
+def _ask_on(client: LineClient) -> None:
+    """Ask until it has an attendant."""
+    deadline = time.monotonic() + BOUND_S
+    while not _attendants():
+        assert client.ask("speed").error == ""
+        assert time.monotonic() < deadline
+
+
+@pytest.fixture(params=["unix", "tcp"])
+def door(request: pytest.FixtureRequest, eager: None, served: Served) -> Iterator[Lines]:
+    port = served.port or 0
+    made = Lines(
+        lambda: (
+            connect_unix(served.socket, BOUND_S)
+            if request.param == "unix"
+            else connect_tcp("127.0.0.1", port, BOUND_S)
+        )
+    )
+    yield made
+    made.close()
+
+
+def test_it_answers_like_any_door(door: Lines) -> None:
+    check_answers(door)
+
+
+def test_it_lets_listen_like_any_door(door: Lines, served: Served, service: Service) -> None:
+    check_events(door, service, served.owned)
+
+
+@pytest.mark.usefixtures("eager")
+def test_replies_come_in_order_whatever_is_asked_between(served: Served) -> None:
+    with socket.socket(socket.AF_UNIX) as end:
+        end.settimeout(BOUND_S)
+        end.connect(served.socket)
+        replies = end.makefile()
+        for index in range(50):
+            end.sendall(b"SET any %d\n" % index)
+            assert replies.readline() == "=\n"
+            # Whole lines, several at once, half ones, with an id, of what is computed.
+            end.sendall(b"GET any\nGET double\nGE")
+            end.sendall(b"T any\n#9 GET any\n")
+            value = f"= {index}\n"
+            assert [replies.readline() for _ in range(4)] == [value, _IDLE, value, f"#9 {value}"]
+        replies.close()
+
+
+def test_it_is_there_while_one_asks_and_gone_at_a_pause(served: Served) -> None:
+    with connect_unix(served.socket, BOUND_S) as client:
+        assert client.ask("speed").error == ""
+        assert _attendants() == 0
+        _ask_on(client)
+        _until(lambda: not _attendants())
+        client.listen("any?initial=0")
+        _ask_on_while_listening(client)
+        served.update("any", 12)
+        event = client.event(BOUND_S)
+        assert event is not None
+        assert event.payload == "12"
+
+
+def _ask_on_while_listening(client: LineClient) -> None:
+    for _ in range(connection.IN_A_ROW * 2):
+        assert client.ask("speed").error == ""
+    assert _attendants() == 0
+
+
+def test_who_never_reads_is_left_and_told_all_later(served: Served) -> None:
+    with socket.socket(socket.AF_UNIX) as end, connect_unix(served.socket, BOUND_S) as other:
+        end.settimeout(BOUND_S)
+        end.connect(served.socket)
+        text = "x" * 3000
+        assert other.ask("notes", text).error == ""
+        reply = f"= {text}\n".encode()
+        _until(lambda: not _attendants())
+        replies = end.makefile("rb")
+        while not _attendants():
+            end.sendall(b"GET notes\n")
+            assert replies.readline() == reply
+        for _ in range(200):  # more than there is room for
+            end.sendall(b"GET notes\n")
+        _until(lambda: not _attendants())
+        assert other.ask("speed").error == ""
+        assert [replies.readline() for _ in range(200)] == [reply] * 200
+        replies.close()
+
+
+def test_those_for_whom_there_is_none_are_served_too(served: Served) -> None:
+    with ExitStack() as stack:
+        clients = [
+            stack.enter_context(connect_unix(served.socket, BOUND_S))
+            for _ in range(attendant.MOST * 2)
+        ]
+        most = 0
+        for index in range(connection.IN_A_ROW * 4):
+            for client in clients:
+                assert client.ask("any", str(index)).error == ""
+                assert client.ask("any").payload == str(index)
+            most = max(most, _attendants())
+        assert 1 <= most <= attendant.MOST
+
+
+def test_who_hangs_up_is_forgotten(served: Served) -> None:
+    for _ in range(3):
+        with connect_unix(served.socket, BOUND_S) as client:
+            _ask_on(client)
+        _until(lambda: not _attendants())
+    with connect_unix(served.socket, BOUND_S) as client:
+        assert client.ask("speed").error == ""
+
+
+def test_the_end_of_the_service_is_heard(place: str, service: Service) -> None:
+    with ExitStack() as stack:
+        with serve(service, "robot", is_on_zenoh=False) as served:
+            client = stack.enter_context(connect_unix(served.socket, BOUND_S))
+            _ask_on(client)
+        assert _attendants() == 0
+        assert client.detach().recv(1) == b""
