@@ -17,8 +17,9 @@ import zenoh
 
 from bench.harness import Lines, Row, folders, paired, timed
 from rtkit.link import keys, places
+from rtkit.link.ears import Ear
 from rtkit.link.line_client import connect_unix
-from rtkit.link.properties import Ear, PropertyClient
+from rtkit.link.property_client import PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
 
 _TIMES = 300

@@ -155,8 +155,17 @@ class LineClient(Closing):
             raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
         except OSError as error:
             # What it said before it hung up is worth more than that it did.
-            if self._receive(monotonic()) is None:
+            if not self._has_said_more():
                 raise Unreachable(f"the connection has ended: {error.strerror}") from error
+
+    def _has_said_more(self) -> bool:
+        try:
+            data = self._end.recv(_PIECE, socket.MSG_DONTWAIT)
+        except OSError:
+            return False
+        if data:
+            self._replies.feed(data)
+        return bool(data)
 
     def _receive(self, deadline: float | None) -> tuple[str, Answer] | Event | None:
         while True:

@@ -1,26 +1,25 @@
 """Properties over zenoh: a service answers queries and sends events, a client asks and listens.
 
 A query without payload is a GET, one with it a SET. A listener has a key of its own, subscribes to
-it, and asks the service to send there; it asks again before its lease is over, and is then sent the
+it, and asks the service to send there; it asks again before its lease is over, and is then told the
 last event once more, so that what the transport may drop under load is never the last value.
+
+Those who listen to the same in the same way are a group with one key, on which each event is sent
+once. Its events are numbered. The service tells in its reply who is a member, from which number on,
+and the first value, which is nobody else's.
 """
 
 from __future__ import annotations
 
-import threading
-import time
-import uuid
-from collections import deque
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import NamedTuple
+from collections.abc import Callable
+from hashlib import blake2b
+from typing import NamedTuple, Protocol
 
 import zenoh
 
 from rtkit.errors import Unreachable
 from rtkit.link import keys
 from rtkit.link.zenoh import _ERROR_ENCODING as ERROR_ENCODING
-from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event, write_attributes
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.property.naming import parse_target
@@ -28,10 +27,41 @@ from rtkit.property.naming import parse_target
 LEASE_S = 10.0
 """How long a listener is served that is not heard of again [s]."""
 _BYTES = zenoh.Encoding.APPLICATION_OCTET_STREAM
-_EAR = "ear"
-_SHORT = 256
-_MOST_KNOWN = 4096
-"""Targets of which a client remembers the keys, and how long they may be."""
+_EAR, _GROUP = "ear", "group"
+_FOR_ONE = ("every", "deadband")
+"""Wishes that depend on what was sent before: who has one is in no group."""
+
+
+class Place(NamedTuple):
+    """Where an event stands among those of its group.
+
+    Attributes:
+        run: Which life of the group counts.
+        number: The events that have been sent so far.
+    """
+
+    run: str
+    number: int
+
+
+class Joined(NamedTuple):
+    """What a member of a group is told.
+
+    Attributes:
+        event: The value to begin with, or the last event; None if there is none.
+        at: Up to where it need not hear the group for that.
+    """
+
+    event: Event | None
+    at: Place
+
+
+class Answering(Protocol):
+    """Takes the answer to a query; to a member of a group, also how it stands."""
+
+    def __call__(self, reply: Answer, joined: Joined | None = None, /) -> None:
+        """See there."""
+        ...
 
 
 class Queried(NamedTuple):
@@ -39,12 +69,14 @@ class Queried(NamedTuple):
 
     Attributes:
         ear: The listener that the request is about, if it is one of `Ears`.
+        group: The one that it would be in, empty if in none.
     """
 
     target: str
     payload: Payload | None
-    answer: Callable[[Answer], None]
+    answer: Answering
     ear: str
+    group: str = ""
 
 
 class PropertyDoor:
@@ -62,11 +94,11 @@ class PropertyDoor:
             handler = zenoh.handlers.Callback(receive, indirect=False)
             self._declared.append(session.declare_queryable(prefix + "**", handler))
 
-    def send(self, ear: str, event: Event) -> None:
-        """Send an event to a listener; nobody is waited for."""
-        attributes = f"{write_attributes(event)};name={event.name}"
-        encoding = _BYTES if isinstance(event.payload, bytes) else None
+    def send(self, ear: str, event: Event, at: Place | None = None) -> None:
+        """Send an event to a listener, or to a group; nobody is waited for."""
         key = ear_key(self._key, ear)
+        encoding = _BYTES if isinstance(event.payload, bytes) else None
+        attributes = _attributes(event, at)
         self._session.put(key, event.payload, attachment=attributes, encoding=encoding)
 
     def close(self) -> None:
@@ -82,8 +114,14 @@ def _receiver(
     def receive(query: zenoh.Query) -> None:
         key = str(query.key_expr)
 
-        def answer(reply: Answer) -> None:
-            if reply.error:
+        def answer(reply: Answer, joined: Joined | None = None, /) -> None:
+            if joined is not None:
+                event = joined.event
+                payload = "" if event is None else event.payload
+                encoding = _BYTES if isinstance(payload, bytes) else None
+                told = _attributes(event, joined.at)
+                query.reply(key, payload, encoding=encoding, attachment=told)
+            elif reply.error:
                 query.reply_err(f"{reply.error} {reply.payload!s}", encoding=ERROR_ENCODING)
             elif isinstance(reply.payload, bytes):
                 query.reply(key, reply.payload, encoding=_BYTES)
@@ -92,23 +130,25 @@ def _receiver(
             query.drop()  # type: ignore[no-untyped-call]
 
         target = keys.to_target(key.removeprefix(prefix), is_extension=is_extension)
-        target, ear = _with_parameters(target, str(query.parameters))
-        take(Queried(target, _payload(query.payload), answer, ear))
+        target, ear, group = _with_parameters(target, str(query.parameters))
+        take(Queried(target, _payload(query.payload), answer, ear, group))
 
     return receive
 
 
-def _with_parameters(target: str, parameters: str) -> tuple[str, str]:
+def _with_parameters(target: str, parameters: str) -> tuple[str, str, str]:
     if not parameters:
-        return target, ""
-    kept, ear = [], ""
+        return target, "", ""
+    kept, ear, group = [], "", ""
     for each in parameters.split(";"):
         key, _, value = each.partition("=")
         if key == _EAR:
             ear = value
+        elif key == _GROUP:
+            group = value
         else:
             kept.append(each)
-    return (f"{target}?{'&'.join(kept)}" if kept else target), ear
+    return (f"{target}?{'&'.join(kept)}" if kept else target), ear, group
 
 
 def _payload(payload: zenoh.ZBytes | None) -> Payload | None:
@@ -132,14 +172,29 @@ def selector_of(service_key: str, target: str) -> str:
     return f"{key}?{parameters}" if parameters else key
 
 
-def for_ear(selector: str, ear: str) -> str:
-    """Return what is asked so that it is about one listener."""
-    return f"{selector}{';' if '?' in selector else '?'}{_EAR}={ear}"
+def for_ear(selector: str, ear: str, group: str = "") -> str:
+    """Return what is asked so that it is about one listener, who would be in a group."""
+    asked = f"{selector}{';' if '?' in selector else '?'}{_EAR}={ear}"
+    return f"{asked};{_GROUP}={group}" if group else asked
 
 
 def ear_key(service_key: str, ear: str) -> str:
-    """Return the key on which events are sent to a listener."""
+    """Return the key on which events are sent to a listener, or to a group of them."""
     return f"{service_key}/@e/{ear}"
+
+
+def group_of(target: str) -> str:
+    """Return the group of those who listen by a request, ``P.listen?…``; empty if in none."""
+    name, _, tail = target.partition("?")
+    wishes = sorted(each for each in tail.split("&") if each and not each.startswith("initial"))
+    if any(each.partition("=")[0] in _FOR_ONE for each in wishes):
+        return ""
+    return f"g{blake2b('&'.join([name, *wishes]).encode(), digest_size=12).hexdigest()}"
+
+
+def _attributes(event: Event | None, at: Place | None) -> str:
+    place = "" if at is None else f";at={at.run}.{at.number}"
+    return place if event is None else f"{write_attributes(event)}{place};name={event.name}"
 
 
 def answer_of(reply: zenoh.Reply, timeout_s: float) -> Answer:
@@ -159,147 +214,23 @@ def answer_of(reply: zenoh.Reply, timeout_s: float) -> Answer:
 
 def event_of(sample: zenoh.Sample) -> Event:
     """Return the event that a sample carries."""
+    event, _ = heard(sample)
+    assert event is not None
+    return event
+
+
+def heard(sample: zenoh.Sample) -> tuple[Event | None, Place | None]:
+    """Return the event that a sample carries, and where it stands in a group."""
     attachment = sample.attachment
     text = "" if attachment is None else attachment.to_string()
-    head, _, name = text.partition(";name=")
-    return read_event(name, _content(sample), head)
+    head, mark, name = text.partition(";name=")
+    head, _, place = head.partition(";at=")
+    run, _, number = place.partition(".")
+    at = Place(run, int(number)) if number.isdecimal() else None
+    return (read_event(name, _content(sample), head) if mark or at is None else None), at
 
 
 def _content(sample: zenoh.Sample) -> Payload:
     if sample.encoding == _BYTES:
         return sample.payload.to_bytes()
     return sample.payload.to_string()
-
-
-class PropertyClient:
-    """Asks one service over a session that others may use too.
-
-    Args:
-        timeout_s: Bound on each request [s].
-    """
-
-    def __init__(self, session: zenoh.Session, service_key: str, timeout_s: float) -> None:
-        self._session = session
-        self._key = service_key
-        self._timeout_s = timeout_s
-        self._selectors: dict[str, str] = {}
-
-    def ask(self, target: str, payload: Payload | None = None, ear: str = "") -> Answer:
-        """GET, or SET, and wait for the reply.
-
-        Raises:
-            Unreachable: No reply in time, or nobody serves it.
-        """
-        selector = self._selectors.get(target)
-        if selector is None:
-            try:
-                selector = selector_of(self._key, target)
-            except PropertyError as error:
-                return Answer(str(error), error.code)  # no key can be made of it
-            if len(target) < _SHORT and len(self._selectors) < _MOST_KNOWN:
-                self._selectors[target] = selector
-        if ear:
-            selector = for_ear(selector, ear)
-        replies = self._session.get(
-            selector,
-            payload=payload,
-            timeout=self._timeout_s,
-            handler=zenoh.handlers.FifoChannel(16),
-            consolidation=zenoh.ConsolidationMode.NONE,
-        )
-        for reply in replies:
-            return answer_of(reply, self._timeout_s)
-        raise Unreachable("nobody answers for it")
-
-    @contextmanager
-    def listen(self, target: str) -> Iterator[Ear]:
-        """Listen to ``P`` or ``P?queue=…`` for as long as the context lasts.
-
-        Raises:
-            PropertyError: As the service answers.
-        """
-        name, mark, tail = target.partition("?")
-        ear = Ear(self, f"{name}.listen{mark}{tail}", tail)
-        key = ear_key(self._key, ear.id)
-        handler = zenoh.handlers.Callback(ear.receive, indirect=False)
-        subscriber = self._session.declare_subscriber(key, handler)
-        try:
-            ear.renew()
-            yield ear
-        finally:
-            subscriber.undeclare()  # type: ignore[no-untyped-call]
-            ear.leave()
-
-
-class Ear:
-    """One who listens: a bounded queue of events, the oldest goes first."""
-
-    def __init__(self, client: PropertyClient, target: str, parameters: str) -> None:
-        self.id = uuid.uuid4().hex
-        self._client = client
-        self._target = target
-        self._events: deque[Event] = deque(maxlen=_queue_of(parameters))
-        self._dropped = 0
-        self._last: tuple[int, float, str] | None = None
-        self._arrived = threading.Condition()
-        self._renew_at = 0.0
-
-    def receive(self, sample: zenoh.Sample) -> None:
-        """Take what arrived; on a thread of the transport."""
-        event = event_of(sample)
-        with self._arrived:
-            mark = (event.revision, event.time, event.code)
-            if mark == self._last:
-                return  # sent again, in case it had been lost
-            self._last = mark
-            if len(self._events) == self._events.maxlen:
-                self._dropped += event.dropped + (self._events.maxlen > 1)
-            self._events.append(event)
-            self._arrived.notify()
-
-    def renew(self) -> None:
-        """Ask to be served, or to be served on.
-
-        Raises:
-            PropertyError: As the service answers.
-        """
-        self._client.ask(self._target, "self", self.id).value()
-        self._renew_at = time.monotonic() + LEASE_S / 3
-
-    def leave(self) -> None:
-        """Ask to be served no longer; where that is not heard, the lease ends."""
-        name = self._target.partition("?")[0]
-        self._client.ask(f"{name}?remove", "self", self.id)
-
-    def event(self, timeout_s: float | None = None) -> Event | None:
-        """Return the next event, None if none came in time.
-
-        Raises:
-            Unreachable: The service has gone.
-        """
-        end = None if timeout_s is None else time.monotonic() + timeout_s
-        while True:
-            with self._arrived:
-                now = time.monotonic()
-                until = self._renew_at if end is None else min(end, self._renew_at)
-                if not self._events:
-                    self._arrived.wait(max(0.0, until - now))
-                if self._events:
-                    event, dropped = self._events.popleft(), self._dropped
-                    self._dropped = 0
-                    return event._replace(dropped=event.dropped + dropped) if dropped else event
-            if end is not None and time.monotonic() >= end:
-                return None
-            self.renew()
-
-    def __iter__(self) -> Iterator[Event]:
-        while (event := self.event()) is not None:
-            yield event
-
-
-def _queue_of(parameters: str) -> int:
-    for each in parameters.split("&"):
-        key, _, value = each.partition("=")
-        if key == "queue" and value.isdigit():
-            return max(1, min(int(value), 10_000))
-    return 1

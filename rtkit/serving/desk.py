@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from time import monotonic
 
-from rtkit.link.properties import LEASE_S, Queried
+from rtkit.link.properties import LEASE_S, Joined, Place, Queried, group_of
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, Ask, Caller, Event
-from rtkit.serving.hearer import Hearer
+from rtkit.property.messages import DONE, Answer, Ask, Caller, Event
+from rtkit.serving.ears import Ear, Group
 from rtkit.serving.host import Host
 from rtkit.serving.owner import Owner
 from rtkit.serving.room import Room
@@ -17,18 +18,19 @@ class Desk:
     """Takes queries to the service; knows the listeners behind them.
 
     Attributes:
-        send: Sends an event to a listener.
+        send: Sends an event to a listener, or to a group of them.
         has_room: Whether the transport takes an event now.
     """
 
     def __init__(self, host: Host, service: Owner, door: str, identity: str = "user") -> None:
-        self.send: Callable[[str, Event], None] = lambda ear, event: None
+        self.send: Callable[[str, Event, Place | None], None] = lambda ear, event, at: None
         self.has_room: Callable[[], bool] = lambda: True
         self._identity = identity
         self._host = host
         self._service = service
         self._ears: dict[str, Ear] = {}
-        self.room = Room(host.policy, door, lambda: list(self._ears.values()))
+        self._groups: dict[str, Group] = {}
+        self.room = Room(host.policy, door, lambda: [*self._ears.values(), *self._groups.values()])
         self._asker = Caller(identity)
         self._asker.access = self.room.access
 
@@ -49,79 +51,109 @@ class Desk:
 
     def resume(self) -> None:
         """Send what had to wait: there is room again."""
-        for ear in self._ears.values():
+        for ear in (*self._ears.values(), *self._groups.values()):
             if ear.has_pending:
                 self._host.mark(ear)
 
     def work(self, query: Queried) -> None:
         """Take a query, on the loop."""
         ask = Ask(query.target, query.payload, query.answer, self._asker)
+        group = self._groups.get(query.group)
         if not query.ear:
             self._service.handle(ask)
-            return
-        try:
-            ear = self._ear(query.ear)
-        except PropertyError as error:
-            query.answer(Answer(str(error), error.code))
-            return
-        self._service.handle(ask._replace(target=_leased(query.target), caller=ear))
+        elif group is not None and group.has_member(query.ear):
+            self._serve_member(query, group)
+        else:
+            try:
+                self._serve_one(query, ask)
+            except PropertyError as error:
+                query.answer(Answer(str(error), error.code))
+
+    def _serve_one(self, query: Queried, ask: Ask) -> None:
+        is_new = query.ear not in self._ears
+        ear = self._ear(query.ear)
+        told: list[Answer] = []
+        is_late = False
+
+        def answer(reply: Answer) -> None:
+            if is_late:
+                query.answer(reply)
+            else:
+                told.append(reply)
+
+        asked = ask._replace(target=_leased(query.target), caller=ear, answer=answer)
+        self._service.handle(asked)
+        is_late = True
+        if told:
+            joins = is_new and ear.is_used and not told[0].error
+            joined = self._join(query, ear) if joins else None
+            query.answer(told[0], joined)
         ear.repeat()
         if not ear.is_used:
             self._ears.pop(query.ear, None)
 
+    def _join(self, query: Queried, ear: Ear) -> Joined | None:
+        """Have one who listens be a member of its group; None if it has to stay by itself."""
+        if not query.group or query.group != group_of(query.target):
+            return None
+        group = self._groups.get(query.group)
+        if group is None or not group.is_used:
+            group = Group(self, self._host, query.group, self._identity)
+        if not self._is_heard(query.target, group):
+            return None
+        self._groups[query.group] = group
+        first = ear.first()
+        self._service.forget(ear)
+        group.flush(monotonic())
+        return Joined(first, group.enter(query.ear))
+
+    def _is_heard(self, target: str, group: Group) -> bool:
+        """Have a group listen, or listen on; return whether it does."""
+        told: list[Answer] = []
+        self._service.handle(Ask(_shared(target), "self", told.append, group))
+        if told and not told[0].error:
+            return True
+        if not group.listening:
+            self._service.forget(group)  # it is asked elsewhere, and told later
+        return False
+
+    def _serve_member(self, query: Queried, group: Group) -> None:
+        """Serve a member on, or no longer."""
+        ask = Ask(_shared(query.target), query.payload, query.answer, group)
+        if "remove" in query.target:
+            group.leave(query.ear)
+            if group.listening:
+                query.answer(DONE)
+                return
+            ask = ask._replace(target=query.target)
+            del self._groups[query.group]
+        else:
+            ask = ask._replace(answer=lambda reply: self._renewed(query, group, reply))
+        self._service.handle(ask)
+
+    def _renewed(self, query: Queried, group: Group, reply: Answer) -> None:
+        query.answer(reply, None if reply.error else group.renew(query.ear))
+
     def _ear(self, id: str) -> Ear:
         if id not in self._ears:
-            for gone in [each for each, ear in self._ears.items() if not ear.is_used]:
-                del self._ears[gone]
-            if len(self._ears) >= self.room.limits.connections:
-                raise PropertyError("denied", f"{self.room.limits.connections} are listening")
+            self._tidy()
+            most = self.room.limits.connections
+            if len(self._ears) + sum(each.listening for each in self._groups.values()) >= most:
+                raise PropertyError("denied", f"{most} are listening")
             self._ears[id] = Ear(self, self._host, id, self._identity)
         return self._ears[id]
 
+    def _tidy(self) -> None:
+        for all_of_them in (self._ears, self._groups):
+            for gone in [id for id, each in all_of_them.items() if not each.is_used]:
+                del all_of_them[gone]
 
-class Ear(Hearer):
-    """Who listens: the queue is here, what is sent to it is not waited for."""
 
-    def __init__(self, desk: Desk, host: Host, id: str, identity: str) -> None:
-        super().__init__(desk.room, identity)
-        self._desk = desk
-        self._host = host
-        self._id = id
-        self._last: Event | None = None
-
-    @property
-    def is_used(self) -> bool:
-        """Whether it listens to anything."""
-        return bool(self._listeners)
-
-    def wake(self) -> None:
-        """See `Caller.wake`."""
-        self._host.mark(self)
-
-    def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; it has no socket."""
-
-    def check(self, now: float) -> None:
-        """See `Tenant.check`; it has a lease."""
-
-    def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
-        due: list[float] = []
-        for listener in list(self._listeners):
-            while self._desk.has_room() and (event := listener.take(now)) is not None:
-                self._last = event
-                self._desk.send(self._id, event)
-            if listener.has_ended and not listener.pending:
-                self._listeners.remove(listener)
-            elif listener.pending and self._desk.has_room():
-                at = listener.due()
-                due += [] if at is None else [at]
-        return min(due, default=None)
-
-    def repeat(self) -> None:
-        """Send the last event once more: it may have been lost."""
-        if self._last is not None and not self.has_pending:
-            self._desk.send(self._id, self._last)
+def _shared(target: str) -> str:
+    """Return a request to listen for a group: the first value is told to each by itself."""
+    name, _, tail = target.partition("?")
+    kept = [each for each in tail.split("&") if each and not each.startswith("initial")]
+    return _leased(f"{name}?{'&'.join([*kept, 'initial=0'])}")
 
 
 def _leased(target: str) -> str:

@@ -18,7 +18,7 @@ from rtkit.link.mqtt import (
     name_of,
     topic_of,
 )
-from rtkit.link.properties import Queried
+from rtkit.link.properties import Joined, Place, Queried
 from rtkit.property.line import write_attributes
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.serving.desk import Desk
@@ -99,7 +99,7 @@ class MqttDoor:
         self._on_the_way += 1
         self._session.publish(message, is_kept=is_kept)
 
-    def _send(self, ear: str, event: Event) -> None:
+    def _send(self, ear: str, event: Event, at: Place | None) -> None:
         attributes = f"{write_attributes(event)};name={event.name}"
         self._publish(Message(ear, event.payload, more=(("event", attributes),)), is_kept=False)
 
@@ -117,7 +117,7 @@ class MqttDoor:
         target = name if parameters is None else f"{name}?{parameters}"
         payload: Payload | None = None if is_get else _decoded(message.payload)
 
-        def answer(reply: Answer) -> None:
+        def answer(reply: Answer, joined: Joined | None = None, /) -> None:
             self._waiting -= 1
             if not message.reply_to:
                 if reply.error:

@@ -10,7 +10,7 @@ from rtkit.link import keys, places
 from rtkit.link.http_client import HttpClient
 from rtkit.link.ice_client import IceClient
 from rtkit.link.line_client import LineClient, listening
-from rtkit.link.properties import PropertyClient
+from rtkit.link.property_client import PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.messages import Event
 

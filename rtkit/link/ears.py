@@ -1,0 +1,198 @@
+"""Who listens over zenoh, on its side: queues of events, and groups that share a key."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import Protocol
+
+import zenoh
+
+from rtkit.link.properties import LEASE_S, Joined, Place, ear_key, event_of, group_of, heard
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Event
+
+_MOST_KEPT = 10_000
+
+
+class Asking(Protocol):
+    """Who asks the service."""
+
+    def ask_to_listen(self, target: str, ear: str, group: str) -> Joined | None:
+        """See `PropertyClient.ask_to_listen`."""
+        ...
+
+
+class Ear:
+    """One who listens: a bounded queue of events, the oldest goes first.
+
+    Args:
+        target: ``P.listen?…``.
+        parameters: What follows the question mark.
+
+    Attributes:
+        id: Of its own key.
+        group: In which it wants to be, empty if in none.
+    """
+
+    def __init__(self, client: Asking, target: str, parameters: str) -> None:
+        self.id = uuid.uuid4().hex
+        self.group = group_of(target)
+        self._client = client
+        self._target = target
+        self._events: deque[Event] = deque(maxlen=_queue_of(parameters))
+        self._dropped = 0
+        self._last: tuple[int, float, str] | None = None
+        self._arrived = threading.Condition()
+        self._renew_at = 0.0
+        self._at: Place | None = None
+        self._early: deque[tuple[Event, Place]] = deque(maxlen=self._events.maxlen)
+        """What the group heard before it is known whether we are in it."""
+
+    def receive(self, sample: zenoh.Sample) -> None:
+        """Take what arrived on the key of its own; on a thread of the transport."""
+        event = event_of(sample)
+        with self._arrived:
+            self._take_once(event)
+
+    def follow(self, event: Event, at: Place) -> None:
+        """Take what arrived for the group; on a thread of the transport."""
+        with self._arrived:
+            if self._at is None:
+                self._early.append((event, at))
+            else:
+                self._follow(event, at)
+
+    def _follow(self, event: Event, at: Place) -> None:
+        known = self._at
+        if known is None or at.run != known.run:
+            self._at = at  # the group has begun anew: nobody knows how much was missed
+            self._take_once(event)
+        elif at.number > known.number:
+            self._at = at
+            self._take(event, at.number - known.number - 1)
+
+    def _take_once(self, event: Event) -> None:
+        """Take an event, unless it was sent again in case it had been lost."""
+        if (event.revision, event.time, event.code) != self._last:
+            self._take(event, 0)
+
+    def _take(self, event: Event, lost: int) -> None:
+        self._last = (event.revision, event.time, event.code)
+        has_queue = self._events.maxlen != 1
+        if len(self._events) == self._events.maxlen:
+            gone = self._events.popleft()
+            self._dropped += (gone.dropped + 1) * has_queue
+        if lost and has_queue:
+            event = event._replace(dropped=event.dropped + lost)
+        self._events.append(event)
+        self._arrived.notify()
+
+    def renew(self) -> None:
+        """Ask to be served, or to be served on.
+
+        Raises:
+            PropertyError: As the service answers.
+            Unreachable: The service has gone.
+        """
+        joined = self._client.ask_to_listen(self._target, self.id, self.group)
+        self._renew_at = time.monotonic() + LEASE_S / 3
+        if joined is not None:
+            with self._arrived:
+                self._join(joined)
+
+    def _join(self, joined: Joined) -> None:
+        if self._at is not None and joined.at.run == self._at.run:
+            if joined.event is not None:
+                self._follow(joined.event, joined.at)
+            return
+        self._at = joined.at
+        if joined.event is not None:
+            self._take_once(joined.event)
+        for event, at in self._early:
+            if at.run == joined.at.run:
+                self._follow(event, at)
+        self._early.clear()
+
+    def leave(self) -> None:
+        """Ask to be served no longer; where that is not heard, the lease ends."""
+        name = self._target.partition("?")[0]
+        with contextlib.suppress(PropertyError):  # it has ended already
+            self._client.ask_to_listen(f"{name}?remove", self.id, self.group)
+
+    def event(self, timeout_s: float | None = None) -> Event | None:
+        """Return the next event, None if none came in time.
+
+        Raises:
+            Unreachable: The service has gone.
+        """
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            with self._arrived:
+                now = time.monotonic()
+                until = self._renew_at if end is None else min(end, self._renew_at)
+                if not self._events:
+                    self._arrived.wait(max(0.0, until - now))
+                if self._events:
+                    event, dropped = self._events.popleft(), self._dropped
+                    self._dropped = 0
+                    return event._replace(dropped=event.dropped + dropped) if dropped else event
+            if end is not None and time.monotonic() >= end:
+                return None
+            self.renew()
+
+    def __iter__(self) -> Iterator[Event]:
+        while (event := self.event()) is not None:
+            yield event
+
+
+class Groups:
+    """Those who listen through one session: what comes for a group is read once for all of them."""
+
+    def __init__(self, session: zenoh.Session, service_key: str) -> None:
+        self._session = session
+        self._key = service_key
+        self._lock = threading.Lock()
+        self._ears: dict[str, tuple[Ear, ...]] = {}
+        self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
+
+    def enter(self, ear: Ear) -> None:
+        """Have somebody hear what comes for its group."""
+        if not ear.group:
+            return
+        with self._lock:
+            self._ears[ear.group] = (*self._ears.get(ear.group, ()), ear)
+            if ear.group not in self._subscribers:
+                handler = zenoh.handlers.Callback(self._receiver(ear.group), indirect=False)
+                key = ear_key(self._key, ear.group)
+                self._subscribers[ear.group] = self._session.declare_subscriber(key, handler)
+
+    def leave(self, ear: Ear) -> None:
+        """Have it hear nothing more."""
+        with self._lock:
+            left = tuple(each for each in self._ears.get(ear.group, ()) if each is not ear)
+            if left:
+                self._ears[ear.group] = left
+            elif self._ears.pop(ear.group, None):
+                self._subscribers.pop(ear.group).undeclare()  # type: ignore[no-untyped-call]
+
+    def _receiver(self, group: str) -> Callable[[zenoh.Sample], None]:
+        def receive(sample: zenoh.Sample) -> None:
+            event, at = heard(sample)
+            if event is not None and at is not None:
+                for ear in self._ears.get(group, ()):
+                    ear.follow(event, at)
+
+        return receive
+
+
+def _queue_of(parameters: str) -> int:
+    for each in parameters.split("&"):
+        key, _, value = each.partition("=")
+        if key == "queue" and value.isdigit():
+            return max(1, min(int(value), _MOST_KEPT))
+    return 1

@@ -1,0 +1,118 @@
+"""Who listens through a transport that keeps no connection: one by itself, or a group of equals.
+
+The queue is here; what is sent is not waited for.
+"""
+
+from __future__ import annotations
+
+import uuid
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from rtkit.link.properties import Joined, Place
+from rtkit.property.listening import Listener
+from rtkit.property.messages import Event
+from rtkit.serving.hearer import Hearer
+from rtkit.serving.host import Host
+
+if TYPE_CHECKING:
+    from rtkit.serving.desk import Desk
+
+
+class Ear(Hearer):
+    """Who listens, on a key of its own."""
+
+    def __init__(self, desk: Desk, host: Host, id: str, identity: str) -> None:
+        super().__init__(desk.room, identity)
+        self._desk = desk
+        self._host = host
+        self._id = id
+        self._last: Event | None = None
+
+    @property
+    def is_used(self) -> bool:
+        """Whether it listens to anything."""
+        return bool(self._listeners)
+
+    def wake(self) -> None:
+        """See `Caller.wake`."""
+        self._host.mark(self)
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`; it has no socket."""
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`; it has a lease."""
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        due: list[float] = []
+        for listener in list(self._listeners):
+            while self._desk.has_room() and (event := listener.take(now)) is not None:
+                self._last = event
+                self._send(event)
+            if listener.has_ended and not listener.pending:
+                self._listeners.remove(listener)
+            elif listener.pending and self._desk.has_room():
+                at = listener.due()
+                due += [] if at is None else [at]
+        return min(due, default=None)
+
+    def _send(self, event: Event) -> None:
+        self._desk.send(self._id, event, None)
+
+    def repeat(self) -> None:
+        """Send the last event once more: it may have been lost."""
+        if self._last is not None and not self.has_pending:
+            self._send(self._last)
+
+    def first(self) -> Event | None:
+        """Take the value that it begins with, before anything was sent."""
+        now = monotonic()
+        return next((event for each in self._listeners if (event := each.take(now))), None)
+
+
+class Group(Ear):
+    """Those who listen to the same in the same way: one listener, each event is sent once.
+
+    Whoever is slow or gone holds up nobody: the queues are with the members. Each has a lease.
+    """
+
+    def __init__(self, desk: Desk, host: Host, id: str, identity: str) -> None:
+        super().__init__(desk, host, id, identity)
+        self._until: dict[str, float] = {}
+        self._at = Place(uuid.uuid4().hex[:8], 0)
+
+    @property
+    def listening(self) -> int:
+        """How many members there are."""
+        now = monotonic()
+        for gone in [id for id, until in self._until.items() if until < now]:
+            del self._until[gone]
+        return len(self._until) if self._listeners else 0
+
+    def listen(self, listener: Listener) -> None:
+        """See `Caller.listen`: there was room for whom it is."""
+        self._listeners.append(listener)
+
+    def has_member(self, id: str) -> bool:
+        """Whether somebody is one of those who hear this."""
+        return self.is_used and id in self._until
+
+    def enter(self, id: str) -> Place:
+        """Have somebody be a member; return up to where it knows what was sent."""
+        lease_s = max((each.wish.lease_s for each in self._listeners), default=0.0)
+        self._until[id] = monotonic() + lease_s if lease_s else float("inf")
+        return self._at
+
+    def renew(self, id: str) -> Joined:
+        """Have a member be one for longer; return how the group stands."""
+        return Joined(self._last, self.enter(id))
+
+    def leave(self, id: str) -> None:
+        """Have somebody be no member any more."""
+        self._until.pop(id, None)
+
+    def _send(self, event: Event) -> None:
+        self._at = self._at._replace(number=self._at.number + 1)
+        self._desk.send(self._id, event, self._at)
