@@ -8,10 +8,12 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterator
+from queue import Empty, SimpleQueue
 from typing import Protocol
 
 import zenoh
 
+from rtkit.errors import RtkitError
 from rtkit.link.properties import LEASE_S, Joined, Place, ear_key, event_of, group_of, heard
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Event
@@ -44,24 +46,25 @@ class Ear:
         self.group = group_of(target)
         self._client = client
         self._target = target
-        self._events: deque[Event] = deque(maxlen=_queue_of(parameters))
+        self._most = _queue_of(parameters)
+        self._events: SimpleQueue[Event] = SimpleQueue()
         self._dropped = 0
         self._last: tuple[int, float, str] | None = None
-        self._arrived = threading.Condition()
+        self._lock = threading.Lock()
         self._renew_at = 0.0
         self._at: Place | None = None
-        self._early: deque[tuple[Event, Place]] = deque(maxlen=self._events.maxlen)
+        self._early: deque[tuple[Event, Place]] = deque(maxlen=self._most)
         """What the group heard before it is known whether we are in it."""
 
     def receive(self, sample: zenoh.Sample) -> None:
         """Take what arrived on the key of its own; on a thread of the transport."""
         event = event_of(sample)
-        with self._arrived:
+        with self._lock:
             self._take_once(event)
 
     def follow(self, event: Event, at: Place) -> None:
         """Take what arrived for the group; on a thread of the transport."""
-        with self._arrived:
+        with self._lock:
             if self._at is None:
                 self._early.append((event, at))
             else:
@@ -83,14 +86,13 @@ class Ear:
 
     def _take(self, event: Event, lost: int) -> None:
         self._last = (event.revision, event.time, event.code)
-        has_queue = self._events.maxlen != 1
-        if len(self._events) == self._events.maxlen:
-            gone = self._events.popleft()
-            self._dropped += (gone.dropped + 1) * has_queue
-        if lost and has_queue:
+        if lost and self._most > 1:
             event = event._replace(dropped=event.dropped + lost)
-        self._events.append(event)
-        self._arrived.notify()
+        if self._events.qsize() >= self._most:
+            with contextlib.suppress(Empty):  # it has just been taken
+                gone = self._events.get_nowait()
+                self._dropped += gone.dropped + 1 if self._most > 1 else 0
+        self._events.put(event)
 
     def renew(self) -> None:
         """Ask to be served, or to be served on.
@@ -102,7 +104,7 @@ class Ear:
         joined = self._client.ask_to_listen(self._target, self.id, self.group)
         self._renew_at = time.monotonic() + LEASE_S / 3
         if joined is not None:
-            with self._arrived:
+            with self._lock:
                 self._join(joined)
 
     def _join(self, joined: Joined) -> None:
@@ -132,18 +134,29 @@ class Ear:
         """
         end = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
-            with self._arrived:
-                now = time.monotonic()
-                until = self._renew_at if end is None else min(end, self._renew_at)
-                if not self._events:
-                    self._arrived.wait(max(0.0, until - now))
-                if self._events:
-                    event, dropped = self._events.popleft(), self._dropped
-                    self._dropped = 0
-                    return event._replace(dropped=event.dropped + dropped) if dropped else event
+            self._renew_in_time()
+            until = self._renew_at if end is None else min(end, self._renew_at)
+            with contextlib.suppress(Empty):
+                event = self._events.get(timeout=max(0.0, until - time.monotonic()))
+                return self._counted(event) if self._dropped else event
             if end is not None and time.monotonic() >= end:
                 return None
+
+    def _renew_in_time(self) -> None:
+        now = time.monotonic()
+        if now < self._renew_at:
+            return
+        self._renew_at = now + 1.0
+        try:
             self.renew()
+        except RtkitError:
+            if self._events.empty():  # else what has come is told first
+                raise
+
+    def _counted(self, event: Event) -> Event:
+        with self._lock:
+            dropped, self._dropped = self._dropped, 0
+        return event._replace(dropped=event.dropped + dropped)
 
     def __iter__(self) -> Iterator[Event]:
         while (event := self.event()) is not None:

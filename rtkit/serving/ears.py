@@ -114,5 +114,5 @@ class Group(Ear):
         self._until.pop(id, None)
 
     def _send(self, event: Event) -> None:
-        self._at = self._at._replace(number=self._at.number + 1)
+        self._at = Place(self._at.run, self._at.number + 1)
         self._desk.send(self._id, event, self._at)
