@@ -36,6 +36,7 @@ class Beat(Component):
 
     def on_activated(self, context):
         if "hang" in self.options:
+            open(os.environ["RTKIT_STATE_DIR"] + "/hangs", "w").close()
             time.sleep(1000)
 
     def on_execute(self, context):
@@ -56,7 +57,7 @@ def BeatInit(manager):
 '''
 RATE_HZ = 200.0
 BOUND_S = 30.0
-WAIT_S = 0.3
+WAIT_S = 0.8
 JUMPS_S = {
     "an hour on": 3600,
     "an hour back": -3600,
@@ -128,6 +129,9 @@ def jump(shell: Any, tree: Tree, clock: WallClock, name: str, ahead_s: int) -> N
     waited: list[float] = []
     waiting = threading.Thread(target=hang, args=(tree, waited))
     waiting.start()
+    hangs = shell.folder / "state" / "hangs"
+    until(hangs.exists, "somebody who waits")
+    hangs.unlink()
     began = last(file)
     clock.jump(ahead_s)
     now = until(lambda: (each := last(file))[0] > began[0] + 20 and each, f"numbers, {name}")
