@@ -147,10 +147,10 @@ GUARDS = (
         """                db.execute("rollback")""",
     ),
     Guard(
-        "system/test_fault_points.py::test_killed_at_points[create]",
-        "rtkit/manager/core/restoring.py",
-        "    _adopt(state)\n    kept = state.kept",
-        "    kept = state.kept",
+        "system/test_fault_points.py::test_killed_at_points[connect]",
+        "rtkit/manager/core/wiring.py",
+        "        yield from _abandon(ends, connector_id)\n        raise",
+        "        raise",
     ),
     Guard(
         "system/test_system_calls.py::test_calls_here_and_there[cryo]",
@@ -199,14 +199,6 @@ GUARDS = (
         "rtkit/manager/claim.py",
         "if is_own and beside == path and not stat.S_ISSOCK(os.lstat(path).st_mode):",
         "if False:",
-    ),
-    Guard(
-        "system/test_bad_input.py::test_a_first_message_that_is_wrong_is_refused",
-        "rtkit/manager/processes/lines.py",
-        """        if first.get("protocol") != PROTOCOL or not isinstance(pid, int):
-            return None
-""",
-        "",
     ),
     Guard(
         "laws/test_supervision.py",
