@@ -40,7 +40,7 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
 @click.option("-a", "--argument", "arguments", multiple=True, metavar="[KEY=]VALUE",
               help="What the class is called with (repeatable).")  # fmt: skip
 @click.option("--hide", multiple=True, metavar="NAME", help="Do not show this (repeatable).")
-@click.option("--port", type=click.IntRange(0, 65535), metavar="PORT",
+@click.option("--port", metavar="[HOST:]PORT", callback=_port,
               help="Also open a TCP door on this host, 0 for any free port.")  # fmt: skip
 @click.option("--serial", metavar="DEVICE",
               help="Also open this serial line (DEVICE?baud=115200&check=auto).")  # fmt: skip

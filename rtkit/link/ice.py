@@ -11,6 +11,7 @@ import re
 import sys
 from collections.abc import Mapping
 from functools import cache
+from logging import getLogger
 from typing import Any, NamedTuple
 
 from rtkit.errors import Malformed, Refused
@@ -24,6 +25,7 @@ LONGEST = 1 << 21
 """Bytes of a message to a service; a larger one ends the connection."""
 _LONGEST_REPLY = 1 << 26
 _ADDRESS = re.compile(r"ice://([A-Za-z0-9_.\-]+):(\d{1,5})(?:/(.*))?")
+_PLACE = re.compile(r"\S+\.(?:cpp|h):\d+: ")
 _COMMON = {
     "Ice.ThreadPool.Client.Size": 1,
     "Ice.ThreadPool.Server.Size": 1,
@@ -93,10 +95,28 @@ def communicator(settings: Mapping[str, float] = _OF_CLIENT) -> Any:
     """Return a communicator of its own; nothing of the environment changes it."""
     ice = runtime().ice
     data = ice.InitializationData()
+    data.logger = _logger()
     data.properties = ice.createProperties()
     for key, value in {**_COMMON, **settings}.items():
         data.properties.setProperty(key, f"{value:g}")
     return ice.initialize(data)
+
+
+@cache
+def _logger() -> Any:
+    """Return what hears the complaints of Ice: a line each in our log, no place in its files."""
+
+    def complain(self: object, message: str) -> None:
+        line = " ".join(_PLACE.sub("", message).split())
+        getLogger("rtkit.properties").warning("Ice: %s", line)
+
+    def remark(self: object, *message: str) -> None:
+        """Say nothing of what is no complaint."""
+
+    methods = {"error": complain, "warning": complain, "print": remark, "trace": remark}
+    methods["getPrefix"] = lambda self: ""
+    methods["cloneWithPrefix"] = lambda self, prefix: self
+    return type("Log", (runtime().ice.Logger,), methods)()
 
 
 def identity_of(service: str) -> Any:
