@@ -115,6 +115,7 @@ class FakeShell:
         is_finished: Whether the core said that all is done.
         rows: What was kept, by kind and name.
         disk: Why nothing can be kept; empty when it can.
+        is_disk_lost: All that was kept is gone, which is told once.
     """
 
     def __init__(self) -> None:
@@ -131,6 +132,7 @@ class FakeShell:
         self.is_finished = False
         self.rows: dict[tuple[str, str], str] = {}
         self.disk = ""
+        self.is_disk_lost = False
 
     @property
     def state(self) -> State:
@@ -153,6 +155,11 @@ class FakeShell:
 
     def _keep(self, keep: ev.Keep) -> None:
         """Keep rows at once, or fail to."""
+        if self.is_disk_lost:
+            self.is_disk_lost = False
+            self.rows.clear()
+            self.feed(ev.Kept(keep.number, "the store is gone", True))
+            return
         for kind, name, value in () if self.disk else keep.rows:
             if value is None:
                 self.rows.pop((kind, name), None)

@@ -69,7 +69,7 @@ class Loop:
     ) -> None:
         self._core = core
         self._keeper = keeper
-        keeper.heard = lambda number, why: self.post(ev.Kept(number, why))
+        keeper.heard = lambda *told: self.post(ev.Kept(*told))
         self.desk = Desk(core.state)
         self.has_failed = False
         self._holder = holder

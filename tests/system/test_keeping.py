@@ -169,18 +169,33 @@ def test_a_store_of_the_future_or_in_use_is_not_touched(robot: Any) -> None:
         db.execute("pragma user_version = 2")
     db.close()
     status, _, err = robot.run("rtmgr start")
-    assert (status, err) == (
-        1,
-        f"rtmgr: a newer rtkit wrote the store of wishes (version 2): {path}\n",
-    )
+    cure = "rtmgr start -o rtkit.restore:NO puts it aside and begins empty"
+    told = f"a newer rtkit wrote the store of wishes, {path} (version 2): use that one, or {cure}"
+    assert (status, err) == (1, f"rtmgr: {told}\n")
     db = sqlite3.connect(path, isolation_level=None)
     db.execute("pragma user_version = 1")
     db.execute("begin exclusive")
     status, _, err = robot.run("rtmgr start")
-    assert (status, err) == (1, f"rtmgr: another process uses the store of wishes: {path}\n")
+    with open("/proc/self/comm", encoding="utf-8") as comm:
+        whose = f"process {os.getpid()} ({comm.read().strip()})"
+    cure = "stop that, or give this manager a RTKIT_STATE_DIR of its own"
+    told = f"{whose} uses the store of wishes, {path}; {cure}"
+    assert (status, err) == (1, f"rtmgr: {told}\n")
     db.close()
     robot.ok("rtmgr start")
     assert robot.ok("rtls /localhost").split() == ["C.rtc", "M.rtc", "S.rtc", "manager.mgr/"]
+
+
+def test_a_store_that_is_removed_under_a_living_manager_is_written_anew(robot: Any) -> None:
+    before = shown(robot)
+    path = f"{robot.folder}/state/manager.wishes"
+    os.unlink(path)
+    robot.ok("rtconf /localhost/C.rtc set gain 2.5")
+    told = f"(the store of wishes was removed ({path}); all is written anew)"
+    assert told in robot.ok("rtls -l /localhost")
+    kill(pids(robot))
+    robot.ok("rtmgr start")
+    assert shown(robot) == before
 
 
 @pytest.mark.skipif(bool(mountkit.missing()), reason=mountkit.missing())

@@ -149,8 +149,8 @@ class Core:
                 self._remember(event)
             case RestoreAsked(answer):
                 self._restore(answer)
-            case Kept(number, why):
-                self._keeping.kept(number, why)
+            case Kept(number, why, is_lost):
+                self._keeping.kept(number, why, is_lost=is_lost)
             case StopAsked(is_urgent, is_kept):
                 self._stop(is_kept)
                 if is_urgent:

@@ -88,10 +88,15 @@ class RestoreAsked:
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """What was to be kept is on the disk; or why it is not."""
+    """What was to be kept is on the disk; or why it is not.
+
+    Attributes:
+        is_lost: Nor is anything that was kept before: the store is gone, and there can be another.
+    """
 
     number: int
     why: str = ""
+    is_lost: bool = False
 
 
 @dataclass(frozen=True, slots=True)

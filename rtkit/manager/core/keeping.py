@@ -6,6 +6,7 @@ the same, since a robot must be stopped whatever its disk is like.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -21,6 +22,7 @@ from rtkit.manager.core.wishes import Procedure
 from rtkit.rtc.enums import Transition
 
 Tell = Callable[[list[Result]], object]
+_log = logging.getLogger(__name__)
 _UNDO_S = 10.0
 """How long it may take to take back what cannot be kept [s]."""
 
@@ -76,9 +78,12 @@ class Keeping:
         else:
             go_on("")
 
-    def kept(self, number: int, why: str) -> None:
-        """Take the word of the store."""
+    def kept(self, number: int, why: str, *, is_lost: bool = False) -> None:
+        """Take the word of the store; if it is lost, have all kept in another one."""
         flight = self._flights.pop(number)
+        if is_lost and not self._is_forgetting:
+            self._keep_anew(flight, why)
+            return
         self._state.unkept = why
         if why:
             self._state.kept.not_kept(flight.rows)
@@ -117,6 +122,15 @@ class Keeping:
         flight = self._flights[self._number] = _Flight(rows, [], [])
         self._out.append(Keep(self._number, flight.rows))
         return flight
+
+    def _keep_anew(self, flight: _Flight, why: str) -> None:
+        """Write all that is wished into a new store; who waited for the old one waits for that."""
+        self._state.remark = f"{why}; all is written anew"
+        _log.warning("%s", self._state.remark)
+        self._state.kept.keep_all()
+        again = self._keep()
+        again.done.extend(flight.done)
+        again.heard.extend(flight.heard)
 
     def _take_back(self, done: _Done, why: str) -> None:
         def tell(_result: Result) -> None:

@@ -130,6 +130,12 @@ class Kept:
         """Have rows kept with the next ones, since it failed this time."""
         self._changed = {**{(kind, name): None for kind, name, _ in rows}, **self._changed}
 
+    def keep_all(self) -> None:
+        """Have all rows kept again, since nothing is on the disk any more."""
+        self._changed.update(
+            {(kind, name): None for kind, table in self._tables.items() for name in table}
+        )
+
     def read(self, rows: Iterable[Row]) -> list[str]:
         """Take in what was kept; return what cannot be read, one line each."""
         bad = []

@@ -75,16 +75,19 @@ def revive(state: State, instances: Collection[str], failed: Failed) -> Steps:
     wishes = {each: kept.components[each] for each in instances}
     composites = {each: wish for each, wish in wishes.items() if _is_composite(wish)}
     kept.revived.update(wishes)
+    single = dict.fromkeys(i for i in wishes if i not in composites)
     try:
-        single = [i for i in wishes if i not in composites]
         yield Together(tuple(_make(state, i, wishes[i], failed) for i in single))
         for instance, wish in composites.items():
             yield Together((_make(state, instance, wish, failed),))
     finally:
         kept.revived.difference_update(wishes)
     living = [each for each in wishes if lives(state, each)]
-    yield Together(tuple(_configure(state, i, wishes[i], failed) for i in living))
-    yield from rewire(state, failed)
+    # Ports of a composite come with its configuration; those of others are there.
+    arranged = [each for each in living if each in composites]
+    yield Together(tuple(_configure(state, i, wishes[i], failed) for i in arranged))
+    configures = (_configure(state, i, wishes[i], failed) for i in living if i in single)
+    yield Together((*configures, *_connects(state, failed)))
     yield from _attach(state, living, failed)
     yield Together(
         tuple(
@@ -96,8 +99,18 @@ def revive(state: State, instances: Collection[str], failed: Failed) -> Steps:
     )
 
 
-def rewire(state: State, failed: Failed) -> Steps:
-    """Make the connectors again that are missing between components that answer."""
+def reconnect(state: State) -> Procedure:
+    """Make connectors again with a slave that has come back late."""
+
+    def failed(what: str, error: RtkitError) -> None:
+        _log.warning("cannot %s: %s", what, error)
+
+    yield Together(tuple(_connects(state, failed)))
+    return Result()
+
+
+def _connects(state: State, failed: Failed) -> Iterable[Procedure]:
+    """Yield what makes the connectors that are missing between components that answer."""
     missing = [
         wire
         for wire in state.kept.wires.values()
@@ -105,14 +118,8 @@ def rewire(state: State, failed: Failed) -> Steps:
         and wire.connector_id not in state.openings
         and all(_answers(state, end.instance) for end in wire.ports)
     ]
-    connects = [(act.Connect(wire), f"connect {wire.connector_id}") for wire in missing]
-    yield Together(tuple(_done(state, a, what, failed) for a, what in connects))
-
-
-def reconnect(state: State) -> Procedure:
-    """Make connectors again with a slave that has come back late."""
-    yield from rewire(state, lambda what, error: _log.warning("cannot %s: %s", what, error))
-    return Result()
+    for wire in missing:
+        yield _done(state, act.Connect(wire), f"connect {wire.connector_id}", failed)
 
 
 def _answers(state: State, instance: str) -> bool:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from rtkit.manager.keeping.store import Row, Store
 
-Heard = Callable[[int, str], object]
-"""Called with the number of what was to be kept, and why it is not; empty when it is."""
+Heard = Callable[[int, str, bool], object]
+"""Called with the number of what was to be kept, why it is not (empty when it is), and whether
+nothing is that was kept before: then all is to be kept again."""
 
 _log = logging.getLogger(__name__)
 
@@ -36,7 +37,7 @@ class Keeper:
         self._thread: threading.Thread | None = None
         self._store: Store | None = None
         self._is_forgotten = False
-        self.heard: Heard = lambda _number, _why: None
+        self.heard: Heard = lambda _number, _why, _is_lost: None
 
     def find(self) -> tuple[list[Row], str]:
         """Return the rows of an earlier manager, and what is to be told of its store.
@@ -86,11 +87,13 @@ class Keeper:
         return self._store
 
     def _run(self) -> None:
-        from rtkit.manager.keeping.store import StoreFailed
+        from rtkit.manager.keeping.store import StoreFailed, StoreLost
 
-        store, is_over = self._opened(), False
+        store, is_over, lost = self._opened(), False, ""
         try:
             store.prepare()
+        except StoreLost as error:
+            lost = str(error)
         except StoreFailed as error:
             _log.warning("wishes cannot be recorded: %s", error)
         while not is_over:
@@ -101,11 +104,15 @@ class Keeper:
             whole = [order for order in orders if order is not None]
             if not whole:
                 continue
-            why = ""
+            why, lost = lost, ""
+            is_lost = bool(why)
             try:
-                store.write([row for order in whole for row in order.rows])
+                if not is_lost:
+                    store.write([row for order in whole for row in order.rows])
+            except StoreLost as error:
+                why, is_lost = str(error), True
             except StoreFailed as error:
                 why = str(error)
                 _log.error("wishes cannot be recorded: %s", why)
             for order in whole:
-                self.heard(order.number, why)
+                self.heard(order.number, why, is_lost)

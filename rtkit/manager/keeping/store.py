@@ -6,9 +6,11 @@ leaves the rows before a commit or those after it. What cannot be read is kept a
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import sqlite3
+import struct
 import tempfile
 from collections.abc import Iterable
 from contextlib import suppress
@@ -24,6 +26,8 @@ Row = tuple[str, str, str | None]
 APPLICATION = 0x72746B77
 VERSION = 1
 _BUSY_S = 1.0
+_LOCKS, _LOCKS_LENGTH = 0x40000000, 512
+"""Where in its file SQLite has its locks."""
 _ASIDE = 99
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_ERROR)
@@ -46,6 +50,10 @@ class StoreFailed(Exception):
     """Nothing was written; the text says why, and where."""
 
 
+class StoreLost(StoreFailed):
+    """The file was removed or replaced since it was written: what it held is to be kept again."""
+
+
 class _Damaged(Exception):
     """What is there is no store, or not a whole one."""
 
@@ -66,6 +74,7 @@ class Store:
     def __init__(self, path: str) -> None:
         self._path = path
         self._db: sqlite3.Connection | None = None
+        self._file: tuple[int, int] | None = None
 
     def find(self) -> Found:
         """Return the rows that are there.
@@ -79,7 +88,10 @@ class Store:
             return Found([], f"{self.set_aside('damaged')} ({error})")
         except sqlite3.OperationalError as error:
             if _code(error) in _BUSY:
-                raise Refused(f"another process uses the store of wishes: {self._path}") from error
+                whose = holder_of(self._path) or "another process"
+                cure = "stop that, or give this manager a RTKIT_STATE_DIR of its own"
+                why = f"{whose} uses the store of wishes, {self._path}; {cure}"
+                raise Refused(why) from error
             return self._find_in_copy(error)
 
     def prepare(self) -> None:
@@ -98,6 +110,7 @@ class Store:
 
         Raises:
             StoreFailed: They are not.
+            StoreLost: Nor is anything that was written before; the next rows go to a new file.
         """
         try:
             db = self._connected()
@@ -140,15 +153,22 @@ class Store:
         return f"{why} ({self._path})"
 
     def _connected(self) -> sqlite3.Connection:
-        if self._db is not None and not os.path.exists(self._path):
+        if self._file is not None and self._file != _identity(self._path):
+            self._file = None
             self.close()
-            raise FileNotFoundError(0, "the file was removed")
+            raise StoreLost(self._lost())
         if self._db is None and not os.path.exists(self._path):
             self._make()
         if self._db is None:
             self._open()
         assert self._db is not None
         return self._db
+
+    def _lost(self) -> str:
+        """Make way for a new file; return what to tell of the one that there was."""
+        if os.path.lexists(self._path):
+            return f"the store of wishes was replaced by another file; {self.set_aside('foreign')}"
+        return f"the store of wishes was removed ({self._path})"
 
     def _make(self) -> None:
         """Make an empty store, whole or not at all: under another name first."""
@@ -165,6 +185,7 @@ class Store:
             db.close()
         os.chmod(draft, 0o600)
         _sync(draft, os.O_RDWR)
+        remove(self._path)  # a log without its file would be taken for one of the new file
         os.rename(draft, self._path)
         _sync(os.path.dirname(self._path), os.O_RDONLY)
 
@@ -179,7 +200,7 @@ class Store:
         except BaseException:
             db.close()
             raise
-        self._db = db
+        self._db, self._file = db, _identity(self._path)
         return rows
 
     def set_aside(self, what: str) -> str:
@@ -229,7 +250,9 @@ def _read(db: sqlite3.Connection, path: str) -> list[Row]:
             empty = " (it is empty)" if not os.path.getsize(path) else ""
             raise _Damaged(f"not a store of wishes{empty}")
         if version > VERSION:
-            raise Refused(f"a newer rtkit wrote the store of wishes (version {version}): {path}")
+            told = f"a newer rtkit wrote the store of wishes, {path} (version {version})"
+            aside = "rtmgr start -o rtkit.restore:NO puts it aside and begins empty"
+            raise Refused(f"{told}: use that one, or {aside}")
         if version != VERSION:
             raise _Damaged(f"version {version} of its form")
         (found,) = db.execute("pragma quick_check(1)").fetchone()
@@ -241,6 +264,30 @@ def _read(db: sqlite3.Connection, path: str) -> list[Row]:
         if _code(error) in _DAMAGED:
             raise _Damaged(str(error)) from error
         raise
+
+
+def holder_of(path: str) -> str:
+    """Return which process has locked a store; empty if that cannot be told."""
+    whole = struct.pack("hhqqi4x", fcntl.F_WRLCK, os.SEEK_SET, _LOCKS, _LOCKS_LENGTH, 0)
+    try:
+        with open(path, "rb+") as file:
+            told = fcntl.fcntl(file, fcntl.F_GETLK, whole)
+        kind, _, _, _, pid = struct.unpack("hhqqi4x", told)
+        if kind == fcntl.F_UNLCK or pid <= 0:
+            return ""
+        with open(f"/proc/{pid}/comm", encoding="utf-8", errors="replace") as comm:
+            return f"process {pid} ({comm.read().strip()})"
+    except OSError:
+        return ""
+
+
+def _identity(path: str) -> tuple[int, int] | None:
+    """Return what tells a file from another one of its name; None where there is none."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
 
 
 def remove(path: str) -> bool:

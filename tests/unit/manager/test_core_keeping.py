@@ -103,6 +103,34 @@ def test_what_cannot_be_kept_is_taken_back_and_told() -> None:
     assert own.reason == f"wishes cannot be recorded: {FULL}"
 
 
+def test_a_store_that_is_gone_is_written_anew_from_what_is_known() -> None:
+    """Who asked for something meanwhile hears of it only when all is on the disk again."""
+    shell = system()
+    before = dict(shell.rows)
+    shell.is_disk_lost = True
+    asked = shell.ask(act.SetParameters("A", "default", {"p": "2"}))
+    shell.serve()
+    assert asked.result.ok
+    assert shell.rows.keys() == before.keys()
+    assert '"p":"2"' in shell.rows["component", "A"]
+    (own, _) = shell.state.snapshot().processes
+    assert own.reason == "the store is gone; all is written anew"
+
+
+def test_a_store_that_is_gone_and_cannot_be_made_is_like_a_full_disk() -> None:
+    shell = system()
+    shell.is_disk_lost, shell.disk = True, FULL
+    asked = shell.ask(act.Create("Thing?instance_name=C&manager_name=s"))
+    shell.serve()
+    assert asked.result.why == f"what is wished cannot be recorded: {FULL}"
+    assert sorted(shell.state.components) == ["A", "B"]
+    shell.disk = ""
+    shell.ask(act.SetParameters("A", "default", {"p": "2"}))
+    shell.serve()
+    assert {name for kind, name in shell.rows if kind == "component"} == {"A", "B"}
+    assert ("wire", "w") in shell.rows
+
+
 def test_while_the_disk_is_full_nothing_new_begins_but_what_rests_is_rested() -> None:
     shell = system()
     shell.disk = FULL

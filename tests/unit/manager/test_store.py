@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 import sqlite3
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,7 +14,14 @@ import pytest
 
 from rtkit.errors import Refused
 from rtkit.manager.keeping.keeper import Keeper
-from rtkit.manager.keeping.store import APPLICATION, VERSION, Store, StoreFailed, remove
+from rtkit.manager.keeping.store import (
+    APPLICATION,
+    VERSION,
+    Store,
+    StoreFailed,
+    StoreLost,
+    remove,
+)
 
 ROWS = [("component", f"C{n}", f'{{"create":"{"x" * 300}"}}') for n in range(60)]
 
@@ -104,19 +113,32 @@ def test_several_are_put_aside_under_several_names(path: str) -> None:
 def test_one_of_a_newer_rtkit_is_left_as_it_is(path: str) -> None:
     alter(path, f"pragma user_version = {VERSION + 1}")
     before = Path(path).read_bytes()
-    with pytest.raises(Refused, match=rf"a newer rtkit wrote .* \(version {VERSION + 1}\)"):
+    with pytest.raises(
+        Refused, match=rf"a newer rtkit wrote .* \(version {VERSION + 1}\).*rtkit.restore:NO"
+    ):
         Store(path).find()
     assert Path(path).read_bytes() == before
 
 
 def test_one_that_another_process_uses_is_left_as_it_is(path: str) -> None:
-    other = sqlite3.connect(path, isolation_level=None)
-    other.execute("begin exclusive")
+    """Who that is, is told: this process would not see locks of its own."""
+    code = f"""
+import sqlite3, sys
+db = sqlite3.connect({path!r}, isolation_level=None)
+db.execute("begin exclusive")
+print("locked", flush=True)
+sys.stdin.read()
+"""
+    other = subprocess.Popen(
+        [sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert other.stdout is not None
+    assert other.stdout.readline() == b"locked\n"
     try:
-        with pytest.raises(Refused, match="another process uses the store"):
+        with pytest.raises(Refused, match=rf"process {other.pid} \(python.*\) uses the store"):
             Store(path).find()
     finally:
-        other.close()
+        other.communicate()
     assert Store(path).find().rows == ROWS
 
 
@@ -154,12 +176,43 @@ def test_a_write_is_done_whole_or_not_at_all(path: str) -> None:
     store.close()
 
 
-def test_a_store_that_is_removed_under_way_is_told(path: str) -> None:
+def test_a_store_that_is_removed_under_way_is_told_once_and_then_made_anew(path: str) -> None:
+    """What is left of its log is not taken for one of the new file."""
+    store = Store(path)
+    store.find()
+    store.write([("wire", "old", "1")])
+    os.unlink(path)
+    with pytest.raises(StoreLost, match="the store of wishes was removed"):
+        store.write([("wire", "w", "1")])
+    Path(f"{path}-wal").write_bytes(b"a log of another file" * 1000)
+    store.write([("wire", "w", "1")])
+    store.close()
+    assert Store(path).find().rows == [("wire", "w", "1")]
+
+
+def test_a_store_that_is_replaced_under_way_is_put_aside(path: str) -> None:
     store = Store(path)
     store.find()
     os.unlink(path)
-    with pytest.raises(StoreFailed, match="the file was removed"):
+    Path(path).write_text("a backup")
+    with pytest.raises(StoreLost, match=r"another file; .* kept aside: .*foreign-1"):
         store.write([("wire", "w", "1")])
+    store.write([("wire", "w", "1")])
+    assert Path(f"{path}.foreign-1").read_text() == "a backup"
+    store.close()
+
+
+def test_the_keeper_tells_that_the_store_is_gone_before_it_makes_another(path: str) -> None:
+    """Also when it was removed before anything was written to it."""
+    keeper = Keeper(path)
+    keeper.find()
+    os.unlink(path)
+    told: list[tuple[int, bool]] = []
+    keeper.heard = lambda number, why, is_lost: told.append((number, is_lost))
+    keeper.keep(1, [("wire", "w", "1")])
+    keeper.close()
+    assert told == [(1, True)]
+    assert not os.path.exists(path)
 
 
 def test_what_is_forgotten_leaves_nothing(path: str) -> None:
@@ -187,7 +240,7 @@ def test_the_keeper_tells_what_is_on_the_disk_and_what_is_not(tmp_path: Path) ->
     keeper = Keeper(str(path))
     assert keeper.find() == ([], "")
     told: list[tuple[int, str]] = []
-    keeper.heard = lambda number, why: told.append((number, why))
+    keeper.heard = lambda number, why, _is_lost: told.append((number, why))
     keeper.keep(1, ROWS[:1])
     keeper.keep(2, ROWS[1:])
     keeper.keep(3, [("wire", None, "2")])  # type: ignore[list-item]
