@@ -157,7 +157,10 @@ def test_error_is_answered_in_place_and_who_fails_always_is_given_up(
 
 
 def test_a_profile_says_what_is_made_again(manager: Any, tree: Tree) -> None:
-    """Nonsense in it is refused with its line; what is critical stops the rest."""
+    """Nonsense in it is refused with its line; what is critical stops the rest.
+
+    After a restart there is nothing that a plan would do.
+    """
     text = Path(SYSTEM).read_text()
     mark = 'value="Motor?manager_name=motor&amp;instance_name=Motor0"/>'
     assert mark in text
@@ -174,6 +177,10 @@ def test_a_profile_says_what_is_made_again(manager: Any, tree: Tree) -> None:
     manager.ok(f"rtresurrect {good}")
     assert manager.run(f"rtstart {good}").status == 0
     assert all_states(tree) == {"Active"}
+    manager.ok(f"rtmgr {MANAGER} -s manager.restart=on-failure")
+    kill(tree, "controller")
+    until(partial(is_at_work, tree, "Controller0", 1), "the controller")
+    assert manager.run(f"rtplan --detailed-exitcode --state active {good}").status == 0
     kill(tree, "motor")
     until(lambda: has_restarts(tree, "Motor0", 1), "the motor")
     until(

@@ -1,0 +1,109 @@
+"""What a manager makes again is what a plan would: afterwards `rtplan` has nothing to do.
+
+The real core over simulated processes; random systems, brought up by the commands and changed by
+users, whose slaves die and whose components fall into Error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from managed import Managed
+from systems import ACTIVE, INSTANCES, disturbances, make_world, profiles
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.live import Live
+from rtkit.deployment.running import start_plan
+from rtkit.deployment.system import System
+from rtkit.deployment.upkeep import Upkeep
+from rtkit.deployment.wanted import wanted
+from rtkit.tree.apply import Runner
+from rtkit.tree.applying import Goal
+from rtkit.tree.fake import fake_tree
+from rtkit.tree.resurrect import resurrect
+from rtkit.tree.start import Starter
+
+few = settings(max_examples=40, deadline=None)
+ends = st.lists(st.sampled_from(["s1", "s2", *INSTANCES]), min_size=1, max_size=4)
+
+
+def silent(*_: object) -> None:
+    """Hear nothing."""
+
+
+def managed() -> Managed:
+    """Return a manager that makes everything again."""
+    world = Managed(make_world().types.values())
+    world.shell.state.settings.change("manager.restart", "always")
+    world.shell.state.settings.change("manager.shutdown_on_nortcs", "NO")
+    return world
+
+
+def brought_up(world: Managed, profile: object) -> System:
+    tree = fake_tree(world)
+    system = wanted(profile, world.host)
+    resurrect(tree, system, tree.snapshot(), Runner(tree, silent))
+    plan = start_plan(system, Live(tree.snapshot(), system))
+    Starter(tree, plan, silent, silent).run()
+    return system
+
+
+def end(world: Managed, what: str) -> None:
+    """Kill a slave, or have a component fall into Error; all that follows is done."""
+    facts = world.snapshot()
+    component = facts.component(what)
+    if component is not None and not component.zombie:
+        world.fail(what)
+    elif any(each.name == what and each.state == "up" for each in facts.processes):
+        world.kill(what)
+    world.settle()
+
+
+def shown(facts: Snapshot) -> tuple[object, ...]:
+    """Return what is to be the same again: all but pids, and what was done about ends."""
+    components = {c.instance: replace(c, upkeep=Upkeep()) for c in facts.components}
+    return components, {wire.connector_id: wire for wire in facts.connectors}
+
+
+@given(profiles(), ends)
+@few
+def test_after_restarts_there_is_nothing_to_plan(profile, ended):
+    world = managed()
+    system = brought_up(world, profile)
+    goal = Goal(system, ACTIVE)
+    assert not goal.plan(world.snapshot()).moves
+    for each in ended:
+        end(world, each)
+        assert not goal.plan(world.snapshot()).moves
+
+
+@given(profiles(), disturbances(), ends)
+@few
+def test_what_users_changed_is_there_again(profile, changes, ended):
+    world = managed()
+    brought_up(world, profile)
+    for each in changes:
+        if not isinstance(each, str) and _is_possible(world, each):
+            world.perform(each)
+    world.settle()
+    before = shown(world.snapshot())
+    for each in ended:
+        end(world, each)
+        assert shown(world.snapshot()) == before
+
+
+@given(profiles())
+@few
+def test_after_a_loss_of_power_there_is_nothing_to_plan(profile):
+    world = managed()
+    system = brought_up(world, profile)
+    world.settle()
+    world.lose_power()
+    assert not Goal(system, ACTIVE).plan(world.snapshot()).moves
+
+
+def _is_possible(world: Managed, action: act.Action) -> bool:
+    return not isinstance(action, act.Delete) or action.instance in world.shell.state.components
