@@ -14,7 +14,7 @@ TEXT = (ROOT / "docs" / "faults.md").read_text(encoding="utf-8")
 ROWS = [
     [cell.strip() for cell in line.strip("|").split("|")]
     for line in TEXT.splitlines()
-    if line.startswith("| ") and not line.startswith(("| fault |", "| ---"))
+    if line.startswith("| ") and not line.startswith(("| fault |", "| promise |", "| ---"))
 ]
 SECTIONS = ("Component code", "Processes", "Machine")
 
