@@ -6,8 +6,6 @@ import os
 import sys
 from collections.abc import Iterable, Sequence
 
-import click
-
 _STATE_STYLES: dict[str, dict[str, object]] = {
     "Inactive": {"fg": "blue", "bold": True},
     "Active": {"fg": "green", "bold": True},
@@ -64,6 +62,8 @@ def styled(text: str, style: dict[str, object] | None) -> str:
     safe = printable(text)
     if not style or not has_colour():
         return safe
+    import click
+
     return click.style(safe, **style)  # type: ignore[arg-type]
 
 
