@@ -6,9 +6,8 @@ Values of parameters are text: only the component that has them reads them.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from rtkit.deployment.actions import Action, ActivateSet, ChangeState, SetParameters, SetRate
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.figures import ComponentFigures
 from rtkit.property.codes import PropertyError
@@ -19,7 +18,10 @@ from rtkit.property.values import Value, Word
 from rtkit.rtc.enums import PortType, Transition
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile
 
-Change = Callable[[Content], Sequence[Action]]
+if TYPE_CHECKING:
+    from rtkit.deployment.actions import Action
+
+Change = Callable[[Content], "Sequence[Action]"]
 
 
 class Shown(NamedTuple):
@@ -79,6 +81,8 @@ def _state_spec() -> Spec:
 
 def _state_change(facts: ComponentFacts) -> Change:
     def change(value: Content) -> Sequence[Action]:
+        from rtkit.deployment.actions import ChangeState
+
         if value == Word(facts.state):
             return ()
         transition = _TRANSITIONS.get((facts.state, str(value)))
@@ -105,6 +109,8 @@ def _sets(facts: ComponentFacts) -> list[Shown]:
 
 def _activation(facts: ComponentFacts, choices: Sequence[str]) -> Change:
     def change(value: Content) -> Sequence[Action]:
+        from rtkit.deployment.actions import ActivateSet
+
         if str(value) not in map(str, choices):
             raise PropertyError("bad-value", f"expected one of {' '.join(choices)}")
         return (ActivateSet(facts.instance, str(value)),)
@@ -114,6 +120,8 @@ def _activation(facts: ComponentFacts, choices: Sequence[str]) -> Change:
 
 def _parameter(facts: ComponentFacts, set_id: str, name: str) -> Change:
     def change(value: Content) -> Sequence[Action]:
+        from rtkit.deployment.actions import ActivateSet, SetParameters
+
         setting = SetParameters(facts.instance, set_id, {name: str(value)})
         if set_id != facts.active_set:
             return (setting,)
@@ -140,6 +148,8 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
 
 def _rate(facts: ComponentFacts, context: ExecutionContextProfile) -> Change:
     def change(value: Content) -> Sequence[Action]:
+        from rtkit.deployment.actions import SetRate
+
         assert isinstance(value, int | float)
         return (SetRate(facts.instance, context.id, float(value)),)
 

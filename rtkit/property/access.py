@@ -27,7 +27,7 @@ DOORS = ("unix", "tcp", "http", "zenoh", "serial", "mqtt", "ice")
 METHODS = ("GET", "SET")
 NOBODY = "nobody"
 _ANY = "*"
-_PATTERN = re.compile(r"[A-Za-z0-9_+~\-%.*?\[\]!]+")
+_PATTERN = r"[A-Za-z0-9_+~\-%.*?\[\]!]+"
 _LONGEST = 255
 _MOST_RULES = 1000
 _MOST_KNOWN = 4096
@@ -169,7 +169,7 @@ def _rule(words: list[str]) -> Rule:
     _check_door(door)
     if method not in (*METHODS, _ANY):
         raise ValueError(f"expected GET, SET or *, found {method[:40]}")
-    if not _PATTERN.fullmatch(target) or len(target) > _LONGEST:
+    if not re.fullmatch(_PATTERN, target) or len(target) > _LONGEST:
         raise ValueError(f"not a pattern of names: {target[:40]}")
     return Rule(words[0] == "allow", door, identity, method, target)
 

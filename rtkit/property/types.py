@@ -21,8 +21,8 @@ Content = Value | bytes
 _NUMERIC = frozenset({"number", "integer", "vector"})
 _TEXTUAL = frozenset({"word", "string", "text", "bytes"})
 SIMPLE = _NUMERIC | _TEXTUAL | {"boolean", "list", "marker", "element", "any"}
-_SIZED = re.compile(r"vector\[(\d{1,6})\]")
-_OF = re.compile(r"list<(.+)>")
+_SIZED = r"vector\[(\d{1,6})\]"
+_OF = r"list<(.+)>"
 
 
 class Type(NamedTuple):
@@ -50,7 +50,7 @@ def parse_type(name: str, depth: int = 0) -> Type:
     """
     if name in SIMPLE:
         return Type(name, name)
-    sized, of = _SIZED.fullmatch(name), _OF.fullmatch(name)
+    sized, of = re.fullmatch(_SIZED, name), re.fullmatch(_OF, name)
     if sized:
         return Type(name, "vector", size=int(sized[1]))
     if of and depth < 8:

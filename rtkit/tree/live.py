@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.figures import FIGURES, ComponentFigures, Figures
@@ -23,7 +24,9 @@ from rtkit.property.spec import Parameter, Spec
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.tree.client import Tree
-from rtkit.tree.listening import Ear, Ended
+
+if TYPE_CHECKING:
+    from rtkit.tree.listening import Ear
 
 READ = (
     "get_loaded_modules", "get_factory_profiles", "get_loadable_modules", "get_components",
@@ -60,6 +63,13 @@ class _Me(Caller):
         self.listeners.remove(listener)
 
 
+def _ear(tree: Tree) -> Ear:
+    """Listen to all that properties are made of; who only asks once does without."""
+    from rtkit.tree.listening import Ear
+
+    return Ear(tree, (TREE, FIGURES))
+
+
 def _is_count(target: str) -> bool:
     """Whether a property is a counter, which the manager tells once a second only."""
     return target.partition("?")[0].endswith(".count")
@@ -91,7 +101,7 @@ class Live:
             Unreachable: The manager does not answer.
         """
         if _is_count(target) and self._figures is None:
-            with Ear(self._tree, (TREE, FIGURES)) as ear:
+            with _ear(self._tree) as ear:
                 self._await_figures(ear)
         self._refresh()
         answers: list[Answer] = []
@@ -111,7 +121,7 @@ class Live:
             PropertyError: As the service answers.
         """
         if self._ear is None:
-            self._ear = Ear(self._tree, (TREE, FIGURES))
+            self._ear = _ear(self._tree)
         name, mark, tail = target.partition("?")
         if _is_count(target) and self._figures is None:
             self._await_figures(self._ear)
@@ -142,6 +152,8 @@ class Live:
 
     def _hear(self, wait_s: float | None) -> None:
         """Wait for word of the manager, and fold it in."""
+        from rtkit.tree.listening import Ended
+
         assert self._ear is not None
         try:
             all_heard = self._ear.wait(None if wait_s is None else max(0.0, wait_s))
@@ -162,6 +174,8 @@ class Live:
         Raises:
             Unreachable: The manager has ended.
         """
+        from rtkit.tree.listening import Ended
+
         until = time.monotonic() + _FIGURES_S
         while self._figures is None and (left := until - time.monotonic()) > 0:
             for heard in ear.wait(left):

@@ -13,7 +13,7 @@ from rtkit.tree.view import Kind, build
 if TYPE_CHECKING:
     from rtkit.tree.live import Live
 
-_NODE = re.compile(r"(.+?\.(?:rtc|mgr))(?:\.(.*))?")
+_NODE = r"(.+?\.(?:rtc|mgr))(?:\.(.*))?"
 
 
 def split(path: str, cwd: str) -> tuple[str, str]:
@@ -24,7 +24,7 @@ def split(path: str, cwd: str) -> tuple[str, str]:
     whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
     steps = [step for step in whole.split("/") if step not in ("", ".")]
     for index in reversed(range(len(steps))):
-        match = _NODE.fullmatch(steps[index])
+        match = re.fullmatch(_NODE, steps[index])
         if match is not None:
             rest = [match[2]] if match[2] else []
             name = ".".join([*rest, *steps[index + 1 :]])
