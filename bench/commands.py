@@ -107,7 +107,7 @@ def _readers() -> Lines:
 
 
 def _make_ten(tree: Tree) -> None:
-    rates = ["&exec_cxt.periodic.rate=1000"] + [""] * 9
+    rates = [f"&exec_cxt.periodic.rate={1000 if i == 0 else 10}" for i in range(10)]
     create(tree, [f"{_TEN[i % 2]}?instance_name=N{i}{rate}" for i, rate in enumerate(rates)])
     for i in range(2, 10, 2):  # the fast source alone, so that no sink logs all that it writes
         tree.connect(f"/localhost/N{i}.rtc:out", f"/localhost/N{i + 1}.rtc:in")

@@ -27,6 +27,7 @@ from rtkit.deployment.news import (
     news_from_text,
 )
 from rtkit.errors import Unreachable
+from rtkit.tree.bell import Bell
 from rtkit.tree.client import Tree
 
 QUEUE = 4096
@@ -74,7 +75,7 @@ class Ear(Closing):
         """
         self.tree = tree
         self._heard: deque[tuple[str, str]] = deque(maxlen=QUEUE)
-        self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._bell = Bell()
         self._process: int | None = None
         self._is_over = False
         self._ends: list[Callable[[], object]] = []
@@ -94,15 +95,16 @@ class Ear(Closing):
         """Listen no more."""
         while self._ends:
             self._ends.pop()()
-        for descriptor in (self._bell, self._process):
-            if descriptor is not None and descriptor >= 0:
-                os.close(descriptor)
-        self._bell, self._process = -1, None
+        self._bell.close()
+        if self._process is not None:
+            os.close(self._process)
+        self._process = None
 
     @property
     def sources(self) -> list[int]:
         """Descriptors of which one is readable when there is something to `take`."""
-        return [self._bell] if self._process is None else [self._bell, self._process]
+        bell = self._bell.fileno()
+        return [bell] if self._process is None else [bell, self._process]
 
     def wait(self, timeout_s: float | None = None) -> list[Heard]:
         """Wait until something has come, and take it; empty when the time is up."""
@@ -118,8 +120,7 @@ class Ear(Closing):
 
     def take(self) -> list[Heard]:
         """Return what has come, in order; `facts` are then what they are after all of it."""
-        with suppress(BlockingIOError):
-            os.eventfd_read(self._bell)
+        self._bell.hush()
         heard: list[Heard] = []
         while self._heard and not self._is_over:
             line, text = self._heard.popleft()
@@ -165,8 +166,7 @@ class Ear(Closing):
     def _take_in(self, line: str) -> Callable[[str], object]:
         def take_in(text: str) -> None:
             self._heard.append((line, text))
-            with suppress(OSError):  # it is being closed
-                os.eventfd_write(self._bell, 1)
+            self._bell.ring()
 
         return take_in
 
@@ -178,8 +178,8 @@ class Ear(Closing):
             while not any(line == TREE for line, _ in self._heard):
                 if not select.select([self._bell], [], [], max(0.0, until - monotonic()))[0]:
                     break
-                os.eventfd_read(self._bell)
+                self._bell.hush()
             else:
-                os.eventfd_write(self._bell, 1)
+                self._bell.ring()
                 return picture
         raise Unreachable(f"what manager {self.tree.manager!r} tells does not arrive")

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections import deque
 from collections.abc import Sequence
-from contextlib import suppress
 
 from rtkit.closing import Closing
 from rtkit.errors import RtkitError
 from rtkit.property.messages import Event
+from rtkit.tree.bell import Bell
 from rtkit.tree.properties import End, Places, told
 
 _Heard = tuple[str, Event | Exception]
@@ -27,7 +26,7 @@ class Heard(Closing):
 
     def __init__(self, places: Places, targets: Sequence[str], parameters: str) -> None:
         self._come: deque[_Heard] = deque()
-        self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._bell = Bell()
         names: dict[int, dict[str, str]] = {}
         ends: dict[int, End] = {}
         try:
@@ -50,7 +49,7 @@ class Heard(Closing):
 
     def fileno(self) -> int:
         """Return the descriptor."""
-        return self._bell
+        return self._bell.fileno()
 
     def _hear(self, end: End, names: dict[str, str], first: str) -> None:
         try:
@@ -61,8 +60,7 @@ class Heard(Closing):
 
     def _note(self, typed: str, heard: Event | Exception) -> None:
         self._come.append((typed, heard))
-        with suppress(OSError, ValueError):  # nobody takes it any more
-            os.eventfd_write(self._bell, 1)
+        self._bell.ring()
 
     def take(self) -> tuple[str, Event] | None:
         """Return the next event with the target as it was typed, None if there is none now.
@@ -71,8 +69,7 @@ class Heard(Closing):
             PropertyError: An owner has gone.
         """
         if not self._come:
-            with suppress(BlockingIOError):
-                os.eventfd_read(self._bell)
+            self._bell.hush()
         # What came between the two has rung again.
         if not self._come:
             return None
@@ -83,6 +80,4 @@ class Heard(Closing):
 
     def close(self) -> None:
         """Take no more."""
-        bell, self._bell = self._bell, -1
-        if bell >= 0:
-            os.close(bell)
+        self._bell.close()

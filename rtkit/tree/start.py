@@ -7,8 +7,6 @@ anywhere, loses no answer. Where states count, an ear at the manager hears of th
 
 from __future__ import annotations
 
-import os
-import select
 from collections.abc import Iterable
 from threading import Event, Lock, Thread
 from time import monotonic
@@ -21,35 +19,11 @@ from rtkit.deployment.watch import look
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree import grace
 from rtkit.tree.apply import Count, Talk
+from rtkit.tree.bell import Bell
 from rtkit.tree.client import Tree, bounded
 from rtkit.tree.fleet import FleetEar, ear_at
 from rtkit.tree.grace import uninterrupted
 from rtkit.tree.listening import Ear, Ended
-
-
-class _Bell:
-    """Wakes who waits for its descriptor, from any thread, until it is closed."""
-
-    def __init__(self) -> None:
-        self._descriptor = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        self._lock = Lock()
-
-    def ring(self) -> None:
-        with self._lock:
-            if self._descriptor >= 0:
-                os.eventfd_write(self._descriptor, 1)
-
-    def wait(self, others: Iterable[int], timeout_s: float | None) -> bool:
-        """Wait until it rings, or one of the others can be read; False when the time is up."""
-        ready = select.select([self._descriptor, *others], [], [], timeout_s)[0]
-        if self._descriptor in ready:
-            os.eventfd_read(self._descriptor)
-        return bool(ready)
-
-    def close(self) -> None:
-        with self._lock:
-            os.close(self._descriptor)
-            self._descriptor = -1
 
 
 class Starter:
@@ -82,7 +56,7 @@ class Starter:
         self._count = count
         self._told: set[str] = set()
         self._execution = Execution(plan, monotonic(), timeout_s, tree.timeout_s)
-        self._bell: _Bell
+        self._bell: Bell
         self._ear: Ear | FleetEar | None = None
         self._lock = Lock()
         self._is_broken_off = False
@@ -99,7 +73,7 @@ class Starter:
             Unreachable: The manager does not answer.
             KeyboardInterrupt: Interrupted; its text tells what was not done.
         """
-        self._bell = _Bell()
+        self._bell = Bell()
         try:
             self._run()
         finally:

@@ -39,6 +39,17 @@ def test_a_fitting_transport(version: str) -> None:
     assert installation.transport(version) is None
 
 
+def test_the_version_of_what_is_installed(tmp_path: Path) -> None:
+    from importlib.metadata import version
+
+    (tmp_path / "Some_thing-1.2.3.dist-info").mkdir()
+    (tmp_path / "some_thing_else-9.dist-info").mkdir()
+    folders = [str(tmp_path / "none"), str(tmp_path)]
+    assert installation.version_of("some_thing", folders) == "1.2.3"
+    assert installation.version_of("eclipse_zenoh", ()) == version("eclipse-zenoh")
+    assert installation.version_of("no_such_thing", folders) is None
+
+
 @pytest.mark.parametrize("version", ["1.9.9", "2.0.0", "nightly"])
 def test_an_odd_transport(version: str) -> None:
     found = installation.transport(version)

@@ -68,6 +68,12 @@ def test_the_last_news_end_it(world: World) -> None:
         assert ear.wait(10.0) == []
 
 
+def test_what_is_told_after_its_end_is_not_heard(world: World) -> None:
+    with Ear(fake_tree(world)) as ear:
+        tell = ear._take_in("tree")
+    tell("late")
+
+
 def test_news_that_do_not_arrive(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(listening, "_HEAR_S", 0.0)
     monkeypatch.setattr(Tree, "listen", lambda *_: lambda: None)

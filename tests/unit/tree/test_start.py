@@ -20,9 +20,10 @@ from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree import grace
+from rtkit.tree.bell import Bell
 from rtkit.tree.client import Tree
 from rtkit.tree.fake import fake_tree
-from rtkit.tree.start import Starter, _Bell
+from rtkit.tree.start import Starter
 
 NAMES = "ABCD"
 NO = Result(ReturnCode.ERROR, "refused", "no luck")
@@ -124,14 +125,14 @@ def test_a_state_that_others_bring_about_is_told(
     world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     world.fault = lambda action: NO if getattr(action, "instance", "") == "A" else None
-    wait = _Bell.wait
+    wait = Bell.wait
 
-    def repaired_when_waited_for(bell: _Bell, others: Any, timeout_s: float | None) -> bool:
+    def repaired_when_waited_for(bell: Bell, others: Any, timeout_s: float | None) -> bool:
         if others and sent(world) == "ACD":
             Thread(target=world.set_state, args=("A", LifeCycleState.ACTIVE)).start()
         return wait(bell, others, timeout_s)
 
-    monkeypatch.setattr(_Bell, "wait", repaired_when_waited_for)
+    monkeypatch.setattr(Bell, "wait", repaired_when_waited_for)
     start = Start(world, tree, orders(B=after("A")), optional="A")
     start.run()
     assert sent(world) == "ACDB"
@@ -207,15 +208,15 @@ def test_an_interruption_waits_for_what_is_under_way(
     world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     start = Start(world, tree, orders(B=Condition(1, 600_000)))
-    wait = _Bell.wait
+    wait = Bell.wait
     strikes = iter([KeyboardInterrupt])
 
-    def interrupted_once(bell: _Bell, others: Any, timeout_s: float | None) -> bool:
+    def interrupted_once(bell: Bell, others: Any, timeout_s: float | None) -> bool:
         for strike in strikes:
             raise strike
         return wait(bell, others, timeout_s)
 
-    monkeypatch.setattr(_Bell, "wait", interrupted_once)
+    monkeypatch.setattr(Bell, "wait", interrupted_once)
     with pytest.raises(KeyboardInterrupt) as caught:
         start.run()
     assert caught.value.args == ("not run: {2}, {3}, {4}",)
