@@ -6,7 +6,8 @@ step fails nothing more is begun: what is left, or the way back, is planned from
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from rtkit.deployment.actions import Action
@@ -158,13 +159,28 @@ class Applier:
             why = next(filter(None, (_obstacle(move, model) for move in todo)), "")
             if why:
                 return why
-            live = Live(snapshot, system)
-            for each in doing.layers(f"{number} of {count}", todo, model, live):
-                for part in self._parts(each):
+            rounds = list(doing.layers(f"{number} of {count}", todo, model, Live(snapshot, system)))
+            awaited = Counter(step.text for each in rounds for step in each.steps)
+            todo = self._tell(todo, awaited, f"[{number}/{count}]")
+            for part in (part for each in rounds for part in self._parts(each)):
+                begun = len(self._runner.done)
+                try:
                     self._runner.run(Plan(layers=(part,)))
-            for move in todo:
-                self._progress(f"[{number}/{count}] {move.text}")
+                finally:
+                    # Also of a batch that failed: who reads it wants to know what was done.
+                    awaited.subtract(step.text for step in self._runner.done[begun:])
+                    todo = self._tell(todo, awaited, f"[{number}/{count}]")
         return ""
+
+    def _tell(self, moves: Iterable[Move], awaited: Counter[str], where: str) -> list[Move]:
+        """Tell the steps of which no action is awaited any more; return the others."""
+        left = []
+        for move in moves:
+            if awaited[move.text] > 0:
+                left.append(move)
+            else:
+                self._progress(f"{where} {move.text}")
+        return left
 
     def _parts(self, layer: Layer) -> Iterator[Layer]:
         most = self._goal.parallel or len(layer.steps)

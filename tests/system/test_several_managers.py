@@ -134,7 +134,7 @@ def test_a_manager_killed_on_the_way_stops_it_and_run_again_it_finishes(manager:
     pid = int(json.loads(shell.ok("rtmgr status --json m1"))["pid"])
     running = shell.open(f"rtapply --parallel 1 {file}")
     told = ""
-    while "create Out2" not in told:
+    while "create In2" not in told:
         told = running.stderr.readline()
         assert told
     os.kill(pid, signal.SIGKILL)

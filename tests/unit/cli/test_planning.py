@@ -166,8 +166,8 @@ def test_apply_does_it_and_then_there_is_nothing_to_do(console):
     assert err.splitlines() == [
         "[1/3] create Source0 on manager in slave s",
         "[1/3] create Sink0 on manager",
-        "[2/3] set Source0.gain=2",
         "[2/3] connect Source0.out to Sink0.in (wire)",
+        "[2/3] set Source0.gain=2",
         "[3/3] activate Source0",
         "[3/3] activate Sink0",
     ]

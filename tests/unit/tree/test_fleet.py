@@ -188,6 +188,17 @@ def test_one_that_does_not_run_holds_nothing() -> None:
         assert ("There" in host.worlds["m1"].components) is not is_ordered
 
 
+def test_of_a_batch_that_failed_it_is_told_what_was_done() -> None:
+    host = Host(profile(HERE, THERE))
+    host.worlds["m1"].fault = lambda _: act.Result(act.ReturnCode.ERROR, "refused", "no luck")
+    before = host.fleet.snapshot()
+    done: list[str] = []
+    applier = Applier(host.fleet, goal := Goal(host.system), lambda _: None, done.append)
+    with pytest.raises(Refused, match="no luck; 3 steps left"):
+        applier.run(goal.plan(before), before)
+    assert done == ["[1/2] create Here on manager"]
+
+
 def test_the_way_back_leaves_out_what_was_in_a_manager_that_ended() -> None:
     host = Host(profile(HERE, THERE))
     host.apply()
