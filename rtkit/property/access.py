@@ -64,6 +64,11 @@ class Access:
         self._rules = tuple(rules)
         self._known: dict[tuple[str, str, str], bool] = {}
 
+    @property
+    def lets_all_get(self) -> bool:
+        """Whether there is nothing that somebody may not get."""
+        return not self._rules
+
     def may(self, identity: str, method: str, name: str) -> bool:
         """Whether somebody may GET or SET a property, or whatever is asked about it."""
         if not self._rules:

@@ -19,7 +19,7 @@ from rtkit.property.registry import Place, as_value
 from rtkit.property.spec import gui
 from rtkit.property.types import Content, check, from_payload, parse_type
 from rtkit.property.values import Element, Value, Word, is_number
-from rtkit.property.writing import write
+from rtkit.property.writing import as_item, write
 
 if TYPE_CHECKING:
     from rtkit.property.node import Node
@@ -146,11 +146,15 @@ def _pairs(
     service: Service, prefix: str, names: list[str], caller: Caller, *, is_strict: bool
 ) -> str:
     """Return ``(name value)`` of each; names that were asked for must all have one."""
-    from rtkit.property.registry import as_item
-
     texts: list[str] = []
     nodes = service.registry.nodes
+    is_open = caller.access.lets_all_get and not prefix
     for name in names:
+        if is_open and (known := nodes.get(name)) is not None and known.reader is None:
+            pair = known.pair
+            if pair:
+                texts.append(pair)
+                continue
         if is_strict:
             service.permit(caller, "GET", prefix + name)
         elif not caller.may("GET", prefix + name):

@@ -11,6 +11,7 @@ from rtkit.property.messages import Payload
 from rtkit.property.spec import Reader, Spec, Writer
 from rtkit.property.types import Content, to_payload
 from rtkit.property.values import Value
+from rtkit.property.writing import as_item
 
 if TYPE_CHECKING:
     from rtkit.property.functional import Function
@@ -31,8 +32,8 @@ class Node:
     """
 
     __slots__ = (
-        "_line", "_payload", "function", "history", "listeners", "name", "quality", "reader",
-        "revision", "spec", "time", "value", "writer",
+        "_line", "_pair", "_payload", "function", "history", "listeners", "name", "quality",
+        "reader", "revision", "spec", "time", "value", "writer",
     )  # fmt: skip
 
     def __init__(self, name: str, spec: Spec, value: Content | None, time: float) -> None:
@@ -49,6 +50,7 @@ class Node:
         self.history: deque[tuple[float, str, Payload]] | None = None
         self._payload: Payload | None = None
         self._line: bytes | None = None
+        self._pair: str | None = None
 
     @property
     def payload(self) -> Payload:
@@ -72,6 +74,17 @@ class Node:
             self._line = line
         return line
 
+    @property
+    def pair(self) -> str:
+        """Name and value as listings of values carry them, written once; empty if that is more."""
+        pair = self._pair
+        if pair is None:
+            is_value = self.value is not None and self.spec.type.base != "text"
+            text = self.payload if is_value else None
+            pair = f"({as_item(self.name)} {text})" if isinstance(text, str) else ""
+            self._pair = pair
+        return pair
+
     def put(self, value: Content, time: float, quality: str = "good") -> bool:
         """Have a value in force; return whether it differs from the one before.
 
@@ -89,7 +102,7 @@ class Node:
             differs = old is None or payload != self.payload
         has_changed = differs or quality != self.quality
         self.value, self._payload, self.time, self.quality = value, payload, time, quality
-        self._line = None
+        self._line = self._pair = None
         if has_changed:
             self.revision += 1
         if self.history is not None:

@@ -9,10 +9,9 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.naming import EXTENSIONS, check_registrable
 from rtkit.property.node import Node
 from rtkit.property.values import Value, Word
-from rtkit.property.writing import write
+from rtkit.property.writing import as_item
 
 _WITH_FIELD = frozenset({"gui", "meta"})
-_ODD = frozenset({"nan", "inf", "true", "false"})
 
 
 class Place(NamedTuple):
@@ -162,13 +161,6 @@ class Registry:
             if node is not None:
                 return Place(prefix, node, tuple(segments[end:]))
         return None
-
-
-def as_item(name: str) -> str:
-    """Return a name as an item of a list: one that reads as a number or boolean is quoted."""
-    if name[:1].isalpha() and name not in _ODD:
-        return name
-    return write(Word(name))
 
 
 def as_value(name: str) -> Value:

@@ -20,6 +20,7 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
 _MARKUP = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}
 _IN_LEAF = str.maketrans(_MARKUP)
 _IN_ATTRIBUTE = str.maketrans({**_MARKUP, '"': "&quot;"})
+_ODD = frozenset({"nan", "inf", "true", "false"})
 
 
 def write(value: Value, depth: int = 0) -> str:
@@ -43,6 +44,13 @@ def write(value: Value, depth: int = 0) -> str:
     if isinstance(value, Element):
         return _element(value, depth + 1)
     raise PropertyError("bad-value", f"no text stands for a {type(value).__name__}")
+
+
+def as_item(name: str) -> str:
+    """Return a name as an item of a list: one that reads as a number or boolean is quoted."""
+    if name[:1].isalpha() and name not in _ODD:
+        return name
+    return write(Word(name))
 
 
 def _number(value: float) -> str:

@@ -63,3 +63,35 @@ def test_it_knows_of_names_that_come_and_go() -> None:
     assert service.quick(b"GET count\n", caller) == b"= 3\n"
     assert service.quick(b"SET count 4\n", Caller("")) is None
     assert service.quick(b"GET count\n", caller) == b"= 3\n"
+
+
+def test_listings_tell_present_values_of_what_may_be_got() -> None:
+    service, known, ruled = Service(), Caller("known"), Caller("known")
+    ruled.access = read_policy("deny * * GET b").access("unix")
+    for name, value in (("a", 1.0), ("b", 2.0), ("true", 3.0)):
+        service.add(name, value, "number")
+    target = "properties?values&names=(a%20b%20%22true%22)"
+
+    def told(caller: Caller) -> tuple[object, str]:
+        answers: list[Answer] = []
+        service.handle(Ask(target, None, answers.append, caller))
+        return answers[0].payload, answers[0].error
+
+    assert told(known) == ('((a 1.0) (b 2.0) ("true" 3.0))', "")
+    service.update("a", -0.0)
+    assert told(known) == ('((a -0.0) (b 2.0) ("true" 3.0))', "")
+    service.quick(b"SET a 0.0\n", known)
+    assert told(known) == ('((a 0.0) (b 2.0) ("true" 3.0))', "")
+    assert told(ruled)[1] == "denied"
+    service.remove("b")
+    assert told(known)[1] == "unknown"
+
+
+def test_each_change_of_a_number_is_one_and_no_other() -> None:
+    service, known = Service(), Caller("known")
+    service.add("x", 0.0, "number")
+    revisions = []
+    for text in ("0.0", "-0.0", "0.0", "nan", "nan", "inf", "2.5", "2.50", "2", "2.0", "1e400"):
+        assert service.quick(f"SET x {text}\n".encode(), known) == b"=\n"
+        revisions.append(service.revision("x"))
+    assert revisions == [1, 2, 3, 4, 4, 5, 6, 6, 7, 8, 9]
