@@ -160,7 +160,7 @@ def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
 
 
 def test_who_says_nothing_is_not_waited_for(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(ice_door._SETTINGS, "Ice.ACM.Server.Timeout", 1)
+    monkeypatch.setitem(ice_door._SETTINGS, "Ice.ACM.Server.Timeout", 2)
     monkeypatch.setattr(ice_door, "STUCK_S", 1.0)
     monkeypatch.setattr(login, "PATIENCE_S", 0.3)
     with serve(subject(), "robot", ice=0, is_on_zenoh=False) as served:
@@ -272,7 +272,7 @@ def test_who_never_answers_delays_nobody_and_is_dropped(
         calls.append(len(events))
         return never
 
-    with session(served, went=went.put) as deaf, client(served) as other:
+    with session(served, went=went.put) as deaf, connect_unix(served.socket, BOUND_S) as other:
         _ear(deaf, "count?queue=10", take)
         other.listen("count?queue=1000")
         for value in range(100, 200):
@@ -325,14 +325,14 @@ def test_listeners_that_fail_are_dropped(served: Served, service: Service) -> No
 def test_leases_are_kept_and_end(
     served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ice_guest, "LEASE_S", 1.0)
-    monkeypatch.setattr(ice_session, "LEASE_S", 1.0)
+    monkeypatch.setattr(ice_guest, "LEASE_S", 3.0)
+    monkeypatch.setattr(ice_session, "LEASE_S", 3.0)
     with client(served) as keeps:
         keeps.listen("count")
         assert keeps.event(BOUND_S) is not None
         (listener,) = service.listeners._all.values()
         ends = {listener.ends_at}
-        await_that(served, lambda: ends.add(listener.ends_at) or len(ends) > 5)
+        await_that(served, lambda: ends.add(listener.ends_at) or len(ends) > 3)
         with session(served) as lets:
             _, told = _ear(lets, "speed?lease=0.5", lambda events: None)
             assert told == ice_session.DONE
@@ -391,8 +391,6 @@ def test_a_service_that_ends_answers_and_tells(place: str) -> None:
 
 
 def test_a_proxy_finds_its_owner_again(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(objects, "SILENT_S", 0.3)
-    monkeypatch.setattr(objects, "DEAD_S", 0.6)
     said: SimpleQueue[str] = SimpleQueue()
     first, second = subject(), subject()
     second.update("count", 8)
@@ -415,6 +413,8 @@ def test_a_proxy_finds_its_owner_again(place: str, monkeypatch: pytest.MonkeyPat
                 is_held.set()
                 go.wait(BOUND_S)
 
+            monkeypatch.setattr(objects, "SILENT_S", 0.5)
+            monkeypatch.setattr(objects, "DEAD_S", 1.5)
             holder = threading.Thread(target=again.owned, args=(hold,))
             holder.start()
             assert is_held.wait(BOUND_S)
