@@ -19,7 +19,7 @@ from campaign.arena import Arena, arena
 from campaign.floors import floors
 from campaign.law import Law
 from campaign.report import Conditions, conditions_line, document, rows
-from campaign.schedule import schedule
+from campaign.schedule import Fault, schedule
 from campaign.trial import Outcome, tried
 
 FAULTS = 200
@@ -31,12 +31,15 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--seed", type=int, help="which faults (drawn if not given)")
     parser.add_argument("--faults", type=int, default=FAULTS, help="how many (%(default)s)")
     parser.add_argument("--report", type=Path, help="file to write the table to, beside floors")
+    parser.add_argument(
+        "--patience", type=float, default=1.0, help="times that it may take what is promised"
+    )
     options = parser.parse_args(arguments)
     seed = secrets.randbelow(1_000_000) if options.seed is None else options.seed
     print(f"seed {seed}, {options.faults} faults", flush=True)
     load, began = os.getloadavg()[0], time.monotonic()
     with arena() as site:
-        outcomes = list(_all(site, seed, options.faults))
+        outcomes = list(_all(site, schedule(seed, options.faults), options.patience))
         measured = floors() if options.report else ()
     conditions = Conditions(seed, time.monotonic() - began, load)
     failed = sum(bool(outcome.failures) for outcome in outcomes)
@@ -48,11 +51,11 @@ def main(arguments: list[str]) -> int:
     return 1 if failed else 0
 
 
-def _all(site: Arena, seed: int, count: int) -> Iterator[Outcome]:
+def _all(site: Arena, faults: list[Fault], patience: float) -> Iterator[Outcome]:
     """Have the faults happen until the system does not come back."""
     law = Law()
-    for number, fault in enumerate(schedule(seed, count), start=1):
-        outcome = tried(site, law, fault)
+    for number, fault in enumerate(faults, start=1):
+        outcome = tried(site, law, fault, patience)
         print(f"{number:3} {outcome.recovery_s:6.3f} s  {fault}", flush=True)
         for why in outcome.failures:
             print(f"    FAILED: {why}", flush=True)

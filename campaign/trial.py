@@ -55,16 +55,24 @@ def allowed_s(fault: Fault, wait_s: float) -> float:
     return STEP_S + wait_s + fault.length_s + _HANG_S * fault.kind.startswith("hang")
 
 
-def tried(arena: Arena, law: Law, fault: Fault) -> Outcome:
-    """Have a fault happen and return what came of it."""
+def tried(arena: Arena, law: Law, fault: Fault, patience: float = 1.0) -> Outcome:
+    """Have a fault happen and return what came of it.
+
+    Args:
+        arena: Where.
+        law: What the law of restarts knows so far.
+        fault: What is to go wrong.
+        patience: How many times as long as is promised it may take on a machine that is busy.
+    """
     time.sleep(max(0.0, law.room_at_s(fault) - time.monotonic()))
     before = _before(arena)
     for cell in arena.cells:
         cell.forget()
     failures = []
-    bound_s = allowed_s(fault, law.longest_wait_s(fault, time.monotonic()))
-    began = _HAPPENS[fault.kind](arena, fault)
+    began = time.monotonic()
+    bound_s = patience * allowed_s(fault, law.longest_wait_s(fault, began))
     try:
+        began = _HAPPENS[fault.kind](arena, fault)
         ended = arena.until(lambda: not _awaited(arena, fault, before), bound_s)
     except TimeoutError:
         ended = time.monotonic()

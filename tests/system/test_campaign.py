@@ -20,7 +20,7 @@ def test_every_kind_of_fault(shell: Any) -> None:
     """The same faults each time a change is checked, others each time at the desk."""
     seed = ["--seed", "1"] if os.environ.get("CI") else []
     done = subprocess.run(
-        [sys.executable, "-m", "campaign", "--faults", str(len(DECK)), *seed],
+        [sys.executable, "-m", "campaign", "--faults", str(len(DECK)), "--patience", "3", *seed],
         cwd=ROOT,
         env=shell.environment,
         capture_output=True,
