@@ -14,6 +14,7 @@ WORDS = {
     "diff": Word("rtkit.cli.profile.diff", "Compare two profiles by what they mean."),
     "convert": Word("rtkit.cli.profile.convert", "Write a profile as XML, YAML or JSON."),
     "normalise": Word("rtkit.cli.profile.normalise", "Bring profiles to the strict form."),
+    "set": Word("rtkit.cli.profile.set", "Set properties of a system and its components."),
     "new": Word("rtkit.cli.profile.new", "Begin the profile of a component or of a system."),
     "from": Word(
         "rtkit.cli.profile.from_component",

@@ -66,6 +66,7 @@ class _Choices:
     hosts: Hosts
     known_types: Mapping[str, KnownType]
     stand_ins: Collection[str]
+    restarts: Mapping[str, str]
 
 
 def wanted(
@@ -93,11 +94,12 @@ def wanted(
 
     Raises:
         BadComponent: Two components of one name, or a property of rtkit that cannot be read.
-        Malformed: A host is mapped to one that nobody knows.
+        Malformed: A host is mapped to one that nobody knows, or restarts of a slave make no sense.
     """
     hosts = Hosts(hostname, host_map or {}, stand_in, managers)
     check_map(hosts)
-    choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins)
+    restarts = _restarts_of_slaves(profile)
+    choices = _Choices(stand_in, transmit, hosts, known_types or {}, stand_ins, restarts)
     _check_instances(profile.components)
     components, notes = _components(profile, choices)
     wires = [
@@ -204,11 +206,39 @@ def _component(
         _check_policy(policy)
     if is_stand_in:
         stand_in = _as_stand_in(made, component, create, choices, is_marked)
-        text = str(parse_create(stand_in.create).with_options(**policy))
+        made_by = parse_create(stand_in.create)
+        text = str(made_by.with_options(**_policy(policy, made_by, choices)))
         return replace(stand_in, create=text), where.note
     module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
-    text = str(_create(create, made).with_options(**policy)) if create else ""
+    text = ""
+    if create:
+        made_by = _create(create, made)
+        text = str(made_by.with_options(**_policy(policy, made_by, choices)))
     return replace(made, create=text, module=module), where.note
+
+
+def _policy(own: Mapping[str, str], create: CreateString, choices: _Choices) -> Mapping[str, str]:
+    """Return the policy of a component: its own, else what is said of its slave."""
+    of_slave = choices.restarts.get(create.place, "")
+    if not of_slave or extension.RESTART in {**create.options, **own}:
+        return own
+    return {extension.RESTART: of_slave, **own}
+
+
+def _restarts_of_slaves(profile: RtsProfile) -> dict[str, str]:
+    """Return which restarts are said of slaves, by name.
+
+    Raises:
+        Malformed: One makes no sense.
+    """
+    prefix = extension.SLAVE_RESTART
+    told = {k: v for k, v in properties_of(profile.properties).items() if k.startswith(prefix)}
+    if told:
+        from rtkit.deployment.supervision import restart_of
+
+        for key, word in told.items():
+            restart_of(key, word)
+    return {key.removeprefix(prefix): word for key, word in told.items()}
 
 
 def _check_policy(options: Mapping[str, str]) -> None:

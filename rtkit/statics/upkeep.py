@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 from rtkit.deployment.described import properties_of
-from rtkit.deployment.extension import STATE_CHART, STATES, is_policy
+from rtkit.deployment.extension import CREATE, SLAVE_RESTART, STATE_CHART, STATES, is_policy
 from rtkit.deployment.health import read_rules
 from rtkit.deployment.states.machine import machine_of
-from rtkit.deployment.supervision import read_policy
+from rtkit.deployment.supervision import read_policy, restart_of
 from rtkit.errors import Malformed
-from rtkit.report.finding import ERROR
+from rtkit.report.finding import ERROR, WARNING
+from rtkit.rtc.create import parse_create
 from rtkit.statics.remark import TOP, Remark
 from rtkit.statics.view import View, property_place
 
@@ -28,7 +30,27 @@ def upkeep_remarks(view: View) -> Iterator[Remark]:
                     where = part.place.below("properties", number).at("value")
                     text = f"{part.name}: {error}"
                     yield Remark(ERROR, "supervision", text, where, each.value)
+    for number, each in enumerate(view.profile.properties):
+        if each.name.startswith(SLAVE_RESTART):
+            where = TOP.below("properties", number)
+            try:
+                restart_of(each.name, each.value or "")
+            except Malformed as error:
+                yield Remark(ERROR, "supervision", str(error), where.at("value"), each.value)
+            if each.name.removeprefix(SLAVE_RESTART) not in _slaves(view):
+                text = f"no component is in such a slave: {each.name}"
+                yield Remark(WARNING, "supervision", text, where.at("name"), each.name)
     yield from _states(view)
+
+
+def _slaves(view: View) -> set[str]:
+    """Return the slaves in which components are made, as far as the profile says so."""
+    texts = (properties_of(part.component.properties).get(CREATE, "") for part in view.parts)
+    found = set()
+    for text in filter(None, texts):
+        with suppress(Malformed):  # told by another rule
+            found.add(parse_create(text).place)
+    return found
 
 
 def _states(view: View) -> Iterator[Remark]:

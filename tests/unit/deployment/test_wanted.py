@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import pytest
 
 from rtkit.deployment.system import KnownType
 from rtkit.deployment.wanted import STAND_IN_SLAVE, wanted
 from rtkit.errors import Malformed
+from rtkit.profile.common import Property
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.profiles import PortRef
@@ -255,3 +258,27 @@ def test_old_identities_are_kept_as_stated(make):
     made = only(wanted(make.profile(component), "box", stand_in=True))
     assert (made.pattern.type.vendor, made.pattern.type.type_name) == ("A, B", "Sink")
     assert parse_create(made.create).options["rtkit.id"] == "RTC:A, B.cat.Sink:1.0"
+
+
+@pytest.mark.parametrize(
+    ("own", "restart"),
+    [
+        ({"rtkit.create": "Sink?manager_name=s"}, "always"),
+        ({"rtkit.create": "Sink?manager_name=s", "rtkit.restart": "never"}, "never"),
+        ({"rtkit.create": "Sink?manager_name=s&rtkit.restart=never"}, "never"),
+        ({"rtkit.create": "Sink?manager_name=t"}, None),
+        ({"rtkit.create": "Sink"}, None),
+    ],
+)
+def test_restarts_that_are_said_of_a_slave(make, own, restart):
+    """They hold for what it holds and says nothing."""
+    profile = make.profile(make.component("Sink0", properties=own))
+    told = replace(profile, properties=(Property("rtkit.restart.slave.s", "always"),))
+    create = parse_create(only(wanted(told, "box")).create)
+    assert create.options.get("rtkit.restart") == restart
+
+
+def test_restarts_of_a_slave_that_make_no_sense(make):
+    told = replace(make.profile(), properties=(Property("rtkit.restart.slave.s", "now"),))
+    with pytest.raises(Malformed, match=r"rtkit\.restart\.slave\.s: not one of"):
+        wanted(told, "box")

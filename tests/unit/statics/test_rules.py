@@ -60,6 +60,28 @@ CASES = [
     Case(
         ROBOT,
         "</rts:RtsProfile>",
+        '<rtsExt:Properties rtsExt:name="rtkit.restart.slave.wheel" rtsExt:value="always"/>'
+        "</rts:RtsProfile>",
+        WARNING,
+        "supervision",
+        "rtkit.restart.slave.wheel",
+        "",
+        "no component is in such a slave: rtkit.restart.slave.wheel",
+    ),
+    Case(
+        ROBOT,
+        "</rts:RtsProfile>",
+        '<rtsExt:Properties rtsExt:name="rtkit.restart.slave.motor" rtsExt:value="now"/>'
+        "</rts:RtsProfile>",
+        ERROR,
+        "supervision",
+        "now",
+        "",
+        "rtkit.restart.slave.motor: not one of never, on-failure, always: now",
+    ),
+    Case(
+        ROBOT,
+        "</rts:RtsProfile>",
         '<rtsExt:Properties rtsExt:name="rtkit.states" rtsExt:value="idle, idle"/>'
         "</rts:RtsProfile>",
         ERROR,
