@@ -128,8 +128,10 @@ def _unknown(name: str, verb: str) -> int:
     from rtkit.cli._out import printable
     from rtkit.rtc.nearest import did_you_mean
 
-    hint = did_you_mean(verb, [*COMMANDS, *COMMANDS.values(), *WORDS])
-    what = "option" if verb.startswith("-") else "verb"
+    what, known = "verb", [*COMMANDS, *COMMANDS.values(), *WORDS]
+    if verb.startswith("-"):
+        what, known = "option", ["--help", "--version"]
+    hint = did_you_mean(verb, known)
     print(_USAGE.format(name), file=sys.stderr)
     print(printable(f"{name}: no such {what}: {verb}{hint}"), file=sys.stderr)
     return _BAD_LINE

@@ -54,7 +54,8 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
         ("lst", "no such verb: lst (did you mean ls"),
         ("rtlss", "no such verb: rtlss (did you mean rtls"),
         ("xyzzy", "no such verb: xyzzy\n"),
-        ("--verison", "no such option: --verison\n"),
+        ("--verison", "no such option: --verison (did you mean --version?)\n"),
+        ("-x", "no such option: -x\n"),
         ("\x1b[2J", "no such verb: \\x1b[2J\n"),
     ],
 )
