@@ -224,6 +224,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
             "With a serial line, over which the angles may be set.",
         ),
         ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
+        ("rtserve ./arm.py:Arm arm --history 'angle=100'", "Remember values for .history."),
         ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Only looked at over zenoh."),
     ),
     "rtset": (

@@ -32,6 +32,7 @@ def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target:
     import threading
 
     from rtkit.proxy.bridge import bridge
+    from rtkit.serving.refusals import Refusals
 
     def say(why: str) -> None:
         print(f"rtproxy: {source}: {f'gone: {why}' if why else 'back'}", file=sys.stderr)
@@ -46,14 +47,8 @@ def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target:
         cwd=working_directory(),
         timeout_s=app.timeout_s,
         said=say,
-        on_refusal=_log_refusal,
+        on_refusal=Refusals(),
     ) as opened:
         _out.write([opened.address])
         sys.stdout.flush()
         ended.wait()
-
-
-def _log_refusal(identity: str, method: str, target: str) -> None:
-    from logging import getLogger
-
-    getLogger("rtkit.properties").warning("denied: %s %s by %r", method, target, identity)

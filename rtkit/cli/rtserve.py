@@ -12,6 +12,7 @@ from rtkit.cli._app import App, command
 if TYPE_CHECKING:
     from rtkit.property.access import Policy
 
+_MOST_KEPT = 100_000
 _LOCAL = frozenset({"", "localhost", "127.0.0.1"})
 
 
@@ -24,6 +25,18 @@ def _port(context: click.Context, parameter: click.Parameter, value: str | None)
     if name not in _LOCAL:
         raise click.BadParameter(f"this host only, not {name}: nothing would be encrypted")
     return int(port)
+
+
+def _kept(
+    context: click.Context, parameter: click.Parameter, values: tuple[str, ...]
+) -> dict[str, int]:
+    kept: dict[str, int] = {}
+    for value in values:
+        pattern, _, most = value.rpartition("=")
+        if not (pattern and most.isascii() and most.isdigit() and 0 < int(most) <= _MOST_KEPT):
+            raise click.BadParameter(f"not GLOB=N, N from 1 to {_MOST_KEPT}: {value}")
+        kept[pattern] = int(most)
+    return kept
 
 
 def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
@@ -40,6 +53,8 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
 @click.option("-a", "--argument", "arguments", multiple=True, metavar="[KEY=]VALUE",
               help="What the class is called with (repeatable).")  # fmt: skip
 @click.option("--hide", multiple=True, metavar="NAME", help="Do not show this (repeatable).")
+@click.option("--history", multiple=True, metavar="GLOB=N", callback=_kept,
+              help="Keep the last N values of these for .history (repeatable).")  # fmt: skip
 @click.option("--port", metavar="[HOST:]PORT", callback=_port,
               help="Also open a TCP door on this host, 0 for any free port.")  # fmt: skip
 @click.option("--serial", metavar="DEVICE",
@@ -60,6 +75,7 @@ def main(
     app: App,
     arguments: tuple[str, ...],
     hide: tuple[str, ...],
+    history: dict[str, int],
     port: int | None,
     serial: str | None,
     settable: tuple[str, ...],
@@ -94,7 +110,7 @@ def main(
     thing_made = made(thing, arguments)
     with serve(
         thing_made, name, port=port, serial=serial, settable=settable, http=http, ice=ice,
-        hide=hide, rules=policy,
+        hide=hide, history=history, rules=policy,
     ) as served:  # fmt: skip
         doors = [f"/localhost/{served.name}"]
         doors += [] if served.port is None else [f"localhost:{served.port}"]

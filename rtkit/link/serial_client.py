@@ -12,6 +12,7 @@ import select
 import threading
 import time
 from collections.abc import Iterator
+from hashlib import blake2b
 from time import monotonic
 
 from rtkit.closing import Closing
@@ -117,13 +118,18 @@ class SerialClient(Closing):
 
     # Requests
 
-    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+    def ask(self, target: str, payload: Payload | None = None, same_as: str = "") -> Answer:
         """GET, or SET, and wait for the reply.
+
+        Args:
+            target: Name and parameters.
+            payload: None of a GET.
+            same_as: What was asked with the same text is the same request, however long ago.
 
         Raises:
             Unreachable: No reply in time, or the device is gone.
         """
-        id = self._next_id() if self._has_ids else ""
+        id = "" if not self._has_ids else _short(same_as) if same_as else self._next_id()
         data = self._encoded(write_request(target, payload, id))
         deadline = monotonic() + self._timeout_s + self._duration_s(data)
         return self._exchange(data, id, deadline, may_repeat=bool(id) or payload is None)
@@ -330,6 +336,11 @@ class SerialClient(Closing):
                 self._end.close()
                 os.close(self._waker)
                 self._waker = -1
+
+
+def _short(id: str) -> str:
+    """Return an id as long as a small device takes it."""
+    return blake2b(id.encode(), digest_size=4).hexdigest()
 
 
 def connect_serial(address: str, timeout_s: float) -> SerialClient:

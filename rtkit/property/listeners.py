@@ -182,8 +182,9 @@ class Listeners:
         return [nodes[name] for name in found if name in nodes and nodes[name].reader is not None]
 
     def poll(self) -> None:
-        """Read anew what is computed and listened to."""
-        for node in self.computed():
+        """Read anew what is computed and listened to, or remembered."""
+        remembered = self._service.remembered.values()
+        for node in dict.fromkeys([*self.computed(), *remembered]):
             try:
                 self._service.value_of(node)
             except PropertyError:

@@ -105,7 +105,8 @@ class Node:
         self._line = self._pair = None
         if has_changed:
             self.revision += 1
-        if self.history is not None:
+        # What is computed is looked at again and again; what is kept here was set once more.
+        if self.history is not None and (has_changed or self.reader is None):
             self.history.append((time, quality, self.payload))
         return has_changed
 

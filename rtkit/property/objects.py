@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 from rtkit.property.annotations import bare, choices_of, spec_of, type_of
@@ -96,17 +97,33 @@ class Exported:
             kind = parse_type("any" if known is None and not member.hint else base)
             spec = _retyped(spec, kind)
 
-        def read(_given: dict[str, Value]) -> Content:
+        takes = _taken(holder(), member)
+        if takes:
+            declared = {each.key: each for of in takes.values() for each in of[0]}
+            spec = replace(spec, parameters=tuple(declared.values()))
+
+        def given_to(accessor: str, given: dict[str, Value]) -> dict[str, Any]:
+            known, hints = takes.get(accessor, ((), {}))
+            for key in given:
+                if all(each.key != key for each in known):
+                    raise PropertyError("bad-parameter", f"{accessor} has no parameter {key}")
+            return {key: from_value(each, hints.get(key), None) for key, each in given.items()}
+
+        def read(given: dict[str, Value]) -> Content:
+            if given:
+                named = given_to(member.getter, given)
+                return to_value(getattr(holder(), member.getter)(**named))
             value = _present(holder(), member)
             if value is _UNSET:
                 raise PropertyError("unknown", f"not set yet: {name}")
             return to_value(value)
 
-        def write(value: Content, _given: dict[str, Value]) -> None:
+        def write(value: Content, given: dict[str, Value]) -> None:
             thing = holder()
+            named = given_to(member.setter, given) if given else {}
             before = None if member.access == "w" else _present(thing, member)
             wanted = from_value(value, bare(member.hint), None if before is _UNSET else before)
-            _assign(thing, member, wanted)
+            _assign(thing, member, wanted, named)
 
         self._service.add(name, spec=spec, read=read, write=write)
 
@@ -126,8 +143,6 @@ def _positional(value: Value) -> object:
 
 
 def _retyped(spec: Spec, kind: Any) -> Spec:
-    from dataclasses import replace
-
     return replace(spec, type=kind)
 
 
@@ -155,11 +170,23 @@ def _tried(thing: Any, member: Member) -> object:
         return _UNSET
 
 
-def _assign(thing: Any, member: Member, value: object) -> None:
+def _taken(
+    thing: object, member: Member
+) -> dict[str, tuple[tuple[Parameter, ...], dict[str, Any]]]:
+    """Return what getter and setter take beside the value, with the hints, by their names."""
+    found = {}
+    for accessor, own in ((member.getter, 0), (member.setter, 1)):
+        declared, hints = _parameters(getattr(thing, accessor)) if accessor else (None, {})
+        if declared is not None and declared[own:]:
+            found[accessor] = (declared[own:], hints)
+    return found
+
+
+def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) -> None:
     if isinstance(thing, Mapping):
         thing[member.name] = value  # type: ignore[index]
     elif member.kind == "accessors":
-        getattr(thing, member.setter)(value)
+        getattr(thing, member.setter)(value, **named)
     else:
         try:
             setattr(thing, member.name, value)

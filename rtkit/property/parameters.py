@@ -7,7 +7,7 @@ from rtkit.property.naming import Target
 from rtkit.property.reading import read
 from rtkit.property.spec import Parameter
 from rtkit.property.types import check, parse_type
-from rtkit.property.values import Value, Word
+from rtkit.property.values import Element, Value, Word
 from rtkit.property.writing import write
 
 COMMON = {
@@ -51,4 +51,7 @@ def _given(parameter: Parameter, text: str) -> Value:
     if parameter.type.base == "text":
         return text
     value = read(text)
-    return str(value) if isinstance(value, Word) and parameter.type.base == "string" else value
+    is_lone = not isinstance(value, str | tuple | Element)
+    if parameter.type.base == "string" and (is_lone or isinstance(value, Word)):
+        return text.strip()
+    return value

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time as _time
 from collections.abc import Callable
+from fnmatch import fnmatchcase
 from typing import Any
 
 from rtkit.property import components
@@ -18,14 +19,14 @@ from rtkit.property.listeners import Listeners
 from rtkit.property.messages import DONE, Answer, Ask, Caller, Payload, failed
 from rtkit.property.naming import Target, parse_target
 from rtkit.property.node import Node
-from rtkit.property.once import Once
+from rtkit.property.once import Once, is_shared, marked
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters
 from rtkit.property.quick import Quick
 from rtkit.property.reading import read
 from rtkit.property.registry import Place, Registry
 from rtkit.property.spec import Reader, Spec, Writer, plain
 from rtkit.property.types import Content, check, from_payload, parse_type, to_payload
-from rtkit.property.values import Value, is_number
+from rtkit.property.values import Element, Value, is_number
 from rtkit.property.writing import write
 
 _NONE: dict[str, Value] = {}
@@ -38,6 +39,7 @@ class Service:
         on_refusal: Hears of each request that was denied: who, method, target.
         quick: Answers a request line of the kind that most are.
         on_names: Called before names are told or missed, to have those that there are now.
+        remembered: What is computed and has a history, by name.
     """
 
     def __init__(
@@ -55,6 +57,8 @@ class Service:
         self.on_refusal: Callable[[str, str, str], object] | None = None
         self.on_names: Callable[[], object] | None = None
         self._nodes = self.registry.nodes
+        self.remembered: dict[str, Node] = {}
+        self._histories: list[tuple[str, int]] = []
         self._once = Once()
         self._quick = Quick(self)
         self.quick = self._quick.reply
@@ -92,14 +96,29 @@ class Service:
             value = declared.admit(value)
         node = Node(name, declared, value, self._started)
         node.reader, node.writer, node.function = read, write, function
-        if history:
+        self.registry.add(node)
+        most = history or self._history_of(node.name)
+        if most:
             from collections import deque
 
-            node.history = deque(maxlen=history)
-        self.registry.add(node)
+            node.history = deque(maxlen=most)
+            if node.reader is not None:
+                self.remembered[node.name] = node
         if self.listeners.of_names:
             self.listeners.names_changed(added=node.name)
         return node
+
+    def remember(self, pattern: str, most: int) -> None:
+        """Have a history of each property that a pattern matches and that is added from now on.
+
+        Args:
+            pattern: Of names; of several that match, the first one counts.
+            most: How many values are remembered.
+        """
+        self._histories.append((pattern, most))
+
+    def _history_of(self, name: str) -> int:
+        return next((most for each, most in self._histories if fnmatchcase(name, each)), 0)
 
     def remove(self, name: str) -> None:
         """Take a property off with all below it; who listens hears it as the last event.
@@ -109,6 +128,7 @@ class Service:
         """
         self._quick.forget()
         for node in self.registry.remove(name):
+            self.remembered.pop(node.name, None)
             self.listeners.end_all(node)
             if self.listeners.of_names:
                 self.listeners.names_changed(removed=node.name)
@@ -238,7 +258,8 @@ class Service:
     def is_polled(self) -> bool:
         """Whether something that is listened to is to be read anew from time to time."""
         listeners = self.listeners
-        return listeners.is_any and bool(listeners.of_names or listeners.computed())
+        is_heard = listeners.is_any and bool(listeners.of_names or listeners.computed())
+        return is_heard or bool(self.remembered)
 
     def poll(self) -> None:
         """Read anew what is computed and listened to."""
@@ -435,7 +456,7 @@ class Service:
                   {each.key for each in function.parameters}}  # fmt: skip
         if common.get("if") is not None and common["if"] != node.revision:
             raise PropertyError("conflict", f"revision of {target.name} is {node.revision}")
-        arguments = function.bind(_arguments(ask.payload), given)
+        arguments = function.bind(_arguments(function, ask.payload), given)
         waits = common.get("echo") not in (None, False, 0)
 
         def changed() -> None:
@@ -459,9 +480,13 @@ def _read_kept(node: Node) -> Answer:
 def _identity_of(ask: Ask, target: Target) -> tuple[Any, ...] | None:
     """Return what makes a SET the same as one before, None if nothing does."""
     id = target.parameters.get("id")
+    payload = marked(ask.payload)
     if id is not None:
-        return (ask.target, ask.payload, id)
-    return (ask.caller.origin, ask.id, ask.target, ask.payload) if ask.id else None
+        return (ask.target, payload, id)
+    if not ask.id:
+        return None
+    origin = None if is_shared(ask.id) else ask.caller.origin
+    return (origin, ask.id, ask.target, payload)
 
 
 def _divisible(value: Content, place: Place) -> Value:
@@ -470,8 +495,11 @@ def _divisible(value: Content, place: Place) -> Value:
     return value
 
 
-def _arguments(payload: Payload) -> Value:
+def _arguments(function: Function, payload: Payload) -> Value:
     value = from_payload(parse_type("any"), payload)
+    if len(function.parameters) == 1 and not isinstance(value, str | tuple | Element):
+        kind = function.parameters[0].type
+        value = from_payload(kind if kind.base == "string" else parse_type("any"), payload)
     assert not isinstance(value, bytes)
     return value
 

@@ -147,7 +147,10 @@ def from_payload(kind: Type, payload: str | bytes) -> Content:
             raise PropertyError("syntax", f"{error.start} expected UTF-8") from None
     if kind.base == "text":
         return str(_bounded(payload))
-    return check(kind, read(payload))
+    value = read(payload)
+    if kind.base == "string" and not isinstance(value, str | tuple | Element):
+        return payload.strip()  # who wants a string of it need not quote what looks like a number
+    return check(kind, value)
 
 
 def _bounded(payload: bytes | str) -> bytes | str:

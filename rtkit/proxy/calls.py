@@ -9,30 +9,37 @@ from queue import SimpleQueue
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.property.codes import code_of
 from rtkit.property.messages import DONE, Answer, Payload
-from rtkit.proxy.contact import Answering, Gone, Hearing
+from rtkit.proxy.contact import Answering, Gone, Hearing, with_id
 from rtkit.proxy.mailbox import Mailbox
+from rtkit.proxy.turns import Turn, Turns
 from rtkit.serving.host import Host
 from rtkit.tree.properties import End
 
 _LOOK_S = 1.0
 """How long an event is waited for, until is looked whether it is still wanted [s]."""
 
-_Call = tuple[str, Payload | None, Answering]
+_Call = Callable[[End | None], End | None]
+"""Made over a connection, which is made before if there is none; returns it."""
+_MOST_AT_ONCE = 8
+"""Connections for requests."""
 
 
 class CallContact:
     """Connections of which each waits for one thing.
 
     Args:
-        end: For requests, which are made one after the other.
-        another: Makes one more, for listening.
+        end: For requests.
+        another: Makes one more, for requests that need not wait for others, or for listening.
     """
 
     def __init__(self, host: Host, end: End, another: Callable[[], End]) -> None:
         self._host = host
-        self._end = end
+        self._end: End | None = end
         self._another = another
         self._calls: SimpleQueue[_Call | None] = SimpleQueue()
+        self._turns = Turns(_MOST_AT_ONCE)
+        self._workers = 0
+        self._idle = 0
         self._waiting: dict[int, Answering] = {}
         self._number = 0
         self._listening: dict[str, threading.Event] = {}
@@ -42,7 +49,6 @@ class CallContact:
     def start(self, gone: Gone) -> None:
         """See `Contact.start`."""
         self._gone = gone
-        threading.Thread(target=self._work, name="calls", daemon=True).start()
 
     def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
         """See `Contact.ask`."""
@@ -52,7 +58,35 @@ class CallContact:
         self._number += 1
         number = self._number
         self._waiting[number] = answer
-        self._calls.put((target, payload, lambda reply: self._answered(number, reply)))
+
+        def work() -> None:
+            self._calls.put(call)
+
+        def call(end: End | None) -> End | None:
+            try:
+                end = self._another() if end is None else end
+                reply = end.ask(with_id(target, id), payload)
+            except RtkitError as error:
+                reply, why = failure(error), str(error)
+                if isinstance(error, Unreachable) and reply.error != "timeout":
+                    self._host.post(lambda: self._fail(why))
+            self._host.post(lambda: self._answered(number, turn, reply))
+            return end
+
+        turn = Turn(target, payload is not None, work)
+        self._turns.add(turn)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Have those requests made whose turn it is, on a thread each."""
+        for turn in self._turns.begin():
+            turn.work()
+            if self._idle:
+                self._idle -= 1
+                continue
+            self._workers += 1
+            end, self._end = self._end, None
+            threading.Thread(target=self._work, args=(end,), name="calls", daemon=True).start()
 
     def has_room(self, name: str) -> bool:
         """See `Contact.has_room`."""
@@ -122,7 +156,10 @@ class CallContact:
         if not self._is_open:
             return
         self._is_open = False
-        self._calls.put(None)
+        for _ in range(self._workers):
+            self._calls.put(None)
+        if self._end is not None:
+            self._end.close()
         for is_over in self._listening.values():
             is_over.set()
         self._listening.clear()
@@ -130,24 +167,21 @@ class CallContact:
         for answer in waiting.values():
             answer(Answer("the connection has ended", "no-service"))
 
-    def _work(self) -> None:
-        """Make the calls, one after the other."""
+    def _work(self, end: End | None) -> None:
+        """Make calls, one after the other, over one connection, made when it is needed."""
         while (call := self._calls.get()) is not None:
-            target, payload, answered = call
-            try:
-                reply = self._end.ask(target, payload)
-            except RtkitError as error:
-                reply = failure(error)
-                if isinstance(error, Unreachable) and reply.error != "timeout":
-                    why = str(error)
-                    self._host.post(lambda why=why: self._fail(why))  # type: ignore[misc]
-            self._host.post(lambda answered=answered, reply=reply: answered(reply))  # type: ignore[misc]
-        self._end.close()
+            end = call(end)
+        if end is not None:
+            end.close()
 
-    def _answered(self, number: int, reply: Answer) -> None:
+    def _answered(self, number: int, turn: Turn, reply: Answer) -> None:
+        self._idle += 1
+        self._turns.end(turn)
         answer = self._waiting.pop(number, None)
         if answer is not None:
             answer(reply)
+        if self._is_open:
+            self._begin()
 
     def _fail(self, why: str) -> None:
         if self._is_open:

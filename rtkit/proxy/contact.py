@@ -26,8 +26,8 @@ class Contact(Protocol):
     def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
         """GET, or SET; `answer` is called exactly once, also when the connection ends.
 
-        What is asked one after the other arrives in that order. By the id a repetition is known;
-        it is empty for nothing.
+        What is asked one after the other arrives in that order. By the id, one of
+        `rtkit.property.once.shared`, a repetition is known; it is empty for nothing.
         """
         ...
 
@@ -54,6 +54,11 @@ class Contact(Protocol):
 
 Wire = Callable[[], Contact]
 """Makes a connection. It may take its time, on a thread of its own, and raises `RtkitError`."""
+
+
+def with_id(target: str, id: str) -> str:
+    """Return a target with an id among its parameters, for wires that have no other place."""
+    return f"{target}{'&' if '?' in target else '?'}id={id}" if id else target
 
 
 def over(name: str, reply: Answer) -> Event | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import select
 import socket
@@ -10,7 +9,7 @@ from collections import deque
 from time import monotonic
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.line import LONGEST_ID, Replies, write_request
+from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, slot
 from rtkit.serving.host import Host
@@ -67,8 +66,6 @@ class LineContact:
             return
         if not id and "?" in target:
             id = f"~{next(self._count)}"
-        if len(id) > LONGEST_ID:
-            id = hashlib.blake2b(id.encode(), digest_size=16).hexdigest()
         if not self._is_waited_for:
             self._heard_at = monotonic()
         if id:

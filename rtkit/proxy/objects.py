@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import re
 from time import monotonic
 
 from rtkit.errors import Unreachable
@@ -11,12 +9,10 @@ from rtkit.link import secret
 from rtkit.link.ice import IceAddress, runtime
 from rtkit.link.ice_session import IceSession, Outcome
 from rtkit.property.messages import Answer, Event, Payload
-from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing
+from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, with_id
 from rtkit.proxy.lines import DEAD_S, SILENT_S
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.serving.host import Host
-
-_HAS_ID = re.compile(r"[?&]id(?:=|&|$)")
 
 
 class ObjectContact:
@@ -53,12 +49,11 @@ class ObjectContact:
         if not self._is_open:
             answer(Answer("the connection has ended", "no-service"))
             return
-        if id and payload is not None and not _HAS_ID.search(target):
-            word = hashlib.blake2b(id.encode(), digest_size=12).hexdigest()
-            target += f"{'&' if '?' in target else '?'}id=i{word}"
         number = self._expect(answer)
         self._session.ask(
-            target, payload, lambda told: self._host.post(lambda: self._answered(number, told))
+            with_id(target, id),
+            payload,
+            lambda told: self._host.post(lambda: self._answered(number, told)),
         )
 
     def has_room(self, name: str) -> bool:

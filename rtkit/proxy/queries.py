@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import re
 import threading
 import uuid
 from collections.abc import Callable
@@ -23,7 +21,7 @@ from rtkit.link.properties import (
 )
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Event, Payload
-from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, over
+from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, over, with_id
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.serving.host import Host
 
@@ -31,7 +29,6 @@ _REQUEST_S = 3600.0
 """How long an answer may take; that somebody lives is found out in another way [s]."""
 _PROBE_S = 2.0
 _PROBE_EVERY_S = 1.0
-_HAS_ID = re.compile(r"[?&]id(?:=|&|$)")
 _NOBODY = "nobody answers for it"
 
 
@@ -68,9 +65,7 @@ class QueryContact:
 
     def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
         """See `Contact.ask`."""
-        if id and payload is not None and not _HAS_ID.search(target):
-            target += f"{'&' if '?' in target else '?'}id={_word(id)}"
-        self._query(target, payload, "", _REQUEST_S, answer)
+        self._query(with_id(target, id), payload, "", _REQUEST_S, answer)
 
     def has_room(self, name: str) -> bool:
         """See `Contact.has_room`: each listening has a key of its own."""
@@ -207,8 +202,3 @@ def _receiver(mailbox: Mailbox) -> Callable[[zenoh.Sample], None]:
             mailbox.put(event)
 
     return receive
-
-
-def _word(id: str) -> str:
-    """Return an id as a value that is a word."""
-    return f"i{hashlib.blake2b(id.encode(), digest_size=12).hexdigest()}"

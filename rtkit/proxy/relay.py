@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import itertools
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from time import monotonic
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Ask, Caller
 from rtkit.property.naming import Target, parse_target, write_parameters
+from rtkit.property.once import Once, is_shared, marked, shared
 from rtkit.property.reading import read
 from rtkit.property.values import Value
 from rtkit.proxy.contact import STATUS, Contact, Wire
@@ -55,7 +56,8 @@ class Relay:
         self._said = said
         self._id = f"p{uuid.uuid4().hex[:12]}"
         self._count = itertools.count(1)
-        self._numbers: dict[Caller, int] = {}
+        self._numbers: dict[Hashable, int] = {}
+        self._once = Once()
         self.uplink = Uplink(host, wire, self._judge, self._came, self._went)
         self._listenings = Listenings(self.uplink, names.outward, monotonic)
 
@@ -92,7 +94,8 @@ class Relay:
 
     def forget(self, caller: Caller) -> None:
         """See `Owner.forget`."""
-        self._numbers.pop(caller, None)
+        if caller.origin is caller:
+            self._numbers.pop(caller, None)
         self._listenings.forget(caller)
 
     # Requests
@@ -131,13 +134,28 @@ class Relay:
         self._forward(name, target.parameters, ask)
 
     def _forward(self, name: str, parameters: dict[str, str | None], ask: Ask) -> None:
-        text = f"{name}?{write_parameters(parameters)}" if parameters else name
-        id = ""
-        if ask.id and ask.payload is not None:
-            number = self._numbers.get(ask.caller) or next(self._count)
-            self._numbers[ask.caller] = number
-            id = f"{self._id}.{number}.{ask.id}"
-        self.uplink.ask(text, ask.payload, id, ask.answer)
+        given = dict(parameters)
+        id, answer = "", ask.answer
+        if ask.payload is not None:
+            # The one that another proxy gave it goes on as what it is, not as a parameter.
+            own = given.pop("id") if is_shared(given.get("id")) else ask.id
+            id = "" if "id" in given else self._shared(own or "", ask.caller.origin)
+        text = f"{name}?{write_parameters(given)}" if given else name
+        if id:
+            # Not every owner knows of ids; and what it has answered need not travel again.
+            first = self._once.first((id, text, marked(ask.payload)), answer)
+            if first is None:
+                return
+            answer = first
+        self.uplink.ask(text, ask.payload, id, answer)
+
+    def _shared(self, id: str, origin: Hashable) -> str:
+        """Return by what the owner knows a repetition, empty for nothing."""
+        if not id or is_shared(id):
+            return id
+        number = self._numbers.get(origin) or next(self._count)
+        self._numbers[origin] = number
+        return shared(self._id, str(number), id)
 
     def _check_caller(self, method: str, name: str, caller: Caller) -> None:
         if not caller.may(method, name):

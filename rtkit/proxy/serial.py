@@ -37,7 +37,7 @@ class SerialContact:
 
     def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
         """See `Contact.ask`."""
-        self._call(lambda: self._client.ask(target, payload), answer)
+        self._call(lambda: self._client.ask(target, payload, id), answer)
 
     def has_room(self, name: str) -> bool:
         """See `Contact.has_room`: there is one listener of a property on each line."""

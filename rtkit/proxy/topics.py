@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import re
 import threading
 import uuid
 from time import monotonic
@@ -16,11 +14,9 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.property.naming import parse_target
-from rtkit.proxy.contact import Answering, Gone, Hearing, over
+from rtkit.proxy.contact import Answering, Gone, Hearing, over, with_id
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.serving.host import Host
-
-_HAS_ID = re.compile(r"[?&]id(?:=|&|$)")
 
 
 class _Ear(NamedTuple):
@@ -69,10 +65,7 @@ class TopicContact:
 
     def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
         """See `Contact.ask`."""
-        if id and payload is not None and not _HAS_ID.search(target):
-            word = hashlib.blake2b(id.encode(), digest_size=12).hexdigest()
-            target += f"{'&' if '?' in target else '?'}id=i{word}"
-        self._request(target, payload, f"{self._own}/0", answer)
+        self._request(with_id(target, id), payload, f"{self._own}/0", answer)
 
     def has_room(self, name: str) -> bool:
         """See `Contact.has_room`: each listening has a topic of its own."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 from rtkit.closing import Closing
 from rtkit.errors import Malformed
@@ -14,6 +14,7 @@ from rtkit.property.objects import Exported
 from rtkit.property.service import Service
 from rtkit.serving.doors import open_tcp, open_unix
 from rtkit.serving.host import Host
+from rtkit.serving.refusals import Refusals
 
 
 class Served(Closing):
@@ -69,12 +70,6 @@ class Served(Closing):
         self._host.close()
 
 
-def _log_refusal(identity: str, method: str, target: str) -> None:
-    from logging import getLogger
-
-    getLogger("rtkit.properties").warning("denied: %s %s by %r", method, target, identity)
-
-
 def serve(
     thing: object,
     name: str,
@@ -85,6 +80,7 @@ def serve(
     http: int | None = None,
     ice: int | None = None,
     hide: Iterable[str] = (),
+    history: Mapping[str, int] | None = None,
     rules: str | Policy = "",
     is_on_zenoh: bool = True,
 ) -> Served:
@@ -107,6 +103,7 @@ def serve(
         http: Also open this port of the host, 0 for any, for HTTP, likewise.
         ice: Also open this port of the host, 0 for any, for Ice, likewise.
         hide: Names that are not to be seen.
+        history: Patterns of names, and how many values of each ``NAME.history`` tells.
         rules: Who may do what through which door, and how much: `rtkit.property.access`.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
 
@@ -121,9 +118,11 @@ def serve(
         service.name = "/".join(map(canonical_segment, name.split("/")))
     except PropertyError as error:
         raise Malformed(f"not a name of a service: {name!r}") from error
+    for pattern, most in (history or {}).items():
+        service.remember(pattern, most)
     if not isinstance(thing, Service):
         Exported(service, thing, hide, host.run_on_thread)
-    service.on_refusal = _log_refusal
+    service.on_refusal = Refusals()
     host.add(service)
     try:
         socket = open_unix(host, service.name)

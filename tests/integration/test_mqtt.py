@@ -11,7 +11,7 @@ from pathlib import Path
 from queue import SimpleQueue
 
 import pytest
-from conformance import Door, check_answers, check_events, subject
+from conformance import Door, check_answers, check_events, check_once, subject
 from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
 from propertydoors import BOUND_S, Lines
 
@@ -83,6 +83,10 @@ def door(served: Served, broker: Mosquitto, place: Path, ends: ExitStack) -> Ite
 
 def test_requests(door: Door) -> None:
     check_answers(door)
+
+
+def test_a_request_that_is_repeated_with_its_id_acts_once(door: Door, place: Path) -> None:
+    check_once(f"{place}/far.sock")
 
 
 def test_events(door: Door, served: Served, service: Service) -> None:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from queue import SimpleQueue
 
 import icekit
 import pytest
-from conformance import ROWS, Door, check_answers, check_events, subject
+from conformance import ROWS, Door, check_answers, check_events, check_once, subject
 from propertydoors import BOUND_S, Lines
 from serialkit import Cable
 
 from rtkit.link.ice_client import IceClient, connect_ice
 from rtkit.link.line_client import LineClient, connect_unix
+from rtkit.property.functional import Function
+from rtkit.property.messages import Answer
 from rtkit.property.service import Service
+from rtkit.property.spec import Spec
+from rtkit.property.types import parse_type
 from rtkit.proxy.bridge import bridge
 from rtkit.serving.serve import Served, serve
 
@@ -74,3 +80,40 @@ def test_requests(door: Door) -> None:
 
 def test_events(door: Door, served: Served, service: Service) -> None:
     check_events(door, service, served.owned)
+
+
+@pytest.mark.parametrize("door", ["serial", "http", pytest.param("ice", marks=_IF_ICE)],
+                         indirect=True)  # fmt: skip
+def test_a_request_that_is_repeated_with_its_id_acts_once(door: Door, cable: Cable) -> None:
+    check_once(f"{os.path.dirname(cable.near)}/far.sock")
+
+
+def test_what_is_slow_to_get_holds_nobody_up(cable: Cable, served: Served) -> None:
+    """Over wires that answer one request at a time there are more of them."""
+    go = threading.Event()
+
+    def wait() -> int:
+        go.wait(BOUND_S)
+        return 3
+
+    kind = Spec(parse_type("element"), is_functional=True)
+    function = Function(wait, run=served._host.run_on_thread)
+    served.owned(lambda: served.service.add("slow", function=function, spec=kind))
+    path = f"{os.path.dirname(cable.near)}/slow.sock"
+    source = f"http://localhost:{served.http}/ps/robot"
+    with (
+        bridge(source, f"unix:{path}", allow_set=["*"], timeout_s=BOUND_S),
+        connect_unix(path, BOUND_S) as held,
+        connect_unix(path, BOUND_S) as free,
+    ):
+        answers: SimpleQueue[Answer] = SimpleQueue()
+        asking = threading.Thread(target=lambda: answers.put(held.ask("slow?echo", "")))
+        asking.start()
+        while free.ask("slow.state").payload != "running":
+            pass
+        assert free.ask("count", "8").error == ""
+        assert free.ask("count").payload == "8"
+        assert answers.empty()
+        go.set()
+        assert "done" in str(answers.get(timeout=BOUND_S).payload)
+        asking.join()

@@ -20,7 +20,7 @@ from rtkit.link.ice_client import connect_ice
 from rtkit.link.line_client import LineClient, connect_tcp, connect_unix, listening
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
-from rtkit.serving import connection, login
+from rtkit.serving import connection, login, refusals
 from rtkit.serving.serve import Served, serve
 
 
@@ -311,7 +311,10 @@ ROWS = [
 """Target, payload, and the code that answers it."""
 
 
-def test_rules_hold_at_every_door(place: str, caplog: pytest.LogCaptureFixture) -> None:
+def test_rules_hold_at_every_door(
+    place: str, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(refusals, "MOST", 1000)
     with _ruled() as served:
         for name, made in DOORS.items():
             door = made(served)

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from queue import SimpleQueue
 
 import pytest
-from conformance import Door, check_answers, check_events, subject
+from conformance import Door, check_answers, check_events, check_once, subject
 from propertydoors import BOUND_S, Lines, Zenoh
 
 from rtkit.errors import Refused, RtkitError
@@ -23,6 +23,7 @@ from rtkit.property.types import parse_type
 from rtkit.proxy import lines
 from rtkit.proxy.bridge import bridge
 from rtkit.proxy.relay import Relay
+from rtkit.serving.connection import Connection
 from rtkit.serving.serve import Served, serve
 
 CHAINS = (
@@ -338,24 +339,43 @@ def test_what_waits_at_the_owner_delays_nobody(
         replies.close()
 
 
-@pytest.mark.parametrize("wires", [("unix", "tcp", "unix"), ("zenoh", "unix")], ids="-".join)
+@pytest.mark.parametrize(
+    "wires", [("unix", "tcp", "unix"), ("zenoh", "unix"), ("tcp", "zenoh", "unix")], ids="-".join
+)
 def test_a_request_that_is_repeated_with_its_id_acts_once(
-    wires: tuple[str, ...], served: Served, service: Service, place: str, ends: ExitStack
+    wires: tuple[str, ...], served: Served, place: str, ends: ExitStack
 ) -> None:
-    acted: list[int] = []
-    kind = Spec(parse_type("element"), is_functional=True)
-    service.add("act", function=Function(lambda: acted.append(1)), spec=kind)
-    door = chain(served, place, wires, ends)
-    assert isinstance(door, Lines)
-    for _ in range(2):
-        with socket.socket(socket.AF_UNIX) as end:
-            end.settimeout(BOUND_S)
-            end.connect(door._client._end.getpeername())
-            for _ in range(2):
-                end.sendall(b"#a SET act \n")
-                assert end.recv(100) == b"#a =\n"
-    assert len(acted) == 2, "once for each connection"
+    chain(served, place, wires, ends)
+    check_once(f"{place}/{len(wires) - 1}.sock")
     ends.close()
+
+
+def test_what_is_repeated_after_the_connection_was_lost_acts_once(
+    proxied: Proxied, served: Served, service: Service
+) -> None:
+    """The owner acts, but its answer is lost with the connection."""
+    acted: list[int] = []
+    function = Function(lambda: acted.append(1) or lose())  # type: ignore[func-returns-value]
+    kind = Spec(parse_type("element"), is_functional=True)
+    served.owned(lambda: service.add("act", function=function, spec=kind))
+    door = proxied.open()
+
+    def lose() -> None:
+        for tenant in list(served._host._tenants.values()):
+            if isinstance(tenant, Connection):
+                tenant._end.shutdown(socket.SHUT_RDWR)
+
+    with socket.socket(socket.AF_UNIX) as end:
+        end.settimeout(BOUND_S)
+        end.connect(door._client._end.getpeername())
+        with end.makefile() as replies:
+            end.sendall(b"#a SET act \n")
+            assert replies.readline().startswith("#a ! no-service ")
+            while proxied.said.get(timeout=BOUND_S):
+                pass
+            end.sendall(b"#a SET act \n")
+            assert replies.readline() == "#a =\n"
+    assert len(acted) == 1
 
 
 def test_a_proxy_of_itself_is_refused(served: Served, place: str, ends: ExitStack) -> None:

@@ -5,6 +5,9 @@ The subject is one service; a door is anything with ``ask`` (target, payload) an
 
 from __future__ import annotations
 
+import itertools
+import re
+import socket
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from typing import Protocol
@@ -81,6 +84,9 @@ def subject() -> Service:
     double = Function(lambda x, times=2: x * times, (
         Parameter("x", number), Parameter("times", number, 2)))  # fmt: skip
     service.add("double", function=double, spec=Spec(parse_type("element"), is_functional=True))
+    tallies = itertools.count(1)
+    tally = Function(lambda: next(tallies))
+    service.add("tally", function=tally, spec=Spec(parse_type("element"), is_functional=True))
     fail = Function(lambda: 1 / 0)
     service.add("fail", function=fail, spec=Spec(parse_type("element"), is_functional=True))
     return service
@@ -189,6 +195,9 @@ ROWS: tuple[Row, ...] = (
     ("name", None, '"word"'),
     ("name", '"a \\u{e9}\\n\\"q\\""', ""),
     ("name", None, '"a é\\n\\"q\\""'),
+    ("name", "7", ""),
+    ("name", None, '"7"'),
+    ("name", "(7)", "!bad-value"),
     ("notes", 'Zeile\nzwei ((" <', ""),
     ("notes", None, 'Zeile\nzwei ((" <'),
     ("blob", b"\xff\x00\xfe{3}\r\n", ""),
@@ -245,8 +254,12 @@ ROWS: tuple[Row, ...] = (
     ("double?y=1", "1", "!bad-parameter"),
     ("fail?echo", "", lambda text: text.startswith('<call state="failed"><error code="internal">')),
     # once: repeated with its id it acts once
-    ("double?id=7&echo", "1", '<call state="done"><result>2</result></call>'),
-    ("double?id=7&echo", "1", '<call state="done"><result>2</result></call>'),
+    ("tally?id=7&echo", "", '<call state="done"><result>1</result></call>'),
+    ("tally?id=7&echo", "", '<call state="done"><result>1</result></call>'),
+    ("tally?id=8&echo", "", '<call state="done"><result>2</result></call>'),
+    ("tally?id=7&echo", "", '<call state="done"><result>1</result></call>'),
+    ("tally?echo", "", '<call state="done"><result>3</result></call>'),
+    ("tally?echo", "", '<call state="done"><result>4</result></call>'),
     # names
     ("", None, "!syntax"),
     (".", None, "!syntax"),
@@ -310,6 +323,21 @@ def _compared(door: Door, row: Row) -> str:
         if isinstance(expected, bytes) and isinstance(found, str):
             found = found.encode("utf-8", "surrogateescape")
     return "" if found == expected else f"{asked}: expected {expected!r}, found {found!r}"
+
+
+def check_once(path: str) -> None:
+    """Ask twice with one id at a unix socket of the line protocol, for each of two connections."""
+    counts: list[str] = []
+    for _ in range(2):
+        with socket.socket(socket.AF_UNIX) as end:
+            end.settimeout(30.0)
+            end.connect(path)
+            with end.makefile(encoding="utf-8") as replies:
+                for id in ("a", "a", "b", "a"):
+                    end.sendall(f"#{id} SET tally?echo \n".encode())
+                    counts += re.findall(r"^#(. =.*?>\d+<)", replies.readline())
+    told = [re.sub(r" =.*>(\d+)<", r"\1", each) for each in counts]
+    assert told == ["a1", "a1", "b2", "a1", "a3", "a3", "b4", "a3"], counts
 
 
 def check_events(

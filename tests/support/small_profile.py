@@ -13,7 +13,7 @@ LEFT_OUT: dict[str, str] = {
     "elements, values of any type": r"(GET|SET) (target|any)\b",
     "bytes, values of more than one line": r"(GET|SET) blob|SET notes |GET notes = Zeile|SET \S+ {",
     "parameters of properties": r"(GET|SET) pose\b|GET .*\.parameters",
-    "actions": r"(GET|SET) (double|fail)\b",
+    "actions": r"(GET|SET) (double|fail|tally)\b",
     "meta data, GUI, history": r"(GET|SET) .*\.(meta|gui|history)\b",
     "choice and values in lists of names": r"GET (.*\.)?properties\?(all|match|names|meta)",
     "several set at once": r"SET (.*\.)?properties |GET count = 9|GET arm\.joint\.1 = 7",
@@ -21,6 +21,7 @@ LEFT_OUT: dict[str, str] = {
     "parts of vectors by number": r"GET \w+\.5 ",
     "numbers kept as they were written": r"SET location\.x 5 |GET location = \(5 ",
     "vectors set as a whole": r"SET location \(",
+    "numbers taken for strings": r'SET name 7 |GET name = "7"',
     "UTF-8 in names is not looked at": r"GET (%ff%fe|sp%eed) ",
 }
 """What is left out, and the rows that are about it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 from collections.abc import Iterator
 from typing import Any
@@ -24,6 +25,9 @@ class Arm:
         self.picture = b"\\xff\\x00\\n"
         self.pose = [1.0, 2.0, 3.0]
 
+    def get_reach(self, unit: str = "m"):
+        return 0.5 if unit == "m" else 50
+
     def raised(self, by: float):
         self.angle += by
         return self.angle
@@ -40,6 +44,7 @@ def arm(shell: Any) -> Iterator[Any]:
     (shell.folder / "arm.py").write_text(MODULE, encoding="utf-8")
     process = shell.open(
         "rtserve arm:Arm robots/arm -a 0.5 -a name=right --port 0 --http 0 --hide hidden"
+        " --history na*=2"
     )
     _, shell.address, shell.web = process.stdout.readline().split()
     yield shell
@@ -49,7 +54,7 @@ def arm(shell: Any) -> Iterator[Any]:
 
 
 def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
-    assert arm.ok("rtget robots/arm") == "(raised angle name picture pose)\n"
+    assert arm.ok("rtget robots/arm") == "(raised angle name picture pose reach)\n"
     line = "rtget robots/arm.angle /localhost/robots/arm/name robots/arm/pose.y"
     assert arm.ok(line) == '0.5\n"right"\n2.0\n'
     assert arm.ok("rtset robots/arm.angle -0.25") == ""
@@ -82,6 +87,20 @@ def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
     assert heard == ["3\n", "4\n", "5\n"]
     assert changes.wait(30) == 0
     changes.communicate()
+
+
+def test_getters_take_parameters_and_values_are_remembered(arm: Any) -> None:
+    assert arm.ok("rtget -p unit=cm robots/arm.reach") == "50\n"
+    assert arm.ok("rtget robots/arm.reach.parameters") == '((unit string "m" () ""))\n'
+    refused = arm.run("rtget -p colour=red robots/arm.reach")
+    assert (refused.status, refused.out) == (1, "")
+    assert refused.err == "rtget: robots/arm.reach: bad-parameter: reach has no parameter colour\n"
+    for value in ("7", "8", "9"):
+        arm.ok(f"rtset robots/arm.name {value}")
+    assert arm.ok("rtget robots/arm.name") == '"9"\n'
+    assert re.sub(r"[\d.]+ good", "T", arm.ok("rtget robots/arm.name.history")) == (
+        '((T "8") (T "9"))\n'
+    )
 
 
 class Thing:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import statistics
 import threading
 import typing
@@ -241,3 +242,71 @@ def test_a_class_of_the_package_index() -> None:
     assert pid.auto_mode is False
     assert refused(service, "components", "(1 2 3)") == "read-only"
     assert type(pid) is PID
+
+
+class Metering:
+    """Getters that may be asked in several ways."""
+
+    def __init__(self) -> None:
+        self.label = "left"
+        self._metres = 2.0
+
+    def get_length(self, unit: typing.Literal["m", "cm"] = "m", digits: int = 3) -> float:
+        return round(self._metres * (100 if unit == "cm" else 1), digits)
+
+    def set_length(self, value: float, is_relative: bool = False) -> None:
+        self._metres = value + (self._metres if is_relative else 0)
+
+    def say(self, text: str) -> str:
+        return text
+
+
+def test_parameters_reach_getters_and_setters() -> None:
+    service = Service("meter")
+    Exported(service, Metering())
+    assert service.get("length") == "2.0"
+    assert service.get("length?unit=cm") == "200.0"
+    assert service.get("length?digits=0") == "2.0"
+    assert service.get("length.parameters") == (
+        '((unit string "m" ("m" "cm") "") (digits integer 3 () "") '
+        '(is_relative boolean false () ""))'
+    )
+    for wrong in ("length?unit=km", "length?digits=red", "length?nonsense", "length?is_relative"):
+        with pytest.raises(PropertyError) as refused:
+            service.get(wrong)
+        assert refused.value.code == "bad-parameter", wrong
+    service.set("length?is_relative", "1")
+    assert service.get("length") == "3.0"
+    with pytest.raises(PropertyError) as refused:
+        service.set("length?unit=cm", "1")
+    assert refused.value.code == "bad-parameter"
+
+
+def test_what_looks_like_a_number_is_taken_for_a_string() -> None:
+    service = Service("meter")
+    Exported(service, Metering())
+    for payload, told in (("7", '"7"'), (" 1.50 ", '"1.50"'), ("nan", '"nan"'), ("true", '"true"')):
+        service.set("label", payload)
+        assert service.get("label") == told
+        done = service.set("say?echo", payload)
+        assert done == f'<call state="done"><result>{told}</result></call>'
+    for payload in ("(1 2)", "<a/>"):
+        with pytest.raises(PropertyError) as refused:
+            service.set("label", payload)
+        assert refused.value.code == "bad-value"
+
+
+def test_a_history_is_kept_of_what_is_told() -> None:
+    service = Service("meter")
+    service.remember("len*", 2)
+    meter = Metering()
+    Exported(service, meter)
+    assert service.is_polled
+    for metres in (2.0, 2.0, 5.0, 7.0):
+        meter._metres = metres
+        service.poll()
+        service.get("length")
+    rows = service.get("length.history")
+    assert re.findall(r" good ([\d.]+)\)", str(rows)) == ["5.0", "7.0"]
+    with pytest.raises(PropertyError):
+        service.get("label.history")
