@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable
 from hashlib import blake2b
 
 from rtkit.property.codes import PASSING
-from rtkit.property.messages import Answer, Payload
+from rtkit.property.messages import Answer, Ask, Payload
 
 _REMEMBERED = 1024
 _MOST_BYTES = 1 << 22
@@ -63,6 +63,22 @@ class Once:
             _, oldest = self._answers.popitem(last=False)
             if isinstance(oldest, Answer):
                 self._bytes -= len(oldest.payload)
+
+
+def identity_of(ask: Ask, id: str | None) -> Hashable:
+    """Return what makes a SET the same as one before, None if nothing does.
+
+    Args:
+        ask: The SET.
+        id: Of its parameters, which are asked for before its own.
+    """
+    payload = marked(ask.payload)
+    if id is not None:
+        return (ask.target, payload, id)
+    if not ask.id:
+        return None
+    origin = None if is_shared(ask.id) else ask.caller.origin
+    return (origin, ask.id, ask.target, payload)
 
 
 def shared(*parts: str) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import time as _time
 from collections.abc import Callable
 from fnmatch import fnmatchcase
-from typing import Any
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
@@ -19,7 +18,7 @@ from rtkit.property.listeners import Listeners
 from rtkit.property.messages import DONE, Answer, Ask, Caller, Payload, failed
 from rtkit.property.naming import Target, parse_target
 from rtkit.property.node import Node
-from rtkit.property.once import Once, is_shared, marked
+from rtkit.property.once import Once, identity_of
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters
 from rtkit.property.quick import Quick
 from rtkit.property.reading import read
@@ -240,7 +239,7 @@ class Service:
         # Of several that are set at once each is looked at by itself.
         if ask.payload is None:
             return Answer(self._get(target, ask))
-        key = _identity_of(ask, target)
+        key = identity_of(ask, target.parameters.get("id"))
         if key is None:
             return self._set(target, ask)
         answer = self._once.first(key, ask.answer)
@@ -475,18 +474,6 @@ def _read_kept(node: Node) -> Answer:
         return Answer(node.payload)
     except PropertyError as error:
         return Answer(str(error), error.code)
-
-
-def _identity_of(ask: Ask, target: Target) -> tuple[Any, ...] | None:
-    """Return what makes a SET the same as one before, None if nothing does."""
-    id = target.parameters.get("id")
-    payload = marked(ask.payload)
-    if id is not None:
-        return (ask.target, payload, id)
-    if not ask.id:
-        return None
-    origin = None if is_shared(ask.id) else ask.caller.origin
-    return (origin, ask.id, ask.target, payload)
 
 
 def _divisible(value: Content, place: Place) -> Value:
