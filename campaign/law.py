@@ -10,6 +10,9 @@ _POLICY = Policy(Restart.ON_FAILURE)
 _NOT_BY_LAW = frozenset({"kill the manager", "kill everything"})
 """What dies with its manager is made again by the next one, at once."""
 
+_NEVER_ALONE = frozenset(members(MANAGER))
+"""Cells that die with the manager, whatever slaves die too."""
+
 
 class Law:
     """What has been done about the ends of each cell so far."""
@@ -25,8 +28,6 @@ class Law:
 
     def longest_wait_s(self, fault: Fault, now: float) -> float:
         """Take note of a fault at monotonic time `now` [s]; return how long its cells may wait."""
-        if fault.renewed >= set(members(MANAGER)):
-            self._ledgers = [Ledger()] * len(NAMES)  # a new manager begins to count anew
         longest_s = 0.0
         for cell in self._by_law(fault):
             self._ledgers[cell], wait_s = at_end(self._ledgers[cell], _POLICY, now, 1.0)
@@ -42,4 +43,4 @@ class Law:
         """Return the cells that a fault ends and that are made again as the law says."""
         if fault.kind in _NOT_BY_LAW:
             return frozenset()
-        return fault.renewed
+        return fault.renewed - _NEVER_ALONE if fault.slaves else fault.renewed
