@@ -14,7 +14,7 @@ from typing import Protocol
 import zenoh
 
 from rtkit.errors import RtkitError
-from rtkit.link.properties import LEASE_S, Joined, Place, ear_key, event_of, group_of, heard
+from rtkit.link.properties import LEASE_S, Heard, Joined, Place, ear_key, group_of, heard
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Event
 
@@ -52,15 +52,23 @@ class Ear:
         self._last: tuple[int, float, str] | None = None
         self._lock = threading.Lock()
         self._renew_at = 0.0
+        self._heard = Heard()
         self._at: Place | None = None
         self._early: deque[tuple[Event, Place]] = deque(maxlen=self._most)
         """What the group heard before it is known whether we are in it."""
 
     def receive(self, sample: zenoh.Sample) -> None:
         """Take what arrived on the key of its own; on a thread of the transport."""
-        event = event_of(sample)
+        event, at = heard(sample)
+        if event is not None and at is not None:
+            self.hear(event, at)
+
+    def hear(self, event: Event, at: Place) -> None:
+        """Take an event that is for nobody else."""
         with self._lock:
-            self._take_once(event)
+            lost = self._heard.lost(at)
+            if lost is not None:
+                self._take(event, lost)
 
     def follow(self, event: Event, at: Place) -> None:
         """Take what arrived for the group; on a thread of the transport."""

@@ -4,9 +4,11 @@ A query without payload is a GET, one with it a SET. A listener has a key of its
 it, and asks the service to send there; it asks again before its lease is over, and is then told the
 last event once more, so that what the transport may drop under load is never the last value.
 
+On each key events are numbered, so that what is lost on the way is counted.
+
 Those who listen to the same in the same way are a group with one key, on which each event is sent
-once. Its events are numbered. The service tells in its reply who is a member, from which number on,
-and the first value, which is nobody else's.
+once. The service tells in its reply who is a member, from which number on, and the first value,
+which is nobody else's.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from hashlib import blake2b
 from typing import NamedTuple, Protocol
+from uuid import uuid4
 
 import zenoh
 
@@ -33,15 +36,35 @@ _FOR_ONE = ("every", "deadband")
 
 
 class Place(NamedTuple):
-    """Where an event stands among those of its group.
+    """Where an event stands among those that are sent on its key.
 
     Attributes:
-        run: Which life of the group counts.
+        run: Since when it counts: which life of the listening, or of the group.
         number: The events that have been sent so far.
     """
 
     run: str
     number: int
+
+
+def new_run() -> Place:
+    """Return where one stands who begins to send."""
+    return Place(uuid4().hex[:8], 0)
+
+
+class Heard:
+    """How far one has heard who listens on a key of its own."""
+
+    def __init__(self) -> None:
+        self._at = Place("", 0)
+
+    def lost(self, at: Place) -> int | None:
+        """Return how many events were lost before this one, None if it was heard already."""
+        before = self._at.number if self._at.run == at.run else 0
+        if at.number <= before:
+            return None
+        self._at = at
+        return at.number - before - 1
 
 
 class Joined(NamedTuple):
@@ -94,7 +117,7 @@ class PropertyDoor:
             handler = zenoh.handlers.Callback(receive, indirect=False)
             self._declared.append(session.declare_queryable(prefix + "**", handler))
 
-    def send(self, ear: str, event: Event, at: Place | None = None) -> None:
+    def send(self, ear: str, event: Event, at: Place) -> None:
         """Send an event to a listener, or to a group; nobody is waited for."""
         key = ear_key(self._key, ear)
         encoding = _BYTES if isinstance(event.payload, bytes) else None
@@ -212,15 +235,8 @@ def answer_of(reply: zenoh.Reply, timeout_s: float) -> Answer:
     return Answer(message, code)
 
 
-def event_of(sample: zenoh.Sample) -> Event:
-    """Return the event that a sample carries."""
-    event, _ = heard(sample)
-    assert event is not None
-    return event
-
-
 def heard(sample: zenoh.Sample) -> tuple[Event | None, Place | None]:
-    """Return the event that a sample carries, and where it stands in a group."""
+    """Return the event that a sample carries, if any, and where it stands."""
     attachment = sample.attachment
     text = "" if attachment is None else attachment.to_string()
     head, mark, name = text.partition(";name=")

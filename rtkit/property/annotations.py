@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, get_args, get_origin
 from rtkit.property.conversion import to_value
 from rtkit.property.spec import Spec
 from rtkit.property.types import Type, parse_type
-from rtkit.property.values import Value, Word
+from rtkit.property.values import Value, Word, is_number
 
 
 class Unit(NamedTuple):
@@ -134,6 +134,9 @@ def _type_of_value(present: object) -> Type:
         return parse_type(_OPEN[type(present)])
     if isinstance(present, bool):
         return parse_type("boolean")
+    if isinstance(present, list | tuple) and present:
+        is_numeric = all(is_number(each) for each in present)
+        return parse_type("vector" if is_numeric else "list")
     return parse_type("any")
 
 

@@ -28,9 +28,11 @@ class Mailbox:
         self._is_posted = False
         self._lock = threading.Lock()
 
-    def put(self, event: Event) -> None:
-        """Take an event; the oldest one makes room."""
+    def put(self, event: Event, lost: int = 0) -> None:
+        """Take an event, before which some were lost; the oldest one makes room."""
         with self._lock:
+            if self._events.maxlen != 1:
+                event = event._replace(dropped=event.dropped + lost)
             if len(self._events) == self._events.maxlen and self._events.maxlen > 1:
                 self._dropped += 1 + self._events[0].dropped
             self._events.append(event)

@@ -13,10 +13,11 @@ import zenoh
 from rtkit.errors import Unreachable
 from rtkit.link.properties import (
     LEASE_S,
+    Heard,
     answer_of,
     ear_key,
-    event_of,
     for_ear,
+    heard,
     selector_of,
 )
 from rtkit.property.codes import PropertyError
@@ -190,15 +191,13 @@ class QueryContact:
 
 
 def _receiver(mailbox: Mailbox) -> Callable[[zenoh.Sample], None]:
-    last: tuple[int, float, str] | None = None
+    known = Heard()
 
     def receive(sample: zenoh.Sample) -> None:
         """Take what arrived; on a thread of the transport."""
-        nonlocal last
-        event = event_of(sample)
-        mark = (event.revision, event.time, event.code)
-        if mark != last:  # else it was sent again, in case it had been lost
-            last = mark
-            mailbox.put(event)
+        event, at = heard(sample)
+        lost = None if at is None else known.lost(at)
+        if event is not None and lost is not None:  # else it was sent again
+            mailbox.put(event, lost)
 
     return receive

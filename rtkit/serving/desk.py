@@ -23,7 +23,7 @@ class Desk:
     """
 
     def __init__(self, host: Host, service: Owner, door: str, identity: str = "user") -> None:
-        self.send: Callable[[str, Event, Place | None], None] = lambda ear, event, at: None
+        self.send: Callable[[str, Event, Place], None] = lambda ear, event, at: None
         self.has_room: Callable[[], bool] = lambda: True
         self._identity = identity
         self._host = host

@@ -5,11 +5,10 @@ The queue is here; what is sent is not waited for.
 
 from __future__ import annotations
 
-import uuid
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from rtkit.link.properties import Joined, Place
+from rtkit.link.properties import Joined, Place, new_run
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Event
 from rtkit.serving.hearer import Hearer
@@ -28,6 +27,7 @@ class Ear(Hearer):
         self._host = host
         self._id = id
         self._last: Event | None = None
+        self._at = new_run()
 
     @property
     def is_used(self) -> bool:
@@ -59,12 +59,13 @@ class Ear(Hearer):
         return min(due, default=None)
 
     def _send(self, event: Event) -> None:
-        self._desk.send(self._id, event, None)
+        self._at = Place(self._at.run, self._at.number + 1)
+        self._desk.send(self._id, event, self._at)
 
     def repeat(self) -> None:
         """Send the last event once more: it may have been lost."""
         if self._last is not None and not self.has_pending:
-            self._send(self._last)
+            self._desk.send(self._id, self._last, self._at)
 
     def first(self) -> Event | None:
         """Take the value that it begins with, before anything was sent."""
@@ -81,7 +82,6 @@ class Group(Ear):
     def __init__(self, desk: Desk, host: Host, id: str, identity: str) -> None:
         super().__init__(desk, host, id, identity)
         self._until: dict[str, float] = {}
-        self._at = Place(uuid.uuid4().hex[:8], 0)
 
     @property
     def listening(self) -> int:
@@ -112,7 +112,3 @@ class Group(Ear):
     def leave(self, id: str) -> None:
         """Have somebody be no member any more."""
         self._until.pop(id, None)
-
-    def _send(self, event: Event) -> None:
-        self._at = Place(self._at.run, self._at.number + 1)
-        self._desk.send(self._id, event, self._at)

@@ -99,7 +99,7 @@ class MqttDoor:
         self._on_the_way += 1
         self._session.publish(message, is_kept=is_kept)
 
-    def _send(self, ear: str, event: Event, at: Place | None) -> None:
+    def _send(self, ear: str, event: Event, at: Place) -> None:
         attributes = f"{write_attributes(event)};name={event.name}"
         self._publish(Message(ear, event.payload, more=(("event", attributes),)), is_kept=False)
 

@@ -21,7 +21,7 @@ from rtkit.serving.host import Host
 class Sent(NamedTuple):
     key: str
     event: Event
-    at: Place | None
+    at: Place
 
 
 class Network:
@@ -39,14 +39,13 @@ class Network:
         self.ears: list[ears.Ear] = []
         self.is_lost = False
 
-    def _send(self, key: str, event: Event, at: Place | None) -> None:
+    def _send(self, key: str, event: Event, at: Place) -> None:
         self.sent.append(Sent(key, event, at))
         for ear in [] if self.is_lost else self.ears:
-            if key == ear.group and at is not None:
+            if key == ear.group:
                 ear.follow(event, at)
             elif key == ear.id:
-                with ear._lock:
-                    ear._take_once(event)
+                ear.hear(event, at)
 
     def ask_to_listen(self, target: str, ear: str, group: str) -> Joined | None:
         told: list[tuple[Answer, Joined | None]] = []
@@ -156,7 +155,7 @@ def test_nobody_is_put_into_a_group_of_others(network: Network) -> None:
     network.flush()
     assert told == [("", None)], "served, but by itself"
     network.update("speed", 2.0)
-    assert [each.at is None for each in network.sent if each.key == "somebody"] == [True]
+    assert [each.at.number for each in network.sent if each.key == "somebody"] == [1]
 
 
 def test_the_others_go_on_when_one_leaves(network: Network) -> None:
@@ -192,11 +191,12 @@ def test_leases_end(network: Network) -> None:
     assert _taken(one) == ["1.0", "2.0", "3.0"], "it begins anew with the present value"
 
 
-def test_what_was_lost_is_counted_by_each(network: Network) -> None:
-    one = network.listen("speed?queue=9&initial=0")
+@pytest.mark.parametrize("more", ["", "&deadband=0.1"], ids=["group", "alone"])
+def test_what_was_lost_is_counted_by_each(network: Network, more: str) -> None:
+    one = network.listen(f"speed?queue=9&initial=0{more}")
     network.is_lost = True
     network.update("speed", 2.0, 3.0)
-    later = network.listen("speed?queue=9&initial=0")
+    later = network.listen(f"speed?queue=9&initial=0{more}")
     network.update("speed", 4.0)
     network.is_lost = False
     network.update("speed", 5.0)
@@ -206,8 +206,9 @@ def test_what_was_lost_is_counted_by_each(network: Network) -> None:
         assert (event.payload, event.dropped) == ("5.0", lost)
 
 
-def test_the_last_value_comes_with_the_next_renewal(network: Network) -> None:
-    one = network.listen("speed?queue=9&initial=0")
+@pytest.mark.parametrize("more", ["", "&deadband=0.1"], ids=["group", "alone"])
+def test_the_last_value_comes_with_the_next_renewal(network: Network, more: str) -> None:
+    one = network.listen(f"speed?queue=9&initial=0{more}")
     network.is_lost = True
     network.update("speed", 2.0, 3.0)
     network.is_lost = False

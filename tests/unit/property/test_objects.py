@@ -150,10 +150,10 @@ def test_types_follow_from_annotations_and_values() -> None:
     robot = Robot()
     service = served(robot)
     types = {name: service.get(f"{name}.meta.type") for name in (
-        "speed", "mode", "path", "raw", "gain", "arm.name", "count")}  # fmt: skip
+        "speed", "mode", "path", "raw", "gain", "arm.name", "count", "tags")}  # fmt: skip
     assert types == {
-        "speed": "number", "mode": "word", "path": "any", "raw": "bytes", "gain": "number",
-        "arm.name": "string", "count": "any",
+        "speed": "number", "mode": "word", "path": "vector", "raw": "bytes", "gain": "number",
+        "arm.name": "string", "count": "any", "tags": "list",
     }  # fmt: skip
     assert service.get("speed.meta.doc") == '"How fast it goes."'
     assert service.get("mode.meta.choices") == "(IDLE DRIVE)"
