@@ -183,7 +183,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprofile diff robot.xml robot.new.xml", "What changed, but for ids, dates, positions."),
         ("rtprofile convert robot.xml robot.yaml", "The same as YAML; also --to json."),
         ("rtprofile normalise -i *.xml", "Put right in place what can be, and tell it."),
-        ("rtprofile set robot.xml Motor0:rtkit.restart=on-failure", "Who is made again."),
+        ("rtprofile set robot.xml Control0:rtkit.restart=on-failure", "Who is made again."),
         (
             "rtprofile new component Motor --in speed:TimedDouble --parameter 'gain:double=1.0'",
             "Begin Motor.xml.",

@@ -61,8 +61,8 @@ def system_things(profile: RtsProfile, takes_all: bool, shared: Container[str] =
     """
     things: Things = {}
     names = _names(profile.components, shared)
-    if takes_all:
-        put(things, Key(0, "system", ""), Thing(fields_of(profile, _PARTS)))
+    own = fields_of(profile, _PARTS) if takes_all else _options(profile.properties, (OWN_PREFIX,))
+    put(things, Key(0, "system", ""), Thing(own))
     for component in profile.components:
         fields = fields_of(component, _OF_COMPONENT) if takes_all else _component(component)
         name = names[component.id, component.instance_name]

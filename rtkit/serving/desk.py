@@ -76,11 +76,14 @@ class Desk:
         is_late = False
 
         def answer(reply: Answer) -> None:
+            ear.asked -= 1
             if is_late:
                 query.answer(reply)
+                self._let_go(query.ear)
             else:
                 told.append(reply)
 
+        ear.asked += 1
         asked = ask._replace(target=_leased(query.target), caller=ear, answer=answer)
         self._service.handle(asked)
         is_late = True
@@ -89,8 +92,12 @@ class Desk:
             joined = self._join(query, ear) if joins else None
             query.answer(told[0], joined)
         ear.repeat()
-        if not ear.is_used:
-            self._ears.pop(query.ear, None)
+        self._let_go(query.ear)
+
+    def _let_go(self, id: str) -> None:
+        """Know one no longer who does not listen."""
+        if id in self._ears and not self._ears[id].is_used:
+            del self._ears[id]
 
     def _join(self, query: Queried, ear: Ear) -> Joined | None:
         """Have one who listens be a member of its group; None if it has to stay by itself."""

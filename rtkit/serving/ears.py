@@ -19,20 +19,25 @@ if TYPE_CHECKING:
 
 
 class Ear(Hearer):
-    """Who listens, on a key of its own."""
+    """Who listens, on a key of its own.
+
+    Attributes:
+        asked: How many requests to listen are not answered yet.
+    """
 
     def __init__(self, desk: Desk, host: Host, id: str, identity: str) -> None:
         super().__init__(desk.room, identity)
         self._desk = desk
         self._host = host
         self._id = id
+        self.asked = 0
         self._last: Event | None = None
         self._at = new_run()
 
     @property
     def is_used(self) -> bool:
-        """Whether it listens to anything."""
-        return bool(self._listeners)
+        """Whether it listens to anything, or is about to."""
+        return bool(self._listeners or self.asked)
 
     def wake(self) -> None:
         """See `Caller.wake`."""

@@ -16,8 +16,8 @@ from rtkit.errors import Unreachable
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
+from rtkit.tree.bell import Bell
 from rtkit.tree.fake import fake_tree
-from rtkit.tree.start import _Bell
 
 COMMANDS = {
     "rtact": rtact,
@@ -278,14 +278,14 @@ def test_interrupted_while_it_waits(
 ) -> None:
     monkeypatch.setattr("signal.signal", lambda *_: None)
 
-    wait = _Bell.wait
+    wait = Bell.wait
 
-    def interrupted(bell: _Bell, others: list[int], timeout_s: float | None) -> bool:
+    def interrupted(bell: Bell, others: list[int], timeout_s: float | None) -> bool:
         if others:
             raise KeyboardInterrupt
         return wait(bell, others, timeout_s)
 
-    monkeypatch.setattr("rtkit.tree.start._Bell.wait", interrupted)
+    monkeypatch.setattr("rtkit.tree.bell.Bell.wait", interrupted)
     path = file(entry("B", 1, wait=600_000), entry("C", 2, after="B"))
     status, _, err = run("rtstart", path)
     assert status == 130

@@ -120,6 +120,13 @@ def test_components_change() -> None:
     ]
 
 
+def test_policies_of_the_system_change() -> None:
+    stale = Property("POSITION", "1")
+    assert changed(properties=(stale, Property("rtkit.restart.slave.s1", "never"))) == [
+        "~ system: rtkit.restart.slave.s1 (none) -> never"
+    ]
+
+
 def test_ports_parameters_and_contexts() -> None:
     sets = (Settings("default", (Data("gain", ""), Data("new", "1"))), Settings("fast"))
     contexts = (ExecutionContext("0", "PERIODIC", 50.0), ExecutionContext("1", "EVENT_DRIVEN"))

@@ -11,7 +11,7 @@ from rtkit.link import ears
 from rtkit.link.properties import Joined, Place, Queried, group_of
 from rtkit.property.access import read_policy
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, Event
+from rtkit.property.messages import Answer, Ask, Event
 from rtkit.property.service import Service
 from rtkit.serving import ears as of_service
 from rtkit.serving.desk import Desk
@@ -156,6 +156,30 @@ def test_nobody_is_put_into_a_group_of_others(network: Network) -> None:
     assert told == [("", None)], "served, but by itself"
     network.update("speed", 2.0)
     assert [each.at.number for each in network.sent if each.key == "somebody"] == [1]
+
+
+def test_who_is_answered_late_is_one_listener_all_the_same(
+    network: Network, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    query = Queried(
+        "speed.listen?queue=9&initial=0", "self",
+        lambda reply, _joined=None, /: told.append(reply.error), "somebody",
+    )  # fmt: skip
+    held: list[Ask] = []
+    with monkeypatch.context() as slow:
+        slow.setattr(network.service, "handle", held.append)
+        network.desk.work(query)
+    network.service.handle(held.pop())
+    network.update("speed", 2.0)
+    network.desk.work(query)
+    network.update("speed", 3.0)
+    assert told == ["", ""]
+    sent = [(each.event.payload, each.at.number) for each in network.sent]
+    assert sent == [("2.0", 1), ("2.0", 1), ("3.0", 2)], (
+        "the last one again, and each next one once"
+    )
+    assert len({each.at.run for each in network.sent}) == 1
 
 
 def test_the_others_go_on_when_one_leaves(network: Network) -> None:
