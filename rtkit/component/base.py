@@ -50,6 +50,9 @@ class Component(Callbacks):
             ``PeriodicExecutionContext``, ``EventDrivenExecutionContext`` or
             ``ExtTrigExecutionContext``.
         rate: Of that context if it is periodic [Hz].
+        composite_type: What profiles call this kind of composite; empty for what is none.
+        has_machine: Whether it is a `rtkit.component.fsm.FsmComponent`.
+        is_stand_in: Whether it has the outside of another component and no code of its own.
         instance: Its name.
         type: Identity of its type.
         ports: Its ports by name, in order of declaration.
@@ -69,6 +72,9 @@ class Component(Callbacks):
     type_name: ClassVar[str] = ""
     execution_type: ClassVar[str] = PERIODIC
     rate: ClassVar[float] = 1000.0
+    composite_type: ClassVar[str] = ""
+    has_machine: ClassVar[bool] = False
+    is_stand_in: ClassVar[bool] = False
     _declared: ClassVar[Mapping[str, Port]] = {}
     _parameters: ClassVar[Mapping[str, Parameter[Any]]] = {}
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
-from rtkit.component.fsm import FsmComponent
 from rtkit.component.typenames import type_name
 from rtkit.records import replace
 from rtkit.rtc.data_types import scoped_name
@@ -41,7 +40,7 @@ def describe(component: Component) -> Description:
         active_set=configuration.active_set,
         contexts=tuple(context.profile_for(component) for context in component.participations),
         cause=component.cause,
-        composite_type=getattr(component, "composite_type", ""),
+        composite_type=component.composite_type,
         members=tuple(member.instance for member in component.member_components),
         composite=component.composite.instance if component.composite is not None else "",
         **_machine(component),
@@ -50,6 +49,10 @@ def describe(component: Component) -> Description:
 
 def _machine(component: Component) -> dict[str, Any]:
     """Return what is told of a state machine; nothing for a component without one."""
+    if not component.has_machine:
+        return {}
+    from rtkit.component.fsm import FsmComponent
+
     if not isinstance(component, FsmComponent):
         return {}
     events = component.event_in.events

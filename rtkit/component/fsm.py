@@ -174,6 +174,7 @@ class FsmComponent(Component):
     """
 
     execution_type = "EventDrivenExecutionContext"
+    has_machine = True
     states: ClassVar[Table] = {}
     events: ClassVar[Mapping[str, type]] = {}
     event_port: ClassVar[str] = "event"

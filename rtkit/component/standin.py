@@ -29,6 +29,8 @@ _CONTEXT_OPTIONS = ("execution_contexts", "exec_cxt.periodic.rate", "exec_cxt.pe
 class StandIn(Component):
     """A component that has the outside of another and no code of its own."""
 
+    is_stand_in = True
+
     def __init__(
         self, pattern: ComponentPattern, instance: str, options: Mapping[str, str] | None = None
     ) -> None:

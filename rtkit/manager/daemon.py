@@ -273,6 +273,7 @@ def _holder(
     from rtkit.manager.holding.beats import Beats, beats_path
     from rtkit.manager.holding.connect import Wires
     from rtkit.manager.holding.holder import Holder
+    from rtkit.manager.holding.maker import Maker
     from rtkit.manager.holding.process_settings import add_log_files, configure
     from rtkit.manager.modules.loader import Loader
 
@@ -282,7 +283,7 @@ def _holder(
     own_data = data.replace("%p", str(state.pid))
     stack.callback(remove_socket, own_data)
     beats = Beats(beats_path(data, state.pid))
-    holder = Holder(report, Wires(state.host, Streams(own_data)), loader)
+    holder = Holder(report, Wires(state.host, Streams(own_data)), Maker(loader))
     holder.show_beats(beats)
     return holder
 

@@ -21,6 +21,7 @@ from rtkit.link.streams import Streams
 from rtkit.link.zenoh import unix_endpoint
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.holder import Holder
+from rtkit.manager.holding.maker import Maker
 from rtkit.manager.modules.loader import Loader
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.plain import decode, encode
@@ -120,7 +121,7 @@ class Process:
         self.heard: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         wires = Wires("host", Streams(f"{folder}/data"))
         self.loader = Loader([str(folder)])
-        self.holder = Holder(self.heard.put, wires, self.loader)  # type: ignore[arg-type]
+        self.holder = Holder(self.heard.put, wires, Maker(self.loader))  # type: ignore[arg-type]
         self.facts: dict[str, ComponentFacts] = {}
         self.before: list[dict[str, Any]] = []
         self._numbers = itertools.count(1)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.registration import free_names
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.wishes import Pause, Procedure, Tell

@@ -6,7 +6,8 @@ import os.path
 
 from rtkit.deployment.actions import Result
 from rtkit.errors import Refused, RtkitError
-from rtkit.manager.core.events import OWN_PROCESS, Message
+from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.state import State
 from rtkit.manager.core.wishes import Ask, Procedure, Tell
 from rtkit.manager.settings.properties import INHERITED, canonical

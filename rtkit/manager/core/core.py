@@ -33,7 +33,6 @@ from rtkit.manager.core.events import (
     Instruction,
     Kept,
     Listened,
-    Message,
     OperationAsked,
     PictureAsked,
     ProcessInspected,
@@ -53,6 +52,7 @@ from rtkit.manager.core.events import (
     WakeAt,
 )
 from rtkit.manager.core.keeping import Keeping, unkept
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.restoring import RESTORE_S, note_loss, reconnect, restore
 from rtkit.manager.core.state import Process, State

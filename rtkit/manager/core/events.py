@@ -5,14 +5,13 @@ Processes are named by a key: a number that is never used twice, whatever their 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 from rtkit.deployment.batch import Batch
+from rtkit.manager.core.message import Message
 from rtkit.property.exchange import Reply
 from rtkit.records import dataclass
 
-Message = Mapping[str, Any]
 Answer = Callable[[Reply], None]
 Row = tuple[str, str, str | None]
 """A wish as it is kept: kind, name and value; without a value it is to go."""

@@ -10,7 +10,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.upkeep import Upkeep
 from rtkit.errors import Malformed, RtkitError
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.state import Process, State
 from rtkit.records import replace
 from rtkit.rtc.enums import ReturnCode

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.state import State
 from rtkit.manager.core.wishes import Procedure, Tell
 

@@ -18,7 +18,8 @@ from rtkit.manager.core.claims import claim_name, names_elsewhere
 from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
-from rtkit.manager.core.events import OWN_PROCESS, Message
+from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.naming import remember, unregister
 from rtkit.manager.core.noting import note
 from rtkit.manager.core.policies import policy_of

@@ -23,12 +23,12 @@ from rtkit.manager.core.events import (
     OWN_PROCESS,
     Inspect,
     Instruction,
-    Message,
     SendToHolder,
     SignalSlave,
     SpawnSlave,
     WakeAt,
 )
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.wishes import (
     AllEnded,

@@ -10,7 +10,7 @@ from collections.abc import Generator
 from typing import Any
 
 from rtkit.deployment.actions import Result
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.state import Process
 from rtkit.records import dataclass
 

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rtkit.component.base import Component
-from rtkit.component.composite import Composite, Done
+from rtkit.component.wholes import is_composite
 from rtkit.errors import RtkitError
 from rtkit.manager.holding.host import Host
 
-_Change = Callable[[Done], object]
+if TYPE_CHECKING:
+    from rtkit.component.composite import Composite, Done
+
+    _Change = Callable[[Done], object]
 
 
 class Composites:
@@ -27,13 +31,13 @@ class Composites:
     def part(self, component: Component, then: Callable[[], object]) -> None:
         """Take a component out of its composite, and let its own members go, then do `then`."""
         whole = component.composite
-        if isinstance(whole, Composite):
+        if is_composite(whole):
             self._enqueue(
                 whole,
                 lambda done: whole.expel(component, done),
                 lambda _error: self.part(component, then),
             )
-        elif isinstance(component, Composite) and component.member_components:
+        elif is_composite(component) and component.member_components:
             self._enqueue(component, component.dissolve, lambda _error: then())
         else:
             then()

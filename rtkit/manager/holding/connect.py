@@ -5,7 +5,6 @@ The component cannot tell which it is. Threads exist only for publishers of thei
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -29,6 +28,7 @@ from rtkit.link import keys
 from rtkit.link.ends import Caller, Fetcher, Inlet, Outlet
 from rtkit.link.streams import Streams
 from rtkit.link.threads import start_thread
+from rtkit.manager.logs.late import late
 from rtkit.rtc.profiles import ConnectorProfile
 
 NUMBERED = "rtkit.numbered"
@@ -36,7 +36,7 @@ NUMBERED = "rtkit.numbered"
 MATCH_S = 5.0
 """How long a sender looks for its receiver [s]."""
 
-_log = logging.getLogger(__name__)
+_log = late(__name__)
 
 
 class _End(Protocol):
@@ -80,7 +80,7 @@ class Wires:
             try:
                 sink(decode(payload))
             except Malformed as error:
-                _log.warning("%s: value dropped: %s", wire.connector_id, error)
+                _log().warning("%s: value dropped: %s", wire.connector_id, error)
 
         with _undone(lambda: into.close(wire.connector_id)):
             endpoint, inlet = self._streams.receive(self._key(wire), deliver)
@@ -273,4 +273,4 @@ class _Publisher:
         try:
             self._sink(value)
         except Malformed as error:
-            _log.warning("%s: value not sent: %s", self._name, error)
+            _log().warning("%s: value not sent: %s", self._name, error)

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from functools import partial
 
 from rtkit.component.base import Component
-from rtkit.component.composite import Composite
 from rtkit.component.context import ExecutionContext
 from rtkit.component.period import check_rate
+from rtkit.component.wholes import is_composite
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.host import LATER, Host, Operations, answer_code
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
@@ -75,7 +75,7 @@ class Contexts:
                 f" of {context.owner}"
             )
         owner = self._host.component(message["instance"])
-        if participant.composite is not None and isinstance(owner, Composite):
+        if participant.composite is not None and is_composite(owner):
             raise Refused(
                 f"{participant.instance} is a member of {participant.composite.instance};"
                 " take it out of there"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from rtkit.component.base import Component
 from rtkit.component.describe import describe
-from rtkit.component.standin import StandIn
 from rtkit.deployment.facts import ComponentFacts
 
 
@@ -19,7 +18,7 @@ def facts_of(component: Component) -> ComponentFacts:
         sets=described.sets,
         active_set=described.active_set,
         contexts=described.contexts,
-        is_stand_in=isinstance(component, StandIn),
+        is_stand_in=component.is_stand_in,
         cause=described.cause,
         composite_type=described.composite_type,
         members=described.members,

@@ -7,42 +7,41 @@ code runs here at initialise and finalise, and on the pacers' threads otherwise.
 
 from __future__ import annotations
 
-import logging
 import os
 import queue
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
 from rtkit.component.base import Component
-from rtkit.component.composite import Composite
 from rtkit.component.context import ExecutionContext
-from rtkit.component.standin import stand_in
+from rtkit.component.wholes import is_composite
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.manager.core.events import Message
-from rtkit.manager.holding.beats import Beats, Slot
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.composites import Composites
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.contexts import Contexts, release
-from rtkit.manager.holding.estate import Will
 from rtkit.manager.holding.facts_out import facts_of
-from rtkit.manager.holding.figures_out import figures_of
-from rtkit.manager.holding.host import LATER
+from rtkit.manager.holding.host import LATER, Operations
 from rtkit.manager.holding.links import Links
 from rtkit.manager.holding.machines import Machines
 from rtkit.manager.holding.neighbours import Neighbours
 from rtkit.manager.holding.pacer import Pacer, Work
-from rtkit.manager.holding.process_settings import complete, configure
-from rtkit.manager.modules.loader import Loader, UntriedModule
-from rtkit.rtc.create import CreateString, parse_create
+from rtkit.manager.logs.late import late
+from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ReturnCode
-from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.plain import encode
 
-_log = logging.getLogger(__name__)
+if TYPE_CHECKING:
+    from rtkit.component.composite import Composite
+    from rtkit.manager.holding.beats import Beats, Slot
+    from rtkit.manager.holding.estate import Will
+    from rtkit.manager.holding.maker import Maker
+
+_log = late(__name__)
 _CLOSE = object()
 _DEACTIVATE_S = 2.0
 _WIND_UP_S = 1.0
@@ -50,13 +49,19 @@ _WIND_UP_S = 1.0
 
 
 class Holder:
-    """The components of one process, on a thread of its own or the process's main thread."""
+    """The components of one process, on a thread of its own or the process's main thread.
+
+    Args:
+        send: Takes what is reported and answered.
+        wires: The connector ends of the process.
+        maker: Makes components; None where they are only handed in.
+    """
 
     def __init__(
         self,
         send: Callable[[Message], object],
         wires: Wires,
-        loader: Loader,
+        maker: Maker | None,
     ) -> None:
         self._send = send
         self._beats: Beats | None = None
@@ -64,7 +69,6 @@ class Holder:
         self._will: Will | None = None
         self._slots: dict[tuple[str, str], Slot] = {}
         self._wires = wires
-        self._loader = loader
         self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._components: dict[str, Component] = {}
         self._pacers: dict[tuple[str, str], Pacer] = {}
@@ -75,15 +79,12 @@ class Holder:
         self._links = Links(self, wires)
         self._composites = Composites(self)
         self._operations: Mapping[str, Callable[[Message], Any]] = {
-            "load": self._load,
-            "unload": self._unload,
-            "create": self._create,
             "delete": self._delete,
             "set": self._set,
             "activate_set": self._activate_set,
             "remember": self._remember,
             "figures": self._tell_figures,
-            "configure": lambda message: configure(message, loader),
+            **(self._making(maker) if maker is not None else {}),
             **Contexts(self).operations,
             **self._links.operations,
             **Machines(self).operations,
@@ -126,7 +127,7 @@ class Holder:
                 else:
                     self._serve(item)
             except Exception:
-                _log.exception("holder failed at %r", item)
+                _log().exception("holder failed at %r", item)
         self._wind_up()
         self._wires.close()
 
@@ -142,7 +143,7 @@ class Holder:
         }
         for instance in reversed(list(self._components)):
             if instance in hung:
-                _log.error("%s is not finalised: a callback of it does not come back", instance)
+                _log().error("%s is not finalised: a callback of it does not come back", instance)
             else:
                 self._end(instance)
 
@@ -157,7 +158,7 @@ class Holder:
             fault.point("holder.did")
         except RtkitError as error:
             if message["op"] in ("load", "create") and error.__cause__ is not None:
-                _log.error("%s failed: %s", message["op"], error, exc_info=error.__cause__)
+                _log().error("%s failed: %s", message["op"], error, exc_info=error.__cause__)
             self.refuse(message, error)
         except Exception as error:
             self.refuse(message, RtkitError(f"{type(error).__name__}: {error}"))
@@ -181,34 +182,33 @@ class Holder:
 
     # modules
 
-    def _load(self, message: Message) -> dict[str, Any]:
+    def _making(self, maker: Maker) -> Operations:
+        return {
+            "configure": maker.configure,
+            "load": partial(self._load, maker),
+            "unload": maker.unload,
+            "create": partial(self._create, maker),
+        }
+
+    def _load(self, maker: Maker, message: Message) -> dict[str, Any]:
         path = message["path"]
         with self._watched(os.path.basename(path), "import"):
-            module = self._loader.load(path, message.get("init", ""))
-        return {"module": encode(module), "fingerprint": self._loader.fingerprint(path)}
-
-    def _unload(self, message: Message) -> None:
-        self._loader.unload(message["path"])
+            return maker.load(path, message.get("init", ""))
 
     # components
 
-    def _create(self, message: Message) -> object:
+    def _create(self, maker: Maker, message: Message) -> object:
         create = parse_create(message["create"])
         instance = create.instance_name
         if instance in self._components:
             raise Refused(f"{instance} exists already")
-        if message.get("pattern") is not None:
-            pattern = decode(ComponentPattern, message["pattern"])
-            create = complete(message, create, pattern.type, inherits=False)
-            component: Component = stand_in(pattern, instance, create.options)
-        else:
-            try:
-                component = self._make(create, message)
-            except UntriedModule as untried:
-                return {"untried": untried.path, "init": untried.init}
+        with self._watched(instance, "creation"):
+            component = maker.make(create, message)
+        if not isinstance(component, Component):
+            return component
         self.hold(component)
         self._memory[instance] = message.get("kept", {})
-        if isinstance(component, Composite):
+        if is_composite(component):
             self._compose(message, component)
             return LATER
         self.tell(component)
@@ -225,13 +225,6 @@ class Holder:
         self._components[component.instance] = component
         for context in component.contexts.values():
             self._drive(component, context)
-
-    def _make(self, create: CreateString, message: Message) -> Component:
-        self._loader.tried = message.get("tried", {})
-        with self._watched(create.instance_name, "creation"):
-            for path, init in message.get("modules", ()):
-                self._loader.load(path, init)
-            return self._loader.make(create, partial(complete, message))
 
     def _compose(self, message: Message, composite: Composite) -> None:
         composite.resolve = self.component
@@ -296,7 +289,7 @@ class Holder:
                 else:
                     self.refuse(message, error)
 
-        if messages and isinstance(component, Composite) and not component.is_arranged:
+        if messages and is_composite(component) and not component.is_arranged:
             self._composites.arrange(component, done)
         else:
             done(None)
@@ -369,6 +362,8 @@ class Holder:
             self._keep(instance, encode(facts_of(self._components[instance])))
 
     def _tell_figures(self, _message: Message) -> object:
+        from rtkit.manager.holding.figures_out import figures_of
+
         def worked(context: ExecutionContext) -> Work:
             return work.get((context.owner, context.id), Work())
 
@@ -424,6 +419,6 @@ class Holder:
 
 def _check_composite(component: Component, set_id: str, values: Mapping[str, str]) -> None:
     """Refuse settings that name members or ports that are not there, before they are stored."""
-    if isinstance(component, Composite):
+    if is_composite(component):
         present = {**component.configuration.sets.get(set_id, {}), **values}
         component.check(present.get("members", ""), present.get("exported_ports", ""))

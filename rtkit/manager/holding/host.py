@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from rtkit.component.base import Component
 from rtkit.errors import Refused, RtkitError
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.rtc.enums import ReturnCode
 
 LATER = object()

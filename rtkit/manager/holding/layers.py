@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.settings.reading import read_private
 from rtkit.manager.settings.rtcconf import parse
 from rtkit.rtc.create import CreateString

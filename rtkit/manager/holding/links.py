@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple, TypeVar
 
@@ -13,14 +12,15 @@ from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Fetcher, Outlet
 from rtkit.link.threads import start_thread
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.host import LATER, Host, Operations
 from rtkit.manager.holding.services import Services
+from rtkit.manager.logs.late import late
 from rtkit.rtc.plain import decode
 from rtkit.rtc.profiles import ConnectorProfile
 
-_log = logging.getLogger(__name__)
+_log = late(__name__)
 E = TypeVar("E", Outlet, Fetcher)
 
 
@@ -170,7 +170,7 @@ class Links:
     def _not_found(self, message: Message, held: _Held, endpoint: str, error: Exception) -> None:
         self._forget(held)
         if not isinstance(error, RtkitError):
-            _log.error("cannot reach %s", endpoint, exc_info=error)
+            _log().error("cannot reach %s", endpoint, exc_info=error)
             error = Unreachable(f"cannot reach {endpoint}: {error}")
         self._host.refuse(message, error)
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rtkit.component.fsm import FsmComponent
 from rtkit.errors import Malformed, Refused, RtkitError
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.host import LATER, Host, Operations
+
+if TYPE_CHECKING:
+    from rtkit.component.fsm import FsmComponent
 
 
 class Machines:
@@ -30,6 +32,8 @@ class Machines:
         return self._change(message, component, lambda: component.set_events(events))
 
     def _fsm(self, message: Message) -> FsmComponent:
+        from rtkit.component.fsm import FsmComponent
+
         component = self._host.component(message["instance"])
         if not isinstance(component, FsmComponent):
             raise Refused(f"{component.instance} has no state machine")

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import logging
 import os
 
-from rtkit.deployment.listing import listing_from_text
 from rtkit.errors import RtkitError
 from rtkit.link import keys, places
-from rtkit.link.running import managers
 from rtkit.link.threads import start_thread
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.host import LATER, Host, Operations
+from rtkit.manager.logs.late import late
 
 _TIMEOUT_S = 1.0
-_log = logging.getLogger(__name__)
+_log = late(__name__)
 
 
 class Neighbours:
@@ -34,15 +32,19 @@ class Neighbours:
 
 
 def _others(manager: str) -> list[str]:
+    from rtkit.link.running import managers
+
     return [name for name in managers() if name != manager]
 
 
 def _names(manager: str) -> list[str]:
+    from rtkit.deployment.listing import listing_from_text
+
     try:
         text = _listing(manager)
         return [row.instance for row in listing_from_text(text).rows]
     except RtkitError as error:
-        _log.warning("names in manager %s are not known: %s", manager, error)
+        _log().warning("names in manager %s are not known: %s", manager, error)
         return []
 
 

@@ -6,7 +6,7 @@ import logging
 import os
 
 from rtkit.errors import Refused
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.layers import layered
 from rtkit.manager.holding.processors import check, use
 from rtkit.manager.logs.logfile import LogFile, Lossy, Target, Terminal

@@ -6,15 +6,14 @@ belongs once any context of this process has processors of its own.
 
 from __future__ import annotations
 
-import logging
 import os
 from collections.abc import Iterable, Mapping
 
 from rtkit.component.contexts import CPU_AFFINITY
 from rtkit.errors import Malformed, Refused
-from rtkit.manager.settings.values import processors
+from rtkit.manager.logs.late import late
 
-_log = logging.getLogger(__name__)
+_log = late(__name__)
 _own: set[int] = set()
 """Threads that have processors of their own."""
 
@@ -45,6 +44,8 @@ def check(options: Mapping[str, str]) -> None:
         Malformed: Their list cannot be read.
         Refused: There is none of them.
     """
+    from rtkit.manager.settings.values import processors
+
     there = range(os.cpu_count() or 1)
     for key, text in options.items():
         if key != f"exec_cxt.{CPU_AFFINITY}" and not _is_of_context(key):
@@ -69,11 +70,15 @@ def begin(text: str) -> None:
     _is_in_use = True
     if text:
         _own.add(_present())
-    wanted = processors(text) if text else os.sched_getaffinity(os.getpid())
+    wanted: Iterable[int] = os.sched_getaffinity(os.getpid())
+    if text:
+        from rtkit.manager.settings.values import processors
+
+        wanted = processors(text)
     try:
         os.sched_setaffinity(0, wanted)
     except OSError as error:
-        _log.warning("%s", _absent(frozenset(wanted), error))
+        _log().warning("%s", _absent(frozenset(wanted), error))
 
 
 def end() -> None:

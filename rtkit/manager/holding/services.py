@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import queue
 import threading
 import time
@@ -15,14 +14,15 @@ from rtkit.component.service import ServicePort
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Caller
 from rtkit.link.threads import start_thread
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.host import LATER, Host, Operations
+from rtkit.manager.logs.late import late
 from rtkit.rtc.enums import Polarity
 from rtkit.rtc.plain import decode
 from rtkit.rtc.profiles import ConnectorProfile
 
-_log = logging.getLogger(__name__)
+_log = late(__name__)
 MOST_ASIDE = 16
 """How many calls between components of one process run on threads of their own at a time."""
 
@@ -122,7 +122,7 @@ class Services:
 
     def _not_found(self, message: Message, endpoint: str, error: Exception) -> None:
         if not isinstance(error, RtkitError):
-            _log.error("cannot reach %s", endpoint, exc_info=error)
+            _log().error("cannot reach %s", endpoint, exc_info=error)
             error = Unreachable(f"cannot reach {endpoint}: {error}")
         self._host.refuse(message, error)
 

@@ -7,10 +7,8 @@ What there is to report meanwhile is dropped: the next manager gets the whole st
 from __future__ import annotations
 
 import contextlib
-import logging
 import os
 import select
-import signal
 import socket
 import threading
 from collections.abc import Callable
@@ -19,7 +17,8 @@ from typing import Any, Protocol
 
 from rtkit import fault
 from rtkit.errors import Malformed
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
+from rtkit.manager.logs.late import late
 from rtkit.manager.processes.wire import Channel
 
 PROTOCOL = 3
@@ -28,7 +27,7 @@ PROTOCOL = 3
 _SEEK_S = 0.1
 """How often the next manager is looked for [s]."""
 
-_log = logging.getLogger(__name__)
+_log = late(__name__)
 
 
 class Hearer(Protocol):
@@ -125,7 +124,7 @@ class Contact:
         try:
             messages = channel.receive()
         except (Malformed, OSError) as error:
-            _log.warning("the line to the manager is broken: %s", error)
+            _log().warning("the line to the manager is broken: %s", error)
             messages = None
         for message in messages or ():
             holder.put(message)
@@ -135,7 +134,7 @@ class Contact:
 
     def _seek(self, holder: Hearer) -> Channel | None:
         """Wait for the next manager and tell it everything; None when the end came instead."""
-        _log.warning("the manager is gone; waiting for the next one")
+        _log().warning("the manager is gone; waiting for the next one")
         fault.point("slave.alone")
         while True:
             with contextlib.suppress(OSError):
@@ -169,25 +168,3 @@ def _connect(path: str) -> Channel:
         connection.close()
         raise
     return Channel(connection)
-
-
-class Term:
-    """A TERM as an ending: noticed at once, whichever thread the kernel gives it to.
-
-    A handler alone would run only when the main thread next leaves a wait of its own.
-    """
-
-    def __init__(self) -> None:
-        self._read, write = os.pipe()
-        for descriptor in (self._read, write):
-            os.set_blocking(descriptor, False)
-        signal.signal(signal.SIGTERM, lambda *_: None)
-        signal.set_wakeup_fd(write, warn_on_full_buffer=False)
-
-    def fileno(self) -> int:
-        """Return the descriptor that turns readable at any signal."""
-        return self._read
-
-    def has_come(self) -> bool:
-        """Whether a TERM was among the signals."""
-        return signal.SIGTERM in os.read(self._read, 4096)

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rtkit.errors import Malformed
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.processes.inherited import withhold
 from rtkit.manager.processes.patience import Patience
 from rtkit.manager.processes.wire import Channel

@@ -15,7 +15,7 @@ import signal
 import socket
 
 from rtkit.errors import Malformed
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.processes.wire import Channel
 
 _END_S = 1.0

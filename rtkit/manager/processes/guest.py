@@ -14,10 +14,9 @@ from rtkit.component.base import Component
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places
 from rtkit.link.streams import Streams
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.holder import Holder
-from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact
 
 _SETTLE_S = 0.5
@@ -41,7 +40,7 @@ class Guest:
             places.control_socket(manager), f"{name}_{os.getpid()}", self._ending, is_guest=True
         )
         self._wires = Wires(host, Streams(places.data_socket(manager, os.getpid())))
-        self._holder = Holder(self._send, self._wires, Loader([]))
+        self._holder = Holder(self._send, self._wires, maker=None)
         self._held: set[str] = set()
         self._is_empty = threading.Event()
         self._welcome: list[str] | None = None

@@ -16,11 +16,12 @@ import threading
 from typing import Any
 
 from rtkit.link.streams import Streams
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.beats import Beats, beats_path
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.estate import Will, estate_path
 from rtkit.manager.holding.holder import Holder
+from rtkit.manager.holding.maker import Maker
 from rtkit.manager.logs.logs import Log, begin
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact
@@ -84,7 +85,7 @@ class _Stage:
         self._contact = Contact(place, "rehearsal", self)
         self._replies: list[Message] = []
         wires = Wires("", Streams(place))
-        self._holder = Holder(self._send, wires, Loader([_FOLDER]))
+        self._holder = Holder(self._send, wires, Maker(Loader([_FOLDER])))
         self._holder.show_beats(beats)
         self._holder.write_down(will)
 

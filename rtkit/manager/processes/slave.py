@@ -15,16 +15,18 @@ from typing import Any
 
 from rtkit import fault
 from rtkit.link.streams import Streams
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.beats import Beats, beats_path
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.estate import Will, estate_path
 from rtkit.manager.holding.holder import Holder
+from rtkit.manager.holding.maker import Maker
 from rtkit.manager.logs.logs import Log, hand_over
 from rtkit.manager.modules.loader import Loader
-from rtkit.manager.processes.contact import Contact, Term
+from rtkit.manager.processes.contact import Contact
 from rtkit.manager.processes.leftovers import MARK, end_sessions
 from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.manager.processes.term import Term
 
 LAST_S = 5
 """Grace that components have to finalise after a TERM, if nobody sends a KILL before [s]."""
@@ -47,7 +49,7 @@ class Slave:
         self._contact: Contact
         self._stacks: int
         wires = Wires(settings["host"], Streams(settings["data"]))
-        self._holder = Holder(self._send, wires, Loader(list(settings["load_path"])))
+        self._holder = Holder(self._send, wires, Maker(Loader(list(settings["load_path"]))))
 
     def live(self, key: int, name: str) -> None:
         """Hold components until a TERM arrives; called once, after the fork.

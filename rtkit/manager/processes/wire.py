@@ -9,7 +9,7 @@ import struct
 from typing import Any
 
 from rtkit.errors import Malformed
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 
 _HEADER = struct.Struct("<I")
 _PEER = struct.Struct("3i")

@@ -22,7 +22,7 @@ from functools import partial
 from typing import Any, NoReturn
 
 from rtkit import fault
-from rtkit.manager.core.events import Message
+from rtkit.manager.core.message import Message
 from rtkit.manager.logs.logs import Log, share_log
 from rtkit.manager.processes.packing import fill_gaps
 from rtkit.manager.processes.rehearsal import rehearse
@@ -32,6 +32,17 @@ from rtkit.manager.processes.wire import Channel
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
 ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
+_AHEAD = (
+    "rtkit.component.composite",
+    "rtkit.component.fsm",
+    "rtkit.deployment.listing",
+    "rtkit.link.running",
+    "rtkit.manager.holding.figures_out",
+    "rtkit.manager.settings.values",
+)
+"""What a holder imports when it needs it, so that guests need not: here it is had before any fork,
+so that slaves share it."""
+
 _AT_LEISURE = ("rtkit.component.geometry",)
 """What most components import and what takes long: had in memory once nobody asks for a slave."""
 
@@ -74,6 +85,8 @@ class Zygote:
         signal.signal(signal.SIGCHLD, lambda *_: None)
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
+        for name in _AHEAD:
+            importlib.import_module(name)
         gc.freeze()
         self._tell({"ready": os.getpid()})
         later: list[Callable[[], object]] = [self._rehearse] * _REHEARSALS

@@ -1,0 +1,15 @@
+"""Which components are composites, told without importing what composites need."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeGuard
+
+from rtkit.component.base import Component
+
+if TYPE_CHECKING:
+    from rtkit.component.composite import Composite
+
+
+def is_composite(component: Component | None) -> TypeGuard[Composite]:
+    """Whether a component drives or groups others."""
+    return component is not None and bool(component.composite_type)

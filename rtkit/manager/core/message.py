@@ -1,0 +1,8 @@
+"""What a manager and its processes tell each other: tables, as they travel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+Message = Mapping[str, Any]

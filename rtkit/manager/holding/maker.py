@@ -1,0 +1,65 @@
+"""Makes the components of a process, and loads the modules that they come from.
+
+It is apart from the holder because a guest brings its components, made already: what finds, loads
+and configures them is a third of what a holder imports.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from rtkit.component.base import Component
+from rtkit.component.standin import stand_in
+from rtkit.manager.core.message import Message
+from rtkit.manager.holding.process_settings import complete, configure
+from rtkit.manager.modules.loader import Loader, UntriedModule
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.pattern import ComponentPattern
+from rtkit.rtc.plain import decode, encode
+
+
+class Maker:
+    """What a process can make, from the modules that its loader finds."""
+
+    def __init__(self, loader: Loader) -> None:
+        self._loader = loader
+
+    def configure(self, message: Message) -> None:
+        """Make this process what its manager says.
+
+        Raises:
+            Refused: A processor is not there.
+        """
+        configure(message, self._loader)
+
+    def load(self, path: str, init: str) -> dict[str, Any]:
+        """Load a module and return its profile and fingerprint.
+
+        Raises:
+            RtkitError: There is none, or it cannot be imported.
+        """
+        module = self._loader.load(path, init)
+        return {"module": encode(module), "fingerprint": self._loader.fingerprint(path)}
+
+    def unload(self, message: Message) -> None:
+        """Forget a module."""
+        self._loader.unload(message["path"])
+
+    def make(self, create: CreateString, message: Message) -> Component | dict[str, Any]:
+        """Return a component that is not initialised, or which module has to be tried before.
+
+        Raises:
+            RtkitError: It cannot be made.
+        """
+        if message.get("pattern") is not None:
+            pattern = decode(ComponentPattern, message["pattern"])
+            create = complete(message, create, pattern.type, inherits=False)
+            return stand_in(pattern, create.instance_name, create.options)
+        self._loader.tried = message.get("tried", {})
+        try:
+            for path, init in message.get("modules", ()):
+                self._loader.load(path, init)
+            return self._loader.make(create, partial(complete, message))
+        except UntriedModule as untried:
+            return {"untried": untried.path, "init": untried.init}
