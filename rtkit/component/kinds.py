@@ -12,7 +12,7 @@ Value = bool | int | float | str | tuple[float, ...] | tuple[int, ...]
 
 _TRUE = ("true", "yes", "on", "1")
 _FALSE = ("false", "no", "off", "0")
-_INTEGER = re.compile(r"[+-]?[0-9]{1,400}")
+_INTEGER = r"[+-]?[0-9]{1,400}"
 _BRACKETS = {"(": ")", "[": "]", "{": "}"}
 
 
@@ -44,7 +44,7 @@ def read_int(text: str) -> int:
     Raises:
         Malformed: Anything else.
     """
-    if not _INTEGER.fullmatch(text.strip()):
+    if not re.fullmatch(_INTEGER, text.strip()):
         raise Malformed(f"not an integer: {text!r}")
     return int(text)
 

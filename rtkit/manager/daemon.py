@@ -24,12 +24,12 @@ from rtkit.manager.core.core import Core
 from rtkit.manager.core.events import (
     OWN_PROCESS,
     HolderSaid,
-    Message,
     OperationAsked,
     Remembered,
     Row,
     StopAsked,
 )
+from rtkit.manager.core.message import Message
 from rtkit.manager.core.startup import StartUp
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.holding.estate import Estate

@@ -23,6 +23,7 @@ from rtkit.link import keys, places
 from rtkit.link.base import Link
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
+from rtkit.manager.core.message import Message
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.outputs import cut
@@ -267,7 +268,7 @@ class Loop:
     def _listened(self, line: str, is_heard: bool) -> None:
         self.post(ev.Listened(line, is_heard))
 
-    def _publish(self, line: str, message: ev.Message) -> None:
+    def _publish(self, line: str, message: Message) -> None:
         whole = {**message, "time": time.time()}
         if line == FIGURES:
             whole["at_s"] = time.monotonic()

@@ -12,7 +12,7 @@ from rtkit.component.layout import Array, Items, Layout, Struct, layout_of
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.nearest import did_you_mean
 
-_STEP = re.compile(r"([A-Za-z_]\w*)|\[(\d{1,9})\]")
+_STEP = r"([A-Za-z_]\w*)|\[(\d{1,9})\]"
 _STAMP = "tm"
 
 
@@ -26,7 +26,7 @@ def steps_of(text: str) -> list[str | int]:
     for part in text.split("."):
         position = 0
         while position < len(part):
-            match = _STEP.match(part, position)
+            match = re.compile(_STEP).match(part, position)
             if match is None or (position == 0) is (match[1] is None):
                 raise Malformed(f"Bad field: {text} (it is NAME.NAME or NAME[INDEX])")
             steps.append(match[1] or int(match[2]))

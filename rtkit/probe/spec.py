@@ -17,8 +17,8 @@ from rtkit.tree.resolve import component_of_port, no_port
 from rtkit.tree.view import build
 from rtkit.tree.wiring import End, Facts
 
-_FORMATTER = re.compile(r"[A-Za-z_][\w.]*")
-_STREAM = re.compile(r"\w+")
+_FORMATTER = r"[A-Za-z_][\w.]*"
+_STREAM = r"\w+"
 _WORDS = {PortType.OUT: "output", PortType.IN: "input"}
 _STREAMS = {PortType.OUT: "input", PortType.IN: "output"}
 """What the tool's own port is to a component's: streams that are not named are numbered so."""
@@ -58,7 +58,7 @@ def parse_spec(typed: str, cwd: str = "/") -> PortSpec:
         Malformed: It has no port, or a part that cannot be one.
     """
     text, hash_mark, formatter = typed.partition("#")
-    if hash_mark and not _FORMATTER.fullmatch(formatter):
+    if hash_mark and not re.fullmatch(_FORMATTER, formatter):
         raise Malformed(f"Bad port specification: {typed}")
     try:
         path = parse_path(text, cwd)
@@ -110,7 +110,7 @@ def _port_and_stream(spec: PortSpec, ports: dict[str, PortProfile]) -> tuple[Por
         return ports[text], ""
     name, dot, stream = text.rpartition(".")
     if dot and name in ports:
-        if not _STREAM.fullmatch(stream):
+        if not re.fullmatch(_STREAM, stream):
             raise Malformed(f"Bad port specification: {spec.typed}")
         return ports[name], stream
     raise no_port(spec.path, ports)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -78,6 +77,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, bytes):
         if len(value) <= _MOST_BYTES:
             return list(value)
+        import base64
+
         return {"base64": base64.b64encode(value).decode("ascii")}
     if isinstance(value, (list, tuple)):
         return [plain(item) for item in value]
