@@ -176,6 +176,60 @@ def test_the_verdict_on_a_valid_profile_imports_nothing_heavy() -> None:
     assert done.stdout.endswith("Motor.xml: valid (RTC profile)\n")
 
 
+FOR_WHO_MAKES_COMPONENTS = (
+    "base64",
+    "importlib.util",
+    "logging",
+    "mmap",
+    "rtkit.component.composite",
+    "rtkit.component.factory",
+    "rtkit.component.fsm",
+    "rtkit.component.standin",
+    "rtkit.deployment.figures",
+    "rtkit.deployment.supervision",
+    "rtkit.manager.core.events",
+    "rtkit.manager.holding.maker",
+    "rtkit.manager.holding.process_settings",
+    "rtkit.manager.logs.logs",
+    "rtkit.manager.modules",
+    "rtkit.manager.settings",
+    "signal",
+    "traceback",
+)
+VISIT = f"""
+import queue, sys, threading
+import rtkit.cli.rtprint, rtkit.cli._printing, rtkit.probe.fields, rtkit.probe.text
+import rtkit.manager.processes.guest
+from rtkit.component.types import TimedLong
+from rtkit.link.streams import Streams
+from rtkit.manager.holding.connect import Wires
+from rtkit.manager.holding.holder import Holder
+from rtkit.probe.probe import Tool
+from rtkit.probe.tap import Tap
+told = queue.SimpleQueue()
+holder = Holder(told.put, Wires("box", Streams("none")), maker=None)
+thread = threading.Thread(target=holder.run)
+thread.start()
+holder.post(lambda: holder.hold(Tool("Tool0", [Tap("in", {{}})], 0.0)))
+holder.tell_all(told.put)
+where = {{"instance": "Tool0", "context": "0", "call": 1}}
+holder.put({{"op": "change_state", "transition": "activate", **where}})
+while told.get(timeout=30.0).get("reply") != 1: pass
+holder.put({{"op": "delete", "instance": "Tool0"}})
+while told.get(timeout=30.0).get("gone") != "Tool0": pass
+holder.close()
+thread.join()
+print([name for name in {FOR_WHO_MAKES_COMPONENTS!r} if name in sys.modules], file=sys.stderr)
+"""
+
+
+def test_a_guest_imports_nothing_that_makes_components() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", VISIT], capture_output=True, text=True, check=False
+    )
+    assert done.stderr == "[]\n"
+
+
 def test_no_file_is_longer_than_a_reader_can_hold() -> None:
     long = {
         str(file.relative_to(ROOT)): count
