@@ -230,6 +230,27 @@ def test_a_guest_imports_nothing_that_makes_components() -> None:
     assert done.stderr == "[]\n"
 
 
+LATE = """
+import ast, sys
+from importlib import import_module
+from pathlib import Path
+from rtkit.manager.processes import zygote
+for name in zygote.AHEAD:
+    import_module(name)
+late = set()
+for file in Path(zygote.__file__).parents[1].glob("holding/*.py"):
+    for function in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(function, ast.FunctionDef):
+            late |= {n.module for n in ast.walk(function) if isinstance(n, ast.ImportFrom)}
+print(len(late) > 3, sorted(late - set(sys.modules)))
+"""
+
+
+def test_what_holders_import_late_is_in_every_slave_from_its_beginning() -> None:
+    done = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, check=True)
+    assert done.stdout == "True []\n"
+
+
 def test_no_file_is_longer_than_a_reader_can_hold() -> None:
     long = {
         str(file.relative_to(ROOT)): count

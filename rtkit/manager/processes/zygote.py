@@ -32,7 +32,7 @@ from rtkit.manager.processes.wire import Channel
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
 ENDS = (os.CLD_EXITED, os.CLD_KILLED, os.CLD_DUMPED)
-_AHEAD = (
+AHEAD = (
     "rtkit.component.composite",
     "rtkit.component.fsm",
     "rtkit.deployment.listing",
@@ -85,7 +85,7 @@ class Zygote:
         signal.signal(signal.SIGCHLD, lambda *_: None)
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.set_wakeup_fd(self._wake_write, warn_on_full_buffer=False)
-        for name in _AHEAD:
+        for name in AHEAD:
             importlib.import_module(name)
         gc.freeze()
         self._tell({"ready": os.getpid()})
