@@ -6,22 +6,19 @@ import itertools
 import select
 import socket
 from collections import deque
-from time import monotonic
+from functools import partial
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, slot
+from rtkit.proxy.silence import Silence
 from rtkit.serving.host import Host
 
 _PIECE = 1 << 16
 _MOST_OUT = 1 << 24
 """Bytes that wait to be sent, above which a request is turned away."""
 _MOST_LISTENINGS = 1000
-SILENT_S = 5.0
-"""After which silence somebody who owes something is asked whether it lives [s]."""
-DEAD_S = 15.0
-"""After which silence the connection is given up [s]."""
 
 
 class LineContact:
@@ -42,8 +39,7 @@ class LineContact:
         self._by_id: dict[str, deque[Answering]] = {}
         self._count = itertools.count(1)
         self._hearing: dict[str, Hearing | None] = {}
-        self._heard_at = monotonic()
-        self._is_probed = False
+        self._silence = Silence()
         self._is_stuck = False
         self._is_open = True
         self._gone: Gone = lambda why: None
@@ -67,7 +63,7 @@ class LineContact:
         if not id and "?" in target:
             id = f"~{next(self._count)}"
         if not self._is_waited_for:
-            self._heard_at = monotonic()
+            self._silence.end()
         if id:
             self._by_id.setdefault(id, deque()).append(answer)
         else:
@@ -100,14 +96,9 @@ class LineContact:
 
     def check(self, now: float) -> None:
         """See `Contact.check`."""
-        if not self._is_waited_for and not self._hearing:
-            return
-        silent_s = now - self._heard_at
-        if silent_s > DEAD_S and self._is_probed:
-            self._end_with(f"no answer within {DEAD_S:g} s", "timeout")
-        elif silent_s > SILENT_S and not self._is_probed:
-            self._is_probed = True
-            self.ask(STATUS, None, "", lambda _: None)
+        if self._is_waited_for or self._hearing:
+            probe = partial(self.ask, STATUS, None, "", lambda _: None)
+            self._silence.check(now, probe, self._end_with)
 
     def close(self) -> None:
         """See `Contact.close`."""
@@ -131,7 +122,7 @@ class LineContact:
         if not data:
             self._end_with("the connection has ended")
             return
-        self._heard_at, self._is_probed = monotonic(), False
+        self._silence.end()
         self._replies.feed(data)
         try:
             while self._is_open and (told := self._replies.next()) is not None:

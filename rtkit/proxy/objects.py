@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import monotonic
+from functools import partial
 
 from rtkit.errors import Unreachable
 from rtkit.link import secret
@@ -10,8 +10,8 @@ from rtkit.link.ice import IceAddress, runtime
 from rtkit.link.ice_session import IceSession, Outcome
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, with_id
-from rtkit.proxy.lines import DEAD_S, SILENT_S
 from rtkit.proxy.mailbox import Mailbox
+from rtkit.proxy.silence import Silence
 from rtkit.serving.host import Host
 
 
@@ -33,8 +33,7 @@ class ObjectContact:
         self._waiting: dict[int, Answering] = {}
         self._ears: dict[str, str] = {}
         self._number = 0
-        self._heard_at = monotonic()
-        self._is_probed = False
+        self._silence = Silence()
         self._is_open = True
         self._gone: Gone = lambda why: None
         runtime()
@@ -89,14 +88,9 @@ class ObjectContact:
 
     def check(self, now: float) -> None:
         """See `Contact.check`."""
-        if not self._waiting and not self._ears:
-            return
-        silent_s = now - self._heard_at
-        if silent_s > DEAD_S and self._is_probed:
-            self._fail(f"no answer within {DEAD_S:g} s", "timeout")
-        elif silent_s > SILENT_S and not self._is_probed:
-            self._is_probed = True
-            self.ask(STATUS, None, "", lambda _: None)
+        if self._waiting or self._ears:
+            probe = partial(self.ask, STATUS, None, "", lambda _: None)
+            self._silence.check(now, probe, self._fail)
 
     def close(self) -> None:
         """See `Contact.close`."""
@@ -106,25 +100,22 @@ class ObjectContact:
 
     def _expect(self, answer: Answering) -> int:
         if not self._waiting and not self._ears:
-            self._heard_at = monotonic()
+            self._silence.end()
         self._number += 1
         self._waiting[self._number] = answer
         return self._number
 
     def _answered(self, number: int, told: Outcome) -> None:
-        self._hear_of()
+        self._silence.end()
         reply = Answer(str(told), "no-service") if isinstance(told, Unreachable) else told
         answer = self._waiting.pop(number, None)
         if answer is not None:
             answer(reply)
 
     def _take(self, name: str, key: str, hear: Hearing, event: Event) -> None:
-        self._hear_of()
+        self._silence.end()
         if self._ears.get(name) == key:
             hear(event)
-
-    def _hear_of(self) -> None:
-        self._heard_at, self._is_probed = monotonic(), False
 
     def _went(self, why: str) -> None:
         self._host.post(lambda: self._fail(why, "no-service"))

@@ -30,7 +30,7 @@ from rtkit.property.messages import Event
 from rtkit.property.service import Service
 from rtkit.property.spec import Spec
 from rtkit.property.types import parse_type
-from rtkit.proxy import objects
+from rtkit.proxy import silence
 from rtkit.proxy.bridge import bridge
 from rtkit.serving import ice_door, ice_ear, ice_guest, login
 from rtkit.serving.ice_door import IceDoor
@@ -413,8 +413,8 @@ def test_a_proxy_finds_its_owner_again(place: str, monkeypatch: pytest.MonkeyPat
                 is_held.set()
                 go.wait(BOUND_S)
 
-            monkeypatch.setattr(objects, "SILENT_S", 0.5)
-            monkeypatch.setattr(objects, "DEAD_S", 1.5)
+            monkeypatch.setattr(silence, "ASKED_S", 0.5)
+            monkeypatch.setattr(silence, "DEAD_S", 1.5)
             holder = threading.Thread(target=again.owned, args=(hold,))
             holder.start()
             assert is_held.wait(BOUND_S)

@@ -20,7 +20,7 @@ from rtkit.property.messages import Event
 from rtkit.property.service import Service
 from rtkit.property.spec import Spec
 from rtkit.property.types import parse_type
-from rtkit.proxy import lines
+from rtkit.proxy import silence
 from rtkit.proxy.bridge import bridge
 from rtkit.proxy.relay import Relay
 from rtkit.serving.connection import Connection
@@ -291,8 +291,8 @@ def test_the_owner_goes_and_comes_back(place: str, ends: ExitStack) -> None:
 def test_an_owner_that_does_not_answer_is_given_up(
     proxied: Proxied, served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(lines, "SILENT_S", 0.3)
-    monkeypatch.setattr(lines, "DEAD_S", 0.6)
+    monkeypatch.setattr(silence, "ASKED_S", 0.3)
+    monkeypatch.setattr(silence, "DEAD_S", 0.6)
     door = proxied.open()
     with door.listen("count") as events:
         assert next(events).payload == "7"
