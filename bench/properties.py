@@ -10,12 +10,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from queue import Empty, SimpleQueue
 
 import zenoh
 
 from bench.harness import Lines, Row, folders, paired, timed
+from rtkit.errors import Unreachable
 from rtkit.link import keys, places
 from rtkit.link.ears import Ear
 from rtkit.link.line_client import connect_unix
@@ -171,8 +172,9 @@ def _age(text: str) -> int:
 
 
 def _hear(ear: Ear, heard: SimpleQueue[int]) -> None:
-    for event in ear:
-        heard.put(_age(str(event.payload)))
+    with suppress(Unreachable):  # the session ends with the measurement
+        for event in ear:
+            heard.put(_age(str(event.payload)))
 
 
 PARTS = {"events": _events, "zenoh": _zenoh, "line": _line, "bulk": _bulk, "many": _very_many}

@@ -63,15 +63,18 @@ class PropertyClient:
         return None if at is None else Joined(event, at)
 
     def _reply(self, selector: str, payload: Payload | None) -> zenoh.Reply:
-        replies = self._session.get(
-            selector,
-            payload=payload,
-            timeout=self._timeout_s,
-            handler=zenoh.handlers.FifoChannel(16),
-            consolidation=zenoh.ConsolidationMode.NONE,
-        )
-        for reply in replies:
-            return reply
+        try:
+            replies = self._session.get(
+                selector,
+                payload=payload,
+                timeout=self._timeout_s,
+                handler=zenoh.handlers.FifoChannel(16),
+                consolidation=zenoh.ConsolidationMode.NONE,
+            )
+            for reply in replies:
+                return reply
+        except zenoh.ZError as error:  # it was closed here
+            raise Unreachable(f"the connection has ended: {error}") from error
         raise Unreachable("nobody answers for it")
 
     @contextmanager

@@ -10,6 +10,7 @@ import pytest
 import zenoh
 from propertydoors import BOUND_S, Zenoh
 
+from rtkit.errors import Unreachable
 from rtkit.link import keys, places
 from rtkit.link.ears import Ear
 from rtkit.link.property_client import PropertyClient
@@ -65,6 +66,16 @@ def test_all_hear_all_and_each_event_is_sent_once(served: Served) -> None:
         expected = [str(value) for value in range(_MANY + 1)]
         assert [_heard(ear, str(_MANY)) for ear in ears] == [expected] * len(ears)
         assert sent == expected[1:], "the first value is told to each in the reply"
+
+
+def test_who_has_closed_its_session_is_told_so(served: Served) -> None:
+    with ExitStack() as stack:
+        session = _session(stack)
+        client = PropertyClient(session, _key(), BOUND_S)
+        assert client.ask("tick").payload == "0"
+        session.close()
+        with pytest.raises(Unreachable, match="has ended"):
+            client.ask("tick")
 
 
 def test_those_that_are_left_hear_on(served: Served) -> None:
