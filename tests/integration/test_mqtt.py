@@ -163,6 +163,33 @@ def test_anybody_sets_what_is_allowed_and_hears_what_is_not(
     ends.close()
 
 
+def test_rubbish_is_answered_and_harms_nobody(
+    served: Served, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+) -> None:
+    ends.enter_context(bridge("robot", broker.address("lab"), allow_set=["*"]))
+    stranger.awaits(lambda: stranger.known.get("lab/robot/$state") == b"ready")
+    rubbish = {
+        b"utf-8": ("speed/set", b"\xff\xfe"),
+        b"nested": ("speed/set", b"(" * 1_000_000),
+        b"no number": ("speed/set", b"NaN"),
+        b"half": ("speed/set", b"(1"),
+        b"nothing": ("speed/set", b"\0\r\n"),
+        b"spelling": ("%zz/get", b""),
+        b"name": ("a//b/get", b""),
+        b"twice": ("%73peed/get", b""),
+    }
+    for mark, (topic, payload) in rubbish.items():
+        stranger.publish(f"lab/robot/{topic}", payload, mark)
+    stranger.publish("lab/robot/speed/get", "", b"last")
+    stranger.awaits(lambda: any(mark == b"last" for _, _, mark in stranger.replies))
+    told = {mark: more.get("code") or payload for payload, more, mark in stranger.replies}
+    assert told.pop(b"last") == told.pop(b"twice") == b"0.25"
+    assert told.pop(b"nested") == "too-large"
+    assert told.pop(b"no number") == "bad-value"
+    assert told == dict.fromkeys([b"utf-8", b"half", b"nothing", b"spelling", b"name"], "syntax")
+    ends.close()
+
+
 def test_the_broker_goes_and_comes_back(
     door: Door, broker: Mosquitto, served: Served, service: Service, stranger: Stranger
 ) -> None:
