@@ -12,6 +12,7 @@ from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.proxy.contact import Answering, Gone, Hearing, with_id
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.proxy.turns import Turn, Turns
+from rtkit.proxy.waiting import Waiting
 from rtkit.serving.host import Host
 from rtkit.tree.properties import End
 
@@ -40,8 +41,7 @@ class CallContact:
         self._turns = Turns(_MOST_AT_ONCE)
         self._workers = 0
         self._idle = 0
-        self._waiting: dict[int, Answering] = {}
-        self._number = 0
+        self._waiting = Waiting()
         self._listening: dict[str, threading.Event] = {}
         self._is_open = True
         self._gone: Gone = lambda why: None
@@ -55,9 +55,7 @@ class CallContact:
         if not self._is_open:
             answer(Answer("the connection has ended", "no-service"))
             return
-        self._number += 1
-        number = self._number
-        self._waiting[number] = answer
+        number = self._waiting.expect(answer)
 
         def work() -> None:
             self._calls.put(call)
@@ -163,9 +161,7 @@ class CallContact:
         for is_over in self._listening.values():
             is_over.set()
         self._listening.clear()
-        waiting, self._waiting = self._waiting, {}
-        for answer in waiting.values():
-            answer(Answer("the connection has ended", "no-service"))
+        self._waiting.end(Answer("the connection has ended", "no-service"))
 
     def _work(self, end: End | None) -> None:
         """Make calls, one after the other, over one connection, made when it is needed."""
@@ -177,9 +173,7 @@ class CallContact:
     def _answered(self, number: int, turn: Turn, reply: Answer) -> None:
         self._idle += 1
         self._turns.end(turn)
-        answer = self._waiting.pop(number, None)
-        if answer is not None:
-            answer(reply)
+        self._waiting.answer(number, reply)
         if self._is_open:
             self._begin()
 

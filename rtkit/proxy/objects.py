@@ -12,6 +12,7 @@ from rtkit.property.messages import Answer, Event, Payload
 from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, with_id
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.proxy.silence import Silence
+from rtkit.proxy.waiting import Waiting
 from rtkit.serving.host import Host
 
 
@@ -30,9 +31,8 @@ class ObjectContact:
 
     def __init__(self, host: Host, address: IceAddress, timeout_s: float) -> None:
         self._host = host
-        self._waiting: dict[int, Answering] = {}
+        self._waiting = Waiting()
         self._ears: dict[str, str] = {}
-        self._number = 0
         self._silence = Silence()
         self._is_open = True
         self._gone: Gone = lambda why: None
@@ -101,16 +101,12 @@ class ObjectContact:
     def _expect(self, answer: Answering) -> int:
         if not self._waiting and not self._ears:
             self._silence.end()
-        self._number += 1
-        self._waiting[self._number] = answer
-        return self._number
+        return self._waiting.expect(answer)
 
     def _answered(self, number: int, told: Outcome) -> None:
         self._silence.end()
         reply = Answer(str(told), "no-service") if isinstance(told, Unreachable) else told
-        answer = self._waiting.pop(number, None)
-        if answer is not None:
-            answer(reply)
+        self._waiting.answer(number, reply)
 
     def _take(self, name: str, key: str, hear: Hearing, event: Event) -> None:
         self._silence.end()
@@ -130,7 +126,5 @@ class ObjectContact:
             return
         self._is_open = False
         self._ears.clear()
-        waiting, self._waiting = self._waiting, {}
-        for answer in waiting.values():
-            answer(reply)
+        self._waiting.end(reply)
         self._session.close()

@@ -24,6 +24,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.proxy.contact import STATUS, Answering, Gone, Hearing, over, with_id
 from rtkit.proxy.mailbox import Mailbox
+from rtkit.proxy.waiting import Waiting
 from rtkit.serving.host import Host
 
 _REQUEST_S = 3600.0
@@ -53,8 +54,7 @@ class QueryContact:
         self._session = session
         self._key = service_key
         self._ears: dict[str, _Ear] = {}
-        self._waiting: dict[int, Answering] = {}
-        self._number = 0
+        self._waiting = Waiting()
         self._probed_at = monotonic()
         self._is_probing = False
         self._is_open = True
@@ -143,9 +143,7 @@ class QueryContact:
         except PropertyError as error:
             answer(Answer(str(error), error.code))
             return
-        self._number += 1
-        number = self._number
-        self._waiting[number] = answer
+        number = self._waiting.expect(answer)
         replies: list[Answer] = []
 
         def receive(reply: zenoh.Reply) -> None:
@@ -156,7 +154,7 @@ class QueryContact:
 
         def ended() -> None:
             reply = replies[0] if replies else Answer(_NOBODY, "no-service")
-            self._host.post(lambda: self._answered(number, reply))
+            self._host.post(lambda: self._waiting.answer(number, reply))
 
         self._session.get(
             for_ear(selector, ear) if ear else selector,
@@ -165,11 +163,6 @@ class QueryContact:
             handler=zenoh.handlers.Callback(receive, ended, indirect=False),
             consolidation=zenoh.ConsolidationMode.NONE,
         )
-
-    def _answered(self, number: int, reply: Answer) -> None:
-        answer = self._waiting.pop(number, None)
-        if answer is not None:
-            answer(reply)
 
     def _hear(self, id: str, hear: Hearing, event: Event) -> None:
         if any(each.id == id for each in self._ears.values()):
@@ -185,9 +178,7 @@ class QueryContact:
         self._is_open = False
         for name in list(self._ears):
             self._take_off(name)
-        waiting, self._waiting = self._waiting, {}
-        for answer in waiting.values():
-            answer(reply)
+        self._waiting.end(reply)
 
 
 def _receiver(mailbox: Mailbox) -> Callable[[zenoh.Sample], None]:

@@ -16,7 +16,10 @@ from rtkit.property.messages import Answer, Event, Payload
 from rtkit.property.naming import parse_target
 from rtkit.proxy.contact import Answering, Gone, Hearing, over, with_id
 from rtkit.proxy.mailbox import Mailbox
+from rtkit.proxy.waiting import Waiting
 from rtkit.serving.host import Host
+
+_LONGEST_MARK = 20
 
 
 class _Ear(NamedTuple):
@@ -43,7 +46,7 @@ class TopicContact:
         self._host = host
         self._root = address.path
         self._own = f"{self._root}/$to/{uuid.uuid4().hex}"
-        self._waiting: dict[bytes, Answering] = {}
+        self._waiting = Waiting()
         self._ears: dict[str, _Ear] = {}
         self._number = 0
         self._is_open = True
@@ -107,9 +110,7 @@ class TopicContact:
             return
         self._is_open = False
         self._ears.clear()
-        waiting, self._waiting = self._waiting, {}
-        for answer in waiting.values():
-            answer(Answer("the connection has ended", "no-service"))
+        self._waiting.end(Answer("the connection has ended", "no-service"))
         self._session.close()
 
     # Its own
@@ -134,9 +135,7 @@ class TopicContact:
         except PropertyError as error:
             answer(Answer(str(error), error.code))
             return
-        self._number += 1
-        mark = str(self._number).encode()
-        self._waiting[mark] = answer
+        mark = str(self._waiting.expect(answer)).encode()
         _, is_given, parameters = target.partition("?")
         topic = f"{self._root}/{topic_of(name)}/{'get' if payload is None else 'set'}"
         more = (("parameters", parameters),) if is_given else ()
@@ -165,9 +164,8 @@ class TopicContact:
         self._host.post(lambda: self._take(message.topic, event))
 
     def _answered(self, mark: bytes, reply: Answer) -> None:
-        answer = self._waiting.pop(mark, None)
-        if answer is not None:
-            answer(reply)
+        if mark.isdigit() and len(mark) < _LONGEST_MARK:  # else it is not one of ours
+            self._waiting.answer(int(mark), reply)
 
     def _take(self, topic: str, event: Event) -> None:
         for ear in self._ears.values():
