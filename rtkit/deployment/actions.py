@@ -61,10 +61,12 @@ class Delete:
     Attributes:
         is_forced: End the slave that holds it if it does not end by itself; what else was in it
             is the value of the result, and shown as zombies.
+        slave: Refuse unless that slave holds it; empty for any process.
     """
 
     instance: str
     is_forced: bool = False
+    slave: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -148,8 +148,8 @@ class World:
                     raise NotFound(f"module is not loaded: {path}")
             case act.Create():
                 return self._create(action)
-            case act.Delete(instance):
-                self._delete(instance)
+            case act.Delete(instance, _, slave):
+                self._delete(instance, slave)
             case act.EndSlave(name):
                 self._end_slave(name)
             case act.Unregister():
@@ -246,10 +246,11 @@ class World:
         if facts.is_slave and not any(c.process == process for c in self.components.values()):
             del self.processes[process]
 
-    def _delete(self, instance: str) -> None:
-        known = self.components.pop(instance, None)
-        if known is None:
-            raise NotFound(f"no component named {instance}")
+    def _delete(self, instance: str, slave: str = "") -> None:
+        known = self.components.get(instance)
+        if known is None or slave not in ("", known.process):
+            raise NotFound(f"no component named {instance}" + f" in {slave}" * bool(slave))
+        del self.components[instance]
         self.components |= composites.parted(self.components, instance)
         self._unwire(instance)
         self._retire(known.process)

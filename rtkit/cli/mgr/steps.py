@@ -143,8 +143,11 @@ class Runner:
             raise steps[len(results) - 1].failure(last.kind, last.why)
 
     def _placed(self, action: Action) -> Action:
-        from rtkit.deployment.actions import Create
+        """Return an action as it is meant at a slave: within that slave."""
+        from rtkit.deployment.actions import Create, Delete
 
+        if isinstance(action, Delete) and self._node.is_slave:
+            return Delete(action.instance, slave=self._node.process)
         if not isinstance(action, Create) or not self._node.is_slave:
             return action
         create = parse_create(action.create)
@@ -186,7 +189,9 @@ class Runner:
         if step.kind == "configure":
             tell_vain(self._app, key, value)
         if step.kind == "fork" and self._is_printing:
-            _out.write([_out.printable(f"{self._node.path}/{done}{MANAGER_SUFFIX}")])
+            path = self._node.path
+            above = path.rpartition("/")[0] if self._node.is_slave else path
+            _out.write([_out.printable(f"{above}/{done}{MANAGER_SUFFIX}")])
 
     def _show_modules(self, snapshot: Snapshot) -> None:
         """List the types of modules that are loaded or could be; the rest with its reason."""

@@ -27,7 +27,7 @@ def delete(state: State, action: act.Delete) -> Procedure:
     """Finalise a component and forget it; by force its process ends if it does not.
 
     Raises:
-        NotFound: There is no such component.
+        NotFound: There is no such component, or it is in another process than the one named.
         Refused: It is being deleted, or its process is none that may be ended.
         Unreachable: It does not end; says what is stuck, and what helps.
     """
@@ -36,6 +36,8 @@ def delete(state: State, action: act.Delete) -> Procedure:
     process = state.process_of(instance)
     if facts is None or process is None:
         raise NotFound(f"no component named {instance}")
+    if action.slave not in ("", process.name):
+        raise NotFound(f"no component named {instance} in {action.slave}: it is in {process.name}")
     if instance in state.ending and not action.is_forced:
         raise Refused(f"{instance} is just being deleted")
     if process.unfit and not facts.zombie and not action.is_forced:

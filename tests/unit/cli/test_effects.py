@@ -271,6 +271,17 @@ def test_a_slave_s_path_places_components_there(world: World, run: Run) -> None:
     assert world.components["Std2"].process == "slave9"
 
 
+def test_a_slave_s_path_deletes_only_what_is_there(world: World, run: Run) -> None:
+    run("rtmgr -c Std /localhost/manager.mgr/slave1.mgr")
+    run("rtmgr -c Std?manager_name=slave9 /localhost/manager.mgr/slave1.mgr")
+    outcome = run("rtmgr -d Std2 /localhost/manager.mgr/slave1.mgr")
+    assert (outcome.status, "Std2" in world.components) == (1, True)
+    assert outcome.err.startswith("rtmgr: Failed to delete component: Std2 (no component named")
+    assert run("rtmgr -d Std1 /localhost/manager.mgr/slave1.mgr").status == 0
+    assert "Std2" in world.components
+    assert "Std1" not in world.components
+
+
 def test_modules_from_here_are_named_in_full(world: World, run: Run) -> None:
     run("rtmgr -l ./x.py:xInit /localhost/manager.mgr")
     run("rtmgr -l x.py:xInit /localhost/manager.mgr")

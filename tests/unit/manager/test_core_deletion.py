@@ -37,6 +37,20 @@ def remarks(shell):
 # without force
 
 
+def test_one_of_another_process_is_not_deleted(shell, slave):
+    shell.make("D", "t")
+    shell.make("M")
+    for instance, home in (("D", "t"), ("M", "manager")):
+        asked = shell.ask(Delete(instance, slave="s"))
+        why = f"no component named {instance} in s: it is in {home}"
+        assert (asked.result.kind, asked.result.why) == ("not-found", why)
+        assert not shell.calls
+    shell.state.processes[slave].stuck.clear()
+    asked = shell.ask(Delete("B", slave="s"))
+    shell.serve()
+    assert asked.result.ok
+
+
 def test_one_that_does_not_end_is_told_with_what_helps(shell, slave):
     asked = shell.ask(Delete("A"), timeout_s=2.0)
     shell.wait(2.0)
