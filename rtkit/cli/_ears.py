@@ -199,10 +199,10 @@ class Ears(Closing):
 
     def _watch_folder(self) -> None:
         from rtkit.link.folder import Folder
-        from rtkit.link.places import make_private, runtime_dir
+        from rtkit.link.places import make_private, runtime_path
 
         if self._folder is None:
-            self._folder = Folder(make_private(runtime_dir()))
+            self._folder = Folder(make_private(runtime_path()))
 
     def _enter(self, name: str) -> bool:
         """Listen to a manager if it answers; whether it does."""

@@ -61,9 +61,10 @@ def _looked(timeout_s: float) -> Iterator[Diagnosis]:
 
     yield from installation.installation(os.environ)
     yield from folders.folders()
-    yield from folders.remains()
-    yield from stores.stores()
-    yield from live.managers(timeout_s, os.environ)
+    if folders.is_trusted():
+        yield from folders.remains()
+        yield from stores.stores()
+        yield from live.managers(timeout_s, os.environ)
     yield from live.servers(os.environ, timeout_s)
     if sys.stdin is not None and sys.stdin.isatty() and _out.is_terminal():
         yield installation.shell(os.environ, os.path.expanduser("~"))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
+from rtkit.link import unix
 from rtkit.link.inbox import Inbox
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import DONE, Answer, Event, Payload
@@ -204,16 +205,12 @@ def connect_unix(path: str, timeout_s: float) -> LineClient:
     """Connect to a unix socket.
 
     Raises:
-        Unreachable: Nobody listens there.
+        Unreachable: Nobody of this user listens there.
     """
-    end = socket.socket(socket.AF_UNIX)
-    end.settimeout(timeout_s)
     try:
-        end.connect(path)
+        return LineClient(unix.connect(path, timeout_s), timeout_s)
     except OSError as error:
-        end.close()
         raise Unreachable(f"cannot reach {path}: {error.strerror or error}") from error
-    return LineClient(end, timeout_s)
 
 
 def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:

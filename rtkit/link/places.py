@@ -13,6 +13,8 @@ DEFAULT_MANAGER = "manager"
 _MAX_SOCKET_PATH = 107
 _MAX_FILE_NAME = 240
 _NOT_IN_ENDPOINTS = '#?"\\'
+_USED_BY_OTHERS = 0o077
+_WRITTEN_BY_OTHERS = 0o022
 _claimed: set[str] = set()
 """Managers whose lock this process has: the lock would go with any descriptor that is closed."""
 
@@ -21,7 +23,19 @@ _LOCK = "hhqqi"
 
 
 def runtime_dir() -> str:
-    """Return the folder of sockets and locks: ``RTKIT_RUNTIME_DIR``, XDG, or below ``/tmp``."""
+    """Return the folder of sockets and locks, in which nobody else can have laid one.
+
+    Raises:
+        Refused: It belongs to another user, or others may write in it.
+    """
+    return check_trusted(runtime_path())
+
+
+def runtime_path() -> str:
+    """Return where the folder of sockets and locks is, to make it or to say what is wrong with it.
+
+    That is ``RTKIT_RUNTIME_DIR``, below the one of XDG, or below ``/tmp``.
+    """
     chosen = os.environ.get("RTKIT_RUNTIME_DIR")
     if chosen:
         return os.path.abspath(chosen)
@@ -134,30 +148,50 @@ def check_private(path: str) -> str:
         status = os.lstat(path)
     except OSError as error:
         raise Refused(f"cannot use folder {path}: {error.strerror}{_elsewhere(path)}") from error
-    if not stat.S_ISDIR(status.st_mode):
-        raise Refused(f"not a folder: {path}{_elsewhere(path)}")
+    _check_folder(status, path)
     _check_ours(status, path)
-    mode = status.st_mode & 0o777
-    if mode & 0o077:
-        raise Refused(f"folder is open to other users (mode {mode:o}): {path}{_closed(path)}")
+    mode = _check_closed(status, path, _USED_BY_OTHERS)
     if mode & 0o300 != 0o300 or not os.access(path, os.W_OK | os.X_OK):
         raise Refused(f"no permission to write in folder: {path}{_closed(path)}")
     return path
 
 
-def check_nobody_else_s(path: str) -> None:
-    """Refuse a folder that nobody chose and that another user made: a trap below ``/tmp``.
+def check_trusted(path: str) -> str:
+    """Return the folder `path` if what lies in it is of this user, or if there is no such folder.
+
+    Root may look at what others have, by choosing their folder.
 
     Raises:
-        Refused: It belongs to another user.
+        Refused: It is no folder, belongs to another user, or others may write in it.
     """
-    if not os.environ.get("RTKIT_RUNTIME_DIR"):
-        _check_ours(os.lstat(path), path)
+    if os.getuid() == 0 and os.environ.get("RTKIT_RUNTIME_DIR"):
+        return path
+    try:
+        status = os.lstat(path)
+    except OSError:
+        return path
+    _check_ours(status, path)
+    _check_folder(status, path)
+    _check_closed(status, path, _WRITTEN_BY_OTHERS)
+    return path
 
 
 def _check_ours(status: os.stat_result, path: str) -> None:
     if status.st_uid != os.getuid():
         raise Refused(f"folder belongs to another user: {path}{_elsewhere(path)}")
+
+
+def _check_folder(status: os.stat_result, path: str) -> None:
+    if not stat.S_ISDIR(status.st_mode):
+        raise Refused(f"not a folder: {path}{_elsewhere(path)}")
+
+
+def _check_closed(status: os.stat_result, path: str, others: int) -> int:
+    """Return the mode of a folder if it gives other users none of these rights."""
+    mode = status.st_mode & 0o777
+    if mode & others:
+        raise Refused(f"folder is open to other users (mode {mode:o}): {path}{_closed(path)}")
+    return mode
 
 
 def _closed(path: str) -> str:

@@ -29,17 +29,9 @@ def managers() -> list[str]:
 
 def services() -> list[str]:
     """Return the names of the property services of this user that answer, in order."""
-    import socket
+    from rtkit.link import unix
 
-    found = []
-    for name in places.services():
-        with socket.socket(socket.AF_UNIX) as probe:
-            try:
-                probe.connect(places.service_socket(name))
-            except OSError:
-                continue
-        found.append(name)
-    return found
+    return [name for name in places.services() if unix.is_answering(places.service_socket(name))]
 
 
 def traces(name: str) -> list[str]:
@@ -58,7 +50,7 @@ def traces(name: str) -> list[str]:
 
 def why_absent(name: str) -> str:
     """Return what to tell of a manager that does not run, and what would help."""
-    folder = places.runtime_dir()
+    folder = places.runtime_path()
     absent = f"manager {name!r} is not running"
     if os.path.lexists(folder):
         try:

@@ -10,11 +10,13 @@ sockets of the dead at once.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 
 import zenoh
 
 from rtkit.errors import Malformed, Unreachable
+from rtkit.link import places
 from rtkit.link.threads import start_thread
 from rtkit.property.exchange import Reply, Request
 
@@ -47,7 +49,12 @@ def _config(mode: str, settings: dict[str, str], has_shared_memory: bool) -> zen
 
 
 def unix_endpoint(path: str) -> str:
-    """Return the endpoint of a unix socket."""
+    """Return the endpoint of a unix socket; it cannot be seen from it who listens there.
+
+    Raises:
+        Refused: Another user can have laid the socket into its folder.
+    """
+    places.check_trusted(os.path.dirname(path))
     return f"unixsock-stream/{path}"
 
 

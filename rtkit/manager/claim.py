@@ -6,15 +6,13 @@ import errno
 import fcntl
 import os
 import select
-import socket
 import stat
 from collections.abc import Collection
 from contextlib import ExitStack
 
 from rtkit.errors import Refused
-from rtkit.link import places
+from rtkit.link import places, unix
 from rtkit.link.bound import is_abandoned
-from rtkit.manager.processes.wire import peer_of
 
 _DYING_MS = 1000
 """How long a manager that was killed may still be heard after its lock is free."""
@@ -75,13 +73,12 @@ def check_silence(name: str) -> None:
     Raises:
         Refused: One does; names its process.
     """
-    with socket.socket(socket.AF_UNIX) as probe:
-        try:
-            probe.connect(places.control_socket(name))
-            pid = peer_of(probe)
-            pidfd = os.pidfd_open(pid)
-        except OSError:
-            return
+    try:
+        with unix.connect(places.control_socket(name)) as probe:
+            pid = unix.pid_of(probe)
+        pidfd = os.pidfd_open(pid)
+    except OSError:
+        return
     try:
         poll = select.poll()
         poll.register(pidfd, select.POLLIN)

@@ -162,7 +162,7 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
     """Become the manager of that name, with its log; return what the dead held, by pid."""
     with open("/proc/self/comm", "w", encoding="utf-8", errors="replace") as comm:
         comm.write(f"rtkit {name}")
-    places.make_private(places.runtime_dir())
+    places.make_private(places.runtime_path())
     places.make_private(places.state_dir())
     for path in (places.manager_socket(name), places.control_socket(name)):
         places.check_socket_length(path)

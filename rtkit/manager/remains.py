@@ -5,18 +5,16 @@ from __future__ import annotations
 import os
 import select
 import signal
-import socket
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 
 from rtkit.errors import Refused
-from rtkit.link import places, running
+from rtkit.link import places, running, unix
 from rtkit.manager.claim import remove_stale, take_lock
 from rtkit.manager.processes.absent import is_slave, living_slaves
 from rtkit.manager.processes.leftovers import end_sessions
 from rtkit.manager.processes.newborns import end_lost
-from rtkit.manager.processes.wire import peer_of
 
 TERM_S = 7.0
 """Grace between TERM and KILL, in which components finalise [s]."""
@@ -65,9 +63,9 @@ def _zygotes(name: str) -> Iterator[tuple[int, int]]:
     for entry in running.traces(name):
         if not entry.endswith(_ZYGOTE):
             continue
-        with socket.socket(socket.AF_UNIX) as connection, suppress(OSError):
-            connection.connect(os.path.join(places.runtime_dir(), entry))
-            pid = peer_of(connection)
+        path = os.path.join(places.runtime_dir(), entry)
+        with suppress(OSError), unix.connect(path) as connection:
+            pid = unix.pid_of(connection)
             yield pid, os.pidfd_open(pid)
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from rtkit.link import unix
 from rtkit.property.line import Asked, Requests, write_answer, write_event
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Event
@@ -279,8 +280,5 @@ def peer(end: socket.socket) -> str:
     Raises:
         OSError: The socket is gone.
     """
-    import struct
-
-    raw = end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, struct.calcsize("3i"))
-    _, uid, _ = struct.unpack("3i", raw)
+    uid = unix.user_of(end)
     return f"uid-{uid}" if uid == os.getuid() else ""

@@ -9,7 +9,7 @@ import stat
 import time
 
 from rtkit.errors import Refused
-from rtkit.link import places, secret
+from rtkit.link import places, secret, unix
 from rtkit.serving.connection import Connection, peer
 from rtkit.serving.gate import Gate, bound_to
 from rtkit.serving.host import Host
@@ -54,9 +54,9 @@ def open_unix(host: Host, service: str) -> str:
     Raises:
         Refused: A service of that name runs, or the path does not do.
     """
-    places.make_private(places.runtime_dir())
+    places.make_private(places.runtime_path())
     path = places.service_socket(service)
-    if is_answering(path):
+    if unix.is_answering(path):
         raise Refused(f"a service named {service!r} is running already")
     return open_unix_at(host, service, path)
 
@@ -68,7 +68,7 @@ def open_unix_at(host: Host, service: str, path: str) -> str:
         Refused: Somebody listens there, something else is there, or the path does not do.
     """
     places.check_socket_length(path)
-    if is_answering(path):
+    if unix.is_answering(path):
         raise Refused(f"somebody listens there already: {path}")
     with contextlib.suppress(FileNotFoundError):
         if not stat.S_ISSOCK(os.lstat(path).st_mode):
@@ -97,16 +97,6 @@ def open_tcp(host: Host, service: str, port: int) -> int:
     end = bound_to(port)
     Door(host, end, service, is_open_to_all=True)
     return int(end.getsockname()[1])
-
-
-def is_answering(path: str) -> bool:
-    """Whether somebody listens on a unix socket."""
-    with socket.socket(socket.AF_UNIX) as probe:
-        try:
-            probe.connect(path)
-        except OSError:
-            return False
-    return True
 
 
 def _remove(path: str, inode: int) -> None:

@@ -17,7 +17,7 @@ _DEAD = ("", "Z", "X")
 
 def folders() -> Iterator[Diagnosis]:
     """Look at the folders of sockets and of logs, and at the secret."""
-    for what, path in (("sockets", places.runtime_dir()), ("logs", places.state_dir())):
+    for what, path in (("sockets", places.runtime_path()), ("logs", places.state_dir())):
         yield _folder(what, path)
     yield from _socket_length()
     yield _secret()
@@ -47,7 +47,18 @@ def _folder(what: str, path: str) -> Diagnosis:
     return Diagnosis("folders", OK, f"{what}: {path}", "", path)
 
 
+def is_trusted() -> bool:
+    """Whether the folder of sockets is one in which managers and services may be looked for."""
+    try:
+        places.runtime_dir()
+    except Refused:
+        return False
+    return True
+
+
 def _socket_length() -> Iterator[Diagnosis]:
+    if not is_trusted():
+        return
     path = places.data_socket(places.DEFAULT_MANAGER, 4_194_304)
     try:
         places.check_socket_length(path)

@@ -96,7 +96,7 @@ def _forget_wishes(name: str) -> bool:
     from rtkit.manager.claim import take_lock
     from rtkit.manager.keeping.store import remove
 
-    places.make_private(places.runtime_dir())
+    places.make_private(places.runtime_path())
     with ExitStack() as stack:
         take_lock(name, stack)
         return remove(path)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import os
 import select
-import socket
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -17,6 +16,7 @@ from typing import Any, Protocol
 
 from rtkit import fault
 from rtkit.errors import Malformed
+from rtkit.link import unix
 from rtkit.manager.core.message import Message
 from rtkit.manager.logs.late import late
 from rtkit.manager.processes.wire import Channel
@@ -161,10 +161,4 @@ class Contact:
 
 
 def _connect(path: str) -> Channel:
-    connection = socket.socket(socket.AF_UNIX)
-    try:
-        connection.connect(path)
-    except OSError:
-        connection.close()
-        raise
-    return Channel(connection)
+    return Channel(unix.connect(path))

@@ -12,9 +12,9 @@ import logging
 import os
 import select
 import signal
-import socket
 
 from rtkit.errors import Malformed
+from rtkit.link import unix
 from rtkit.manager.core.message import Message
 from rtkit.manager.processes.wire import Channel
 
@@ -47,15 +47,12 @@ class Fosters:
         """Connect to those that listen now; their first message names their children."""
         found = []
         for path in glob.glob(glob.escape(self._pattern).replace("%p", "*")):
-            connection = socket.socket(socket.AF_UNIX)
             try:
-                connection.connect(path)
+                channel = Channel(unix.connect(path))
             except OSError:
-                connection.close()
                 with contextlib.suppress(FileNotFoundError):
                     os.unlink(path)  # killed: nobody is behind it
                 continue
-            channel = Channel(connection)
             self._children[channel] = set()
             found.append(channel)
         return found

@@ -17,11 +17,12 @@ from functools import partial
 from typing import Any
 
 from rtkit.errors import Malformed
+from rtkit.link import unix
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
 from rtkit.manager.processes.contact import PROTOCOL
 from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.wire import Channel, peer_of
+from rtkit.manager.processes.wire import Channel
 
 _log = logging.getLogger(__name__)
 _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
@@ -124,7 +125,7 @@ class Lines:
             self._handle(ev.SlaveForked(key, pid))
             self._handle(ev.SlaveReady(key))
             return int(key)
-        if not isinstance(first.get("found"), str) or peer_of(channel.socket) != pid:
+        if not isinstance(first.get("found"), str) or unix.pid_of(channel.socket) != pid:
             return None
         self._find_fosters()
         self._found[pid] = channel

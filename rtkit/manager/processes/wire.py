@@ -12,7 +12,6 @@ from rtkit.errors import Malformed
 from rtkit.manager.core.message import Message
 
 _HEADER = struct.Struct("<I")
-_PEER = struct.Struct("3i")
 _to_json = json.JSONEncoder(separators=(",", ":")).encode
 MAX_MESSAGE = 64 * 1024 * 1024
 
@@ -94,13 +93,6 @@ class Channel:
     def close(self) -> None:
         """Close this end."""
         self.socket.close()
-
-
-def peer_of(connection: socket.socket) -> int:
-    """Return the pid of the process at the other end of a unix socket."""
-    credentials = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size)
-    pid: int = _PEER.unpack(credentials)[0]
-    return pid
 
 
 def _parse(payload: bytes) -> dict[str, Any]:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from rtkit.errors import Refused
-from rtkit.link import places
+from rtkit.link import places, running
+from rtkit.link.zenoh import unix_endpoint
 
 
 @pytest.fixture
@@ -60,6 +63,58 @@ def test_what_is_no_folder(folder: Path) -> None:
         places.make_private(str(folder / "link"))
     with pytest.raises(Refused, match="cannot use folder"):
         places.make_private(str(folder / "file" / "below"))
+
+
+@pytest.fixture
+def another(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of sockets, looked at by a user who did not make it."""
+    own = os.getuid()
+    monkeypatch.setattr(os, "getuid", lambda: own + 1)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(folder))
+    return folder
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        places.services,
+        running.managers,
+        running.services,
+        lambda: running.traces("manager"),
+        lambda: places.owner("manager"),
+        lambda: places.manager_socket("manager"),
+        lambda: places.manager_lock("manager"),
+        lambda: places.control_socket("manager"),
+        lambda: places.service_socket("noise"),
+        lambda: places.service_key_socket("noise"),
+        lambda: places.data_socket("manager", 1),
+        lambda: places.zygote_pattern("manager"),
+        lambda: unix_endpoint(f"{places.runtime_path()}/noise.zps"),
+    ],
+)
+def test_nothing_is_looked_for_in_a_folder_that_another_user_laid_out(
+    another: Path, use: Callable[[], object]
+) -> None:
+    told = f"folder belongs to another user: {another} "
+    with pytest.raises(Refused, match=re.escape(told)):
+        use()
+
+
+@pytest.mark.parametrize("mode", [0o770, 0o702, 0o777])
+def test_nothing_is_looked_for_where_others_may_lay_sockets(
+    folder: Path, mode: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("RTKIT_RUNTIME_DIR", raising=False)  # root may choose what it looks at
+    folder.chmod(mode)
+    with pytest.raises(Refused, match=f"open to other users \\(mode {mode:o}\\): {folder}"):
+        places.check_trusted(str(folder))
+
+
+def test_root_may_look_at_the_folder_that_it_chose(
+    another: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "getuid", lambda: 0)
+    assert places.runtime_dir() == str(another)
 
 
 def test_the_length_of_a_socket_s_path() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import socket
 import subprocess
 import sys
@@ -10,8 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.errors import Refused
-from rtkit.link import places
 from rtkit.link.running import managers, why_absent
 
 
@@ -79,15 +76,3 @@ def test_a_folder_that_is_none(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(folder / "file"))
     end = f"not a folder: {folder}/file (choose another one with RTKIT_RUNTIME_DIR)"
     assert why_absent("manager").endswith(end)
-
-
-def test_a_folder_that_another_user_laid_out_is_not_trusted(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    places.check_nobody_else_s(str(folder))
-    own = os.getuid()
-    monkeypatch.setattr(os, "getuid", lambda: own + 1)
-    places.check_nobody_else_s(str(folder))  # somebody chose it
-    monkeypatch.delenv("RTKIT_RUNTIME_DIR")
-    with pytest.raises(Refused, match="belongs to another user"):
-        places.check_nobody_else_s(str(folder))

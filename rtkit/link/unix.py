@@ -1,0 +1,55 @@
+"""Connections to unix sockets, of this user only: the kernel tells who is at the other end."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+import struct
+
+_PEER = struct.Struct("3i")
+
+
+def connect(path: str, timeout_s: float | None = None) -> socket.socket:
+    """Connect to the unix socket of a process of this user.
+
+    Raises:
+        PermissionError: A process of another user listens there: it is told nothing.
+        OSError: Nobody does.
+    """
+    end = socket.socket(socket.AF_UNIX)
+    try:
+        end.settimeout(timeout_s)
+        end.connect(path)
+        if user_of(end) != os.getuid():
+            raise PermissionError(errno.EACCES, "another user listens there", path)
+    except BaseException:
+        end.close()
+        raise
+    return end
+
+
+def is_answering(path: str) -> bool:
+    """Whether a process listens on a unix socket, be it of another user."""
+    try:
+        connect(path).close()
+    except PermissionError:
+        return True
+    except OSError:
+        return False
+    return True
+
+
+def pid_of(end: socket.socket) -> int:
+    """Return the pid of the process at the other end of a unix socket."""
+    return _peer(end)[0]
+
+
+def user_of(end: socket.socket) -> int:
+    """Return the uid of the process at the other end of a unix socket."""
+    return _peer(end)[1]
+
+
+def _peer(end: socket.socket) -> tuple[int, int]:
+    pid, uid, _ = _PEER.unpack(end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size))
+    return pid, uid
