@@ -69,6 +69,8 @@ def plan_within(
         for command, after, price in problem.successors(state):
             generated += 1
             whole = costs[state] + price
+            if after not in costs and problem.leaves(state, after):
+                continue
             if after not in costs or whole < costs[after]:
                 costs[after] = whole
                 ways[after] = Step(command, state, after, price)

@@ -5,7 +5,7 @@ Costs are apart from the model: with another table the same commands are put tog
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,6 +14,10 @@ from rtkit.planner.command import Command, State
 
 Price = Callable[[Command, State, State], float]
 """Cost of a command that leads from one state to another."""
+
+
+_MISSPELT = 0.75
+"""How much two names must have in common so that one is taken for a misspelling of the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +66,34 @@ class CostTable:
             return by_command.get(command.name, default)
 
         return price
+
+    @staticmethod
+    def check_commands(
+        costs: Mapping[str, float] | CostTable | Price | None, names: Collection[str]
+    ) -> None:
+        """Refuse a misspelt command: one that is not there, and looks like one without a cost.
+
+        A table may serve several problems, so other commands that are not there pass. What a
+        function says cannot be known beforehand.
+
+        Raises:
+            Malformed: Names the command, and the nearest there is.
+        """
+        if costs is None or callable(costs):
+            return
+        table = costs if isinstance(costs, CostTable) else CostTable(costs)
+        told = dict.fromkeys((*table.by_command, *(row.command for row in table.rows)))
+        known = frozenset(names)
+        unknown = [name for name in told if name not in known]
+        if not unknown:
+            return
+        from difflib import get_close_matches
+
+        without = [name for name in known if name not in told]
+        for name in unknown:
+            near = get_close_matches(name, without, 1, _MISSPELT)
+            if near:
+                raise Malformed(f"cost of {name}: no such command (did you mean {near[0]}?)")
 
     @staticmethod
     def price_of(

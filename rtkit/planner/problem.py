@@ -27,6 +27,9 @@ Commands = Sequence[Command] | Callable[[State], Iterable[Command]]
 class Problem:
     """State variables with finite domains, a start, a goal, commands and their costs.
 
+    A command that would lead out of a domain is not possible there, like one of which a condition
+    does not hold.
+
     Attributes:
         variables: Domain of each variable; a state has their values in this order.
         start: The state in which plans begin.
@@ -48,10 +51,12 @@ class Problem:
         """Describe a problem.
 
         Raises:
-            Malformed: Start or goal name a variable or value that there is not.
+            Malformed: Start or goal name a variable or value that there is not, or costs a
+                misspelt command.
         """
         self.variables = variables
         self.names = tuple(variables)
+        self._domains = tuple(variables.values())
         self._places = {name: place for place, name in enumerate(self.names)}
         self.start = self.state(start) if isinstance(start, Mapping) else start
         self._check(self.start)
@@ -60,6 +65,8 @@ class Problem:
         self.commands = commands
         self.costs = costs
         self.price = CostTable.price_of(costs, self.names)
+        if not callable(commands):
+            CostTable.check_commands(costs, [command.name for command in commands])
         self.frozen = frozen
 
     def state(self, values: Mapping[str, Any]) -> State:
@@ -94,6 +101,9 @@ class Problem:
     def successors(self, state: State) -> Iterator[tuple[Command, State, float]]:
         """Yield what can be done in a state, the state after it, and what it costs.
 
+        Whether a state is within the domains is for the caller to ask (see `leaves`): a search
+        asks once for each state, not once for each way to it.
+
         Raises:
             Malformed: A cost is not greater than 0.
         """
@@ -110,6 +120,13 @@ class Problem:
                 if not cost > 0:
                     raise Malformed(f"cost of {command} is not greater than 0: {cost}")
                 yield command, after, cost
+
+    def leaves(self, before: State, after: State) -> bool:
+        """Whether the step from a state within the domains leads out of them."""
+        for old, new, domain in zip(before, after, self._domains, strict=True):
+            if new is not old and new not in domain:
+                return True
+        return False
 
     def replaced(self, **changes: Any) -> Self:
         """Return the same problem with another start, goal, costs, or frozen places."""

@@ -179,7 +179,7 @@ def settled_costs(
     from rtkit.deployment.planning import costs
 
     table = costs.Costs()
-    said = read_costs(given, system)
+    said = read_costs(given, system, snapshot)
     if is_measured:
         types = step_times.types_of(system, snapshot)
         table = table.over(step_times.read(app).costs(types), costs.MEASURED)
@@ -191,14 +191,17 @@ def settled_costs(
     return table.over(stated, costs.PROFILE).over(said, costs.USER)
 
 
-def read_costs(given: tuple[str, ...], system: System) -> Mapping[str, float]:
+def read_costs(given: tuple[str, ...], system: System, snapshot: Snapshot) -> Mapping[str, float]:
     """Return the costs that the user gave; a component stands for interrupting it.
 
     Raises:
-        UsageProblem: One is not NAME=NUMBER, or there is no such kind of step and no component.
+        UsageProblem: One is not NAME=NUMBER, or there is no such kind of step, no component, or
+            nothing of that name to which such a step could be done.
     """
     from rtkit.deployment.planning.costs import interruption
     from rtkit.deployment.planning.model import DEFAULT_COSTS, is_cost
+    from rtkit.deployment.planning.subjects import subjects
+    from rtkit.rtc.nearest import did_you_mean
 
     costs: dict[str, float] = {}
     names = {component.instance for component in system.components}
@@ -211,13 +214,17 @@ def read_costs(given: tuple[str, ...], system: System) -> Mapping[str, float]:
         if not equals or not is_cost(number):
             raise UsageProblem(f"--cost needs NAME=NUMBER with a number above 0: {item}")
         kind, _, subject = name.partition(" ")
-        if name in DEFAULT_COSTS or (kind in DEFAULT_COSTS and subject):
-            costs[name] = number
-        elif name in names:
+        if name in names:
             costs.update(interruption(name, number))
-        else:
+        elif kind not in DEFAULT_COSTS:
             known = ", ".join(DEFAULT_COSTS)
-            raise UsageProblem(f"--cost: no component and no kind of step ({known}): {name}")
+            hint = did_you_mean(name, [*names, *DEFAULT_COSTS])
+            raise UsageProblem(f"--cost: no component and no kind of step ({known}): {name}{hint}")
+        elif subject and subject not in (there := subjects(kind, system, snapshot)):
+            hint = did_you_mean(subject, there)
+            raise UsageProblem(f"--cost: nothing to {kind} is called {subject}{hint}")
+        else:
+            costs[name] = number
     return costs
 
 

@@ -256,6 +256,22 @@ def test_costs_may_be_set(console):
         assert "--cost" in err
 
 
+def test_costs_of_what_there_is_not_are_refused_with_the_nearest(console):
+    console.up()
+    console.write(gain="5")
+    for bad, why in {
+        "'delete Sourc0=4'": "nothing to delete is called Sourc0 (did you mean Source0?)",
+        "'connect zz=4'": "nothing to connect is called zz",
+        "'configure Source0.default.gian=4'": "(did you mean Source0.default.gain or",
+        "delte=4": "(did you mean delete?)",
+        "'start_manager manger=4'": "(did you mean manager?)",
+    }.items():
+        status, out, err = console.run(f"rtplan --cost {bad}")
+        assert (status, out) == (2, "")
+        assert why in err
+    assert "cost 12 (opt" in console.run("rtplan --cost 'configure Source0.default.gain=10'")[1]
+
+
 def test_a_component_may_say_what_interrupting_it_costs(console):
     console.up()
     console.write(gain="5", cost="1000")

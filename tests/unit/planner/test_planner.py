@@ -17,6 +17,7 @@ from rtkit.planner import (
     OneOf,
     Problem,
     Row,
+    Step,
     Touch,
     execute,
     layers,
@@ -165,7 +166,40 @@ def test_a_plan_that_leaves_its_cross_section_or_domains_is_found():
     assert "x is frozen" in verify(frozen, found)
     wild = [Command("out", lambda s: (99, s[1]))]
     problem = grid(lambda s: s[0] == 99).replaced(commands=wild)
-    assert "x cannot be 99" in verify(problem, plan(problem))
+    out = Step(wild[0], (0, 0), (99, 0), 1)
+    assert "x cannot be 99" in verify(problem, replace(found, steps=(out,)))
+
+
+def endless(goal):
+    """Return a problem whose only command leads on for ever, but for the domain."""
+    onward = Command("inc", lambda s: (s[0] + 1,))
+    return Problem({"x": (0, 1, 2, 5)}, (0,), goal, [onward])
+
+
+@pytest.mark.parametrize("search", [plan, optimal_plans, lambda p: plan_within(p, 2, lambda _: 0)])
+def test_no_plan_leaves_the_domains_and_without_one_the_search_ends(search):
+    assert search(endless({"x": 2})).cost == 2
+    with pytest.raises(Impossible, match="all 3 states"):
+        search(endless({"x": 5}))
+
+
+def test_ties_are_told_among_costs_that_are_no_whole_numbers():
+    costs = {"x+": 0.1, "y+": 0.2, "jump": 0.3}
+    jump = Command("jump", lambda s: (s[0] + 1, s[1] + 1))
+    problem = grid({"x": 1, "y": 1}, costs=costs).replaced(commands=[*MOVES, jump])
+    for heuristic in (None, lambda s: 0.1 * (1 - s[0]) + 0.2 * (1 - s[1]) if max(s) < 2 else 0.3):
+        every = optimal_plans(problem, heuristic)
+        assert (every.count, every.cost) == (3, 0.3)
+        assert len(list(every)) == 3
+        assert plan(problem, heuristic).commands == ("jump",)
+
+
+def test_a_misspelt_command_in_a_table_of_costs_is_refused():
+    for costs in ({"y++": 2}, CostTable(rows=(Row("y++", {"x": 0}, 2),))):
+        with pytest.raises(Malformed, match=r"y\+\+: no such command \(did you mean y\+\?\)"):
+            grid({}, costs=costs)
+    # A table may serve problems that lack some of its commands.
+    assert plan(grid({"x": 1}, costs={**dict.fromkeys(["x+", "x-", "y+", "y-"], 2), "y++": 1}))
 
 
 def test_a_plan_in_a_cross_section_is_one_step_a_level_up():
