@@ -2,13 +2,15 @@
 PYTHON ?= python3
 PYTEST_ARGS ?=
 WORKERS ?= 2
+SEEDS ?= 50
+FROM ?= 1
 # Where to leave JUnit reports, if anywhere.
 REPORTS ?=
 report = $(if $(REPORTS),--junitxml=$(REPORTS)/$(1).xml)
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help venv demo test test-pure test-real campaign campaign-faults lint bench man clean
+.PHONY: help venv demo test test-pure test-real campaign campaign-faults laws lint bench man clean
 
 help:
 	@echo "make demo    bring up a small robot, break it, repair it, take it down"
@@ -16,6 +18,7 @@ help:
 	@echo "make campaign  200 random faults on a system at work, their recovery times in docs/campaign.md"
 	@echo "              (a quarter of an hour; SEED=N repeats one, FAULTS=N only so many)"
 	@echo "make campaign-faults  what make test tries of faults, at every point (hours)"
+	@echo "make laws    try each law with fifty seeds (SEEDS=1 FROM=7: with seed 7 alone)"
 	@echo "make bench   measure, beside a floor of the same run (ROWS=slaves/stop: only that)"
 	@echo "make man     write the manual pages anew from the commands"
 	@echo "make lint    what make test checks before the tests"
@@ -51,6 +54,13 @@ campaign: $(READY)
 
 campaign-faults: $(READY)
 	$(BIN)/python -m pytest -m campaign tests $(PYTEST_ARGS)
+
+# Each law once for each seed; a seed that fails is told, and repeated by FROM=N SEEDS=1.
+laws: $(READY)
+	@failed=; for seed in $$(seq $(FROM) $$(($(FROM) + $(SEEDS) - 1))); do \
+		env -u CI $(BIN)/python -m pytest -q -n $(WORKERS) -m hypothesis --hypothesis-seed=$$seed \
+			tests/laws tests/unit $(PYTEST_ARGS) || failed="$$failed $$seed"; \
+	done; [ -z "$$failed" ] || { echo "failed with seeds:$$failed"; exit 1; }
 
 lint: $(READY)
 	$(BIN)/ruff check .

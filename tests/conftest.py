@@ -18,10 +18,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from rtkit.errors import RtkitError
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
 from rtkit.tree.client import Tree
+
+# A law holds or does not, however slow or busy the machine is that tries it.
+settings.register_profile(
+    "rtkit", settings(), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("rtkit")
 
 ROOT = Path(__file__).parents[1]
 RUN_ID = "RTKIT_TEST_RUN"

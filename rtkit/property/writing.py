@@ -105,8 +105,9 @@ def _element(element: Element, depth: int) -> str:
 
 def _leaf(value: Value, depth: int) -> str:
     text = write(value, depth)
-    if isinstance(value, str) and not isinstance(value, Word) and _is_bare(value):
-        text = value
+    # A word that needs quotes reads as a string: it is written as that string is.
+    if isinstance(value, str) and text[:1] == '"' and _is_bare(bare := str(value)):
+        text = bare
     return text.translate(_IN_LEAF)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rtkit.property import components
@@ -61,6 +61,7 @@ def same(one: Value, other: Value) -> bool:
 
 
 @given(VALUE)
+@example(Element("A", {}, (), Word("<")))
 def test_what_is_written_reads_as_it_was(value: Value) -> None:
     text = write(value)
     assert same(value, read(text))

@@ -36,10 +36,10 @@ set_values = st.dictionaries(
 
 
 @st.composite
-def components(draw: st.DrawFn, instance: str) -> rts.Component:
+def components(draw: st.DrawFn, instance: str, stand_ins: bool) -> rts.Component:
     slave = draw(st.sampled_from(["", "&manager_name=s1", "&manager_name=s2"]))
     told = [Property("rtkit.create", f"Node?x=y{slave}")]
-    if draw(st.booleans()):
+    if stand_ins and draw(st.booleans()):
         told.append(Property("rtkit.stand-in", "yes"))
     sets = draw(set_values)
     return rts.Component(
@@ -63,9 +63,10 @@ def components(draw: st.DrawFn, instance: str) -> rts.Component:
 
 
 @st.composite
-def profiles(draw: st.DrawFn) -> rts.RtsProfile:
+def profiles(draw: st.DrawFn, *, stand_ins: bool = True) -> rts.RtsProfile:
+    """Return a system of up to four components, with or without stand-ins among them."""
     instances = INSTANCES[: draw(st.integers(1, len(INSTANCES)))]
-    made = tuple(draw(components(instance)) for instance in instances)
+    made = tuple(draw(components(instance, stand_ins)) for instance in instances)
     ends = st.sampled_from(instances)
     wires = draw(
         st.lists(st.tuples(ends, ends, st.sampled_from(["in", "in2"])), max_size=4, unique=True)
