@@ -84,7 +84,7 @@ class Desk:
         if request.name == "restart":
             self.restart = Restart(open_report(request.payload))
             request.answer(Reply(str(self._state.pid)))
-            return StopAsked()
+            return StopAsked(is_kept=True)
         return self._operation(keys.unescape(request.name), request)
 
     def _find(self, request: Request) -> None:

@@ -253,7 +253,10 @@ def test_a_manager_starts_again(shell: Any) -> None:
     shell.ok("rtmgr start")
     pid = json.loads(shell.ok("rtmgr status --json"))["pid"]
     slave = json.loads(shell.ok(f"rtcat --json {MANAGER}/s1.mgr"))["pid"]
-    shell.ok(f"rtmgr -c SeqIn {MANAGER}")
+    shell.ok(f"rtmgr -c Controller?manager_name=s2 -s logger.log_level=DEBUG -d In0 {MANAGER}")
+    shell.ok("rtconf /localhost/Controller0.rtc set gain 2.5")
+    shell.ok("rtact /localhost/Controller0.rtc")
+    before = shell.ok("rtls -lR /localhost")
     ended = os.pidfd_open(slave)
     assert shell.run("rtmgr -v restart") == (
         0,
@@ -263,7 +266,10 @@ def test_a_manager_starts_again(shell: Any) -> None:
     assert select.select([ended], [], [], 0)[0], "its slave lives"
     os.close(ended)
     assert json.loads(shell.ok("rtmgr status --json"))["pid"] == pid
-    assert shell.ok("rtls /localhost/manager.mgr").split() == ["In0.rtc", "Out0.rtc", "s1.mgr/"]
+    assert shell.ok("rtls -lR /localhost") == before
+    assert "2.5" in shell.ok("rtconf /localhost/Controller0.rtc get gain")
+    properties = [line.split() for line in shell.ok(f"rtmgr -g {MANAGER}").splitlines()]
+    assert ["logger.log_level:", "DEBUG"] in properties
     configure(shell, "nonsense")
     status, _, err = shell.run("rtmgr restart")
     assert (status, err) == (1, f"rtmgr: {shell.folder}/rtc.conf:1: not KEY: VALUE: nonsense\n")
@@ -277,8 +283,9 @@ def test_a_manager_in_the_foreground_starts_again(shell: Any) -> None:
             while shell.run("rtls /localhost/ConsoleIn0.rtc").status:
                 assert process.poll() is None
             shell.ok(f"rtmgr -d ConsoleIn0 {MANAGER}")
+            shell.ok(f"rtmgr -c ConsoleOut {MANAGER}")
             shell.ok("rtmgr restart")
-            assert shell.ok("rtls /localhost/ConsoleIn0.rtc") == "ConsoleIn0.rtc\n"
+            assert shell.ok("rtls /localhost").split() == ["ConsoleOut0.rtc", "manager.mgr/"]
             process.send_signal(signal.SIGINT)
             assert process.wait(timeout=10) == 0
         finally:

@@ -160,7 +160,7 @@ class Core:
         self._tasks.run(now)
         until = self._survey.run(now)
         self._tasks.run_new(now)  # what figures have given cause for
-        self._keeping.run()
+        self._keeping.run(now)
         if until is not None:
             self._out.append(WakeAt(until))
         self._announcer.run()

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.errors import Refused, RtkitError
-from rtkit.manager.core.events import Instruction, Keep, Row
+from rtkit.manager.core.events import Instruction, Keep, Row, WakeAt
 from rtkit.manager.core.kept import COMPONENT, MODULE, WIRE
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import State
@@ -25,6 +25,8 @@ Tell = Callable[[list[Result]], object]
 _log = logging.getLogger(__name__)
 _UNDO_S = 10.0
 """How long it may take to take back what cannot be kept [s]."""
+RETRY_S = 1.0
+"""How long after a write that failed the next one is tried [s]."""
 
 
 class _Done(NamedTuple):
@@ -52,6 +54,7 @@ class Keeping:
         self._tasks = tasks
         self._number = 0
         self._flights: dict[int, _Flight] = {}
+        self._retry_at: float | None = None
         self._is_stopping = False
         self._is_forgetting = False
 
@@ -84,7 +87,7 @@ class Keeping:
         if is_lost and not self._is_forgetting:
             self._keep_anew(flight, why)
             return
-        self._state.unkept = why
+        self._state.unkept, self._retry_at = why, None
         if why:
             self._state.kept.not_kept(flight.rows)
         else:
@@ -97,15 +100,28 @@ class Keeping:
             else:
                 done.tell(done.results)
 
-    def run(self) -> None:
-        """Have kept what came of itself, once nothing is under way, and at once what is urgent."""
+    def run(self, now: float) -> None:
+        """Have kept what came of itself, once nothing is under way, and at once what is urgent.
+
+        After a failure all that is left is tried again after a while, until it succeeds.
+        """
         kept = self._state.kept
-        if self._state.unkept or self._flights:
+        if self._flights:
             return
-        if kept.has_changed and self._tasks.is_idle:
+        if self._state.unkept:
+            self._retry(now)
+        elif kept.has_changed and self._tasks.is_idle:
             self._keep()
         elif kept.is_urgent:
             self._keep(is_urgent=True)
+
+    def _retry(self, now: float) -> None:
+        if self._retry_at is None:
+            self._retry_at = now + RETRY_S
+        if now >= self._retry_at:
+            self._keep()
+        else:
+            self._out.append(WakeAt(self._retry_at))
 
     def stop(self, *, is_kept: bool) -> None:
         """Take nothing back any more; unless wishes are kept, have nothing wished any more."""
@@ -113,8 +129,8 @@ class Keeping:
         if not is_kept:
             self._is_forgetting = True
             self._state.kept.clear()
-            if self._state.kept.has_changed:
-                self._keep()
+        if self._state.kept.has_changed:
+            self._keep()
 
     def _keep(self, *, is_urgent: bool = False) -> _Flight:
         self._number += 1

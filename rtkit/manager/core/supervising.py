@@ -87,7 +87,7 @@ class Supervisor:
             else:
                 waiting.setdefault(watched.pending, []).append(instance)
         for why, instances in waiting.items():
-            due = max(kept.watched[each].ledger.times[-1] for each in instances)
+            due = max(max(kept.watched[each].ledger.times, default=now) for each in instances)
             if due > now:
                 self._begin(instances, due - now, why)
             else:  # perhaps it was made again and died with that manager: that counts
@@ -104,7 +104,10 @@ class Supervisor:
         state = self._state
         if self._early is not None:
             self._early.append((list(instances), why))
-            state.returning.update(each for each in instances if self.wants(each, why))
+            wanted = [each for each in instances if self.wants(each, why)]
+            state.returning.update(wanted)
+            for instance in wanted:  # in one commit with their end, so that neither is forgotten
+                state.watch(instance, pending=why)
             return
         instances = list(instances)
         for each in state.returning.intersection(instances):  # dead again before it was noted
@@ -226,7 +229,7 @@ class Supervisor:
     def _note(self, instance: str, now: float) -> None:
         """Note that a component is there again."""
         watched = self._state.watched(instance)
-        ended = watched.ledger.times[-1] - watched.ledger.wait_s
+        ended = max(watched.ledger.times, default=now) - watched.ledger.wait_s
         self._state.watch(instance, pending="", took_s=round(now - ended, 6))
         count, why = watched.restarts, watched.pending
         _log.warning("%s was made again (%d.): %s", instance, count, why)

@@ -89,7 +89,7 @@ class Keeper:
     def _run(self) -> None:
         from rtkit.manager.keeping.store import StoreFailed, StoreLost
 
-        store, is_over, lost = self._opened(), False, ""
+        store, is_over, lost, why = self._opened(), False, "", ""
         try:
             store.prepare()
         except StoreLost as error:
@@ -104,7 +104,7 @@ class Keeper:
             whole = [order for order in orders if order is not None]
             if not whole:
                 continue
-            why, lost = lost, ""
+            failed_before, why, lost = why, lost, ""
             is_lost = bool(why)
             try:
                 if not is_lost:
@@ -113,6 +113,7 @@ class Keeper:
                 why, is_lost = str(error), True
             except StoreFailed as error:
                 why = str(error)
-                _log.error("wishes cannot be recorded: %s", why)
+                if why != failed_before:  # it is tried again each second
+                    _log.error("wishes cannot be recorded: %s", why)
             for order in whole:
                 self.heard(order.number, why, is_lost)

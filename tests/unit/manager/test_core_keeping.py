@@ -5,6 +5,7 @@ from __future__ import annotations
 from rtkit.deployment import actions as act
 from rtkit.deployment.batch import results_from_text
 from rtkit.manager.core import events as ev
+from rtkit.manager.core.keeping import RETRY_S
 from rtkit.manager.fake import OWN, FakeShell, facts, wire
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
@@ -149,6 +150,34 @@ def test_while_the_disk_is_full_nothing_new_begins_but_what_rests_is_rested() ->
     assert not shell.state.unkept
     assert '"active"' not in shell.rows["component", "B"]
     assert ("component", "C") not in shell.rows
+
+
+def test_what_could_not_be_kept_is_tried_again_each_second_until_it_can() -> None:
+    shell = system()
+    shell.disk = FULL
+    asked = shell.ask(act.SetParameters("A", "default", {"p": "2"}))
+    shell.serve()
+    assert asked.result.why == f"done all the same, but what is wished cannot be recorded: {FULL}"
+    shell.wait(10 * RETRY_S)
+    assert shell.state.unkept == FULL
+    shell.disk = ""
+    shell.wait(RETRY_S)
+    assert '"p":"2"' in shell.rows["component", "A"]
+    assert not shell.state.unkept
+    commits = []
+    shell._keep = lambda keep: commits.append(keep)  # type: ignore[method-assign]
+    shell.wait(10 * RETRY_S)
+    assert commits == []
+
+
+def test_the_end_of_the_machine_keeps_what_is_not_kept_yet() -> None:
+    shell = system()
+    shell.disk = FULL
+    shell.ask(act.SetParameters("A", "default", {"p": "2"}))
+    shell.serve()
+    shell.disk = ""
+    shell.feed(ev.StopAsked(is_kept=True))
+    assert '"p":"2"' in shell.rows["component", "A"]
 
 
 def test_all_is_made_again_when_nothing_has_survived() -> None:

@@ -117,6 +117,23 @@ def test_who_died_while_there_was_no_manager_is_made_again_as_its_policy_says() 
     assert other.state.components["B"].zombie == "signal 11"
 
 
+@pytest.mark.parametrize("managers", [1, 2, 3])
+def test_managers_that_are_killed_in_their_start_forget_no_policy(managers: int) -> None:
+    """That it died and that it is to come back are in one commit; it counts as one end."""
+    shell = FakeShell()
+    make(shell, "A", restart="on-failure")
+    shell = heir(shell)
+    shell.feed(ev.SlaveMissed(900, "s", [facts("A")], "signal 9"))
+    for _ in range(managers):
+        assert {("zombie", "A"), ("watched", "A")} <= shell.rows.keys()
+        shell = heir(shell)
+    assert upkeep(shell).returning == "signal 9"
+    restore(shell)
+    assert come_back(shell) == ["create"]
+    assert (upkeep(shell).why, upkeep(shell).restarts) == ("signal 9", 1)
+    assert len(shell.state.watched("A").ledger.times) == 1
+
+
 def test_who_died_with_everything_or_with_the_machine_begins_anew() -> None:
     shell = heir(FakeShell(), "one run")
     restore(shell)

@@ -249,7 +249,10 @@ def test_the_keeper_tells_what_is_on_the_disk_and_what_is_not(tmp_path: Path) ->
     assert all("NOT NULL" in why for number, why in told if number == 3)
     heir = Keeper(str(path))
     rows, remark = heir.find()
-    assert (rows, remark) == (ROWS if not told[1][1] else [], "")
+    # What comes while it writes is one commit, so that the second may fail with the third.
+    orders = zip((ROWS[:1], ROWS[1:]), told, strict=False)
+    assert rows == [row for order, (_, why) in orders if not why for row in order]
+    assert remark == ""
     heir.forget()
     heir.close()
     assert not path.exists()
