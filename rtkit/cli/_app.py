@@ -287,7 +287,7 @@ def common_options(*, is_local: bool = False) -> list[click.Option]:
         metavar="SECONDS",
         expose_value=False,
         callback=_set("timeout_s"),
-        help="Bound on every call (default 10).",
+        help="Bound on every call (default 10); what was not begun by then is not done later.",
     )
     return [
         *([] if is_local else [timeout]),

@@ -36,6 +36,12 @@ if TYPE_CHECKING:
 
 Done = Callable[[ReturnCode, str], object]
 _OK = (ReturnCode.OK, "")
+_UNWANTED = (ReturnCode.ERROR, "it is not wanted any more")
+
+
+def always() -> bool:
+    """Say that something is wanted, whenever its turn comes."""
+    return True
 
 
 def nothing() -> None:
@@ -238,13 +244,24 @@ class ExecutionContext:
         """Reset now; only for the ticking thread, others use `request`."""
         return self.perform(component, Transition.RESET)[0]
 
-    def request(self, component: Component, transition: Transition, done: Done) -> None:
-        """Ask for a transition, from any thread; `done` is called once, by the ticking thread."""
-        self.submit(lambda: done(*self.perform(component, transition)))
+    def request(
+        self,
+        component: Component,
+        transition: Transition,
+        done: Done,
+        is_wanted: Callable[[], bool] = always,
+    ) -> None:
+        """Ask for a transition, from any thread; `done` is called once, by the ticking thread.
 
-    def request_tick(self, done: Done) -> None:
-        """Ask for one cycle, from any thread; `done` is called after it, by the ticking thread."""
-        self.submit(lambda: done(*self._tick_once()))
+        Nothing is done if `is_wanted` says no when its turn comes: a callback may have held it up.
+        """
+        self.submit(
+            lambda: done(*(self.perform(component, transition) if is_wanted() else _UNWANTED))
+        )
+
+    def request_tick(self, done: Done, is_wanted: Callable[[], bool] = always) -> None:
+        """Ask for one cycle, from any thread; as `request`."""
+        self.submit(lambda: done(*(self._tick_once() if is_wanted() else _UNWANTED)))
 
     def submit(self, work: Callable[[], object]) -> None:
         """Have something done between two cycles by the ticking thread, from any thread.

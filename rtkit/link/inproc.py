@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 
 from rtkit.errors import Malformed, Unreachable
@@ -39,7 +40,8 @@ class InprocLink:
                 raise Unreachable(f"no answer within {timeout_s:g} s")
             return replies[0]
 
-        enqueue(Request(name, payload, answer, is_extension=is_extension))
+        until = time.monotonic() + timeout_s
+        enqueue(Request(name, payload, answer, is_extension=is_extension, until=until))
         return reply
 
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:

@@ -17,6 +17,7 @@ import zenoh
 
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import places
+from rtkit.link.deadline import deadline_from_text, deadline_to_text
 from rtkit.link.threads import start_thread
 from rtkit.property.exchange import Reply, Request
 
@@ -150,6 +151,7 @@ class ZenohLink:
             replies = self._session.get(
                 key,
                 payload=payload,
+                attachment=deadline_to_text(timeout_s),
                 timeout=timeout_s,
                 handler=zenoh.handlers.FifoChannel(16),
                 consolidation=zenoh.ConsolidationMode.NONE,
@@ -226,10 +228,12 @@ def _receiver(
 
         try:
             payload = query.payload.to_string() if query.payload is not None else None
+            told = query.attachment.to_string() if query.attachment is not None else ""
         except ValueError:  # which is what zenoh raises
             answer(Reply("payload is not UTF-8 text", "malformed"))
             return
-        enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension))
+        until = deadline_from_text(told)
+        enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension, until))
 
     return receive
 

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from rtkit import fault
 from rtkit.errors import RtkitError
 from rtkit.link import keys, places
+from rtkit.link.deadline import boot_id
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import configuring
 from rtkit.manager.core.core import Core
@@ -364,12 +365,6 @@ def _system() -> dict[str, str]:
         "os.arch": told.machine,
         "os.hostname": told.nodename,
     }
-
-
-def boot_id() -> str:
-    """Return which run of this machine it is."""
-    with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
-        return file.read().strip()
 
 
 def base_paths() -> tuple[str, ...]:

@@ -5,6 +5,7 @@ For tests, which play the zygote, the kernel and the holders.
 
 from __future__ import annotations
 
+import math
 import signal
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -190,11 +191,17 @@ class FakeShell:
 
     # clients
 
-    def ask(self, *actions: Action, ordered: bool = True, timeout_s: float = 10.0) -> Asked:
-        """Hand in a batch."""
+    def ask(
+        self,
+        *actions: Action,
+        ordered: bool = True,
+        timeout_s: float = 10.0,
+        until: float = math.inf,
+    ) -> Asked:
+        """Hand in a batch, of a client that waits until then."""
         asked = Asked()
         batch = Batch(actions, ordered, timeout_s)
-        self.feed(ev.BatchAsked(batch, asked.replies.append))
+        self.feed(ev.BatchAsked(batch, asked.replies.append, until))
         return asked
 
     def stop(self) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from time import monotonic
 from typing import Any, NamedTuple
 
 from rtkit.deployment.batch import batch_from_text
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.link import keys
 from rtkit.link.running import managers
 from rtkit.manager.core import configuring, operations
@@ -26,7 +27,7 @@ from rtkit.manager.modules.finding import lacking
 from rtkit.manager.modules.loadable import loadable
 from rtkit.manager.modules.search import Search
 from rtkit.manager.restarting import open_report
-from rtkit.property.exchange import Reply, Request, failure
+from rtkit.property.exchange import NOT_BEGUN, Reply, Request, failure
 from rtkit.records import replace
 from rtkit.rtc.plain import encode
 
@@ -61,6 +62,8 @@ class Desk:
         Raises:
             RtkitError: The request cannot be served.
         """
+        if monotonic() > request.until:
+            raise Unreachable(NOT_BEGUN)
         if request.is_extension and request.name == "picture":
             return PictureAsked(request.answer)
         if request.is_extension and request.name == "lacking" and request.payload is not None:
@@ -77,7 +80,7 @@ class Desk:
             request.answer(Reply(self._property(keys.unescape(request.name))))
             return None
         if request.name == "batch":
-            return BatchAsked(batch_from_text(request.payload), request.answer)
+            return BatchAsked(batch_from_text(request.payload), request.answer, request.until)
         if request.name in ("stop", "shutdown"):
             request.answer(Reply(str(self._state.pid)))
             return StopAsked()

@@ -6,10 +6,14 @@ Systems". How they travel is the business of `rtkit.link`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 from rtkit import errors
+
+NOT_BEGUN = "the time-out of the request was over before it was begun: nothing was done"
+"""The answer to a request that is begun by nobody: its client has given it up."""
 
 
 class Reply(NamedTuple):
@@ -35,6 +39,7 @@ class Request(NamedTuple):
     Attributes:
         name: The property below the service, chunks joined with ``/``.
         is_extension: The name lies in the reserved space (snapshots, meta data).
+        until: When the client gives the request up, by the monotonic clock of this host [s].
         answer: To be called exactly once, from any thread.
     """
 
@@ -42,6 +47,7 @@ class Request(NamedTuple):
     payload: str | None
     answer: Callable[[Reply], None]
     is_extension: bool = False
+    until: float = math.inf
 
 
 def failure(error: BaseException) -> Reply:

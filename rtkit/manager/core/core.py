@@ -59,11 +59,11 @@ from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.supervising import Supervisor
 from rtkit.manager.core.surveying import Survey
-from rtkit.manager.core.tasks import Tasks
+from rtkit.manager.core.tasks import Tasks, failed
 from rtkit.manager.core.trial import TRIAL
 from rtkit.manager.core.wellbeing import Wellbeing
 from rtkit.manager.core.wishes import Need, Procedure
-from rtkit.property.exchange import Reply
+from rtkit.property.exchange import NOT_BEGUN, Reply
 from rtkit.records import replace
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -76,6 +76,7 @@ class _Job:
     def __init__(self, asked: BatchAsked) -> None:
         self.batch = asked.batch
         self.answer = asked.answer
+        self.until = asked.until
         self.results: list[Result | None] = [None] * len(asked.batch.actions)
         self.pending = len(self.results)
         self.slaves: list[str] = []
@@ -205,8 +206,11 @@ class Core:
         return Result()
 
     def _start(self, job: _Job, index: int) -> None:
-        steps = procedure_for(job.batch.actions[index], self.state)
         done = partial(self._done, job, index, self._now)
+        if self._now > job.until:
+            done(failed(Unreachable(NOT_BEGUN)))
+            return
+        steps = procedure_for(job.batch.actions[index], self.state)
         self._tasks.begin(steps, job.batch.timeout_s, done)
 
     def _done(self, job: _Job, index: int, began: float, result: Result) -> None:

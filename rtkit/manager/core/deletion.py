@@ -63,7 +63,7 @@ def _finalise(
 ) -> Generator[Wish, Any, None]:
     if process.is_alive:
         with suppress(NotFound):  # an earlier request that was given up has come through
-            yield Ask(process, {"op": "delete", "instance": instance}, timeout_s)
+            yield Ask(process, {"op": "delete", "instance": instance}, timeout_s, is_lasting=True)
     # Only now: if the manager is killed on the way, the component is there with its connectors or
     # not at all, for the next one cuts ends that lead nowhere.
     for wire in state.connectors_of(instance):

@@ -5,6 +5,7 @@ Processes are named by a key: a number that is never used twice, whatever their 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 from rtkit.deployment.batch import Batch
@@ -22,10 +23,15 @@ OWN_PROCESS = 0
 
 @dataclass(frozen=True, slots=True)
 class BatchAsked:
-    """A client wants actions performed."""
+    """A client wants actions performed.
+
+    Attributes:
+        until: When the client gives up, monotonic [s]: what was not begun then is not done.
+    """
 
     batch: Batch
     answer: Answer
+    until: float = math.inf
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ What a procedure has changed when it fails, it takes back itself.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Mapping
 from typing import Any
 
 from rtkit.deployment import actions as act
@@ -36,6 +36,7 @@ from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name, is_local_host
 from rtkit.rtc.plain import encode
+from rtkit.rtc.profiles import NOTHING
 
 _OPERATIONS = {
     act.SetRate: "set_rate",
@@ -71,10 +72,9 @@ def _steps(action: Action, state: State) -> Procedure:
         case act.Disconnect():
             return disconnect(state, action)
         case act.SetParameters():
-            wish = {"op": "set", "set_id": action.set_id, "values": dict(action.values)}
-            return _tell(state, action.instance, wish)
+            return _configure(state, action.instance, "set", action.set_id, action.values)
         case act.ActivateSet():
-            return _tell(state, action.instance, {"op": "activate_set", "set_id": action.set_id})
+            return _configure(state, action.instance, "activate_set", action.set_id)
         case act.ChangeState():
             return change_state(state, action)
         case act.SetRate() | act.Tick() | act.SetStructure() | act.SetEventProfiles():
@@ -104,6 +104,23 @@ def _tell(state: State, instance: str, message: Message) -> Procedure:
     process = living(state, instance)
     yield Ask(process, {**message, "instance": instance})
     return Result()
+
+
+def _configure(
+    state: State, instance: str, op: str, set_id: str, values: Mapping[str, str] = NOTHING
+) -> Procedure:
+    """Change settings; those that a component does not take over in time are as they were."""
+    process, facts = living(state, instance), state.components[instance]
+    present = facts.sets.get(set_id, NOTHING)
+    message: Message = {"op": op, "set_id": set_id, "values": dict(values)}
+    try:
+        return (yield from _tell(state, instance, message))
+    except Unreachable:
+        if process.is_ready:
+            before = {name: present[name] for name in values if name in present}
+            back = {"op": "set_back", "before": before, "active_set": facts.active_set}
+            yield Tell(process, {**message, **back, "instance": instance})
+        raise
 
 
 # modules

@@ -82,7 +82,7 @@ def stop_everything(state: State) -> Procedure:
         if process is None or not process.is_alive or process.key in silent:
             continue
         try:
-            yield Ask(process, {"op": "delete", "instance": instance}, left_s)
+            yield Ask(process, {"op": "delete", "instance": instance}, left_s, is_lasting=True)
         except RtkitError:
             silent.add(process.key)
         else:

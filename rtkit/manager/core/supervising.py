@@ -255,7 +255,7 @@ def _take_down(state: State, instance: str) -> Generator[Yielded, Any, None]:
         return
     state.ending.add(instance)
     try:
-        yield Ask(process, {"op": "delete", "instance": instance}, FORCE_S)
+        yield Ask(process, {"op": "delete", "instance": instance}, FORCE_S, is_lasting=True)
         state.forget(instance)
     except Unreachable as error:
         if process.is_slave and process.is_alive:

@@ -249,7 +249,10 @@ class Tasks:
     def _ask(self, task: _Task, ask: Ask) -> None:
         key = ask.process.key
         number = self._wait(task, ask, key, ask.timeout_s or None)
-        self._out.append(SendToHolder(key, {**ask.message, "call": number}))
+        message = {**ask.message, "call": number}
+        if not ask.is_lasting:
+            message["until"] = task.until if not ask.timeout_s else self._now + ask.timeout_s
+        self._out.append(SendToHolder(key, message))
 
     def _side_by_side(self, task: _Task, wish: Together) -> None:
         """Begin procedures, and go on with the task when each has ended; each has its time-out."""

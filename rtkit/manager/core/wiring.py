@@ -179,7 +179,7 @@ def unwire(state: State, wire: ConnectorProfile, timeout_s: float = 0.0) -> Proc
             yield Tell(process, message)
             continue
         try:
-            yield Ask(process, message, timeout_s)
+            yield Ask(process, message, timeout_s, is_lasting=True)
         except Unreachable as error:
             late = error if process.is_alive else late
     if late is not None:

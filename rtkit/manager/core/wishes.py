@@ -30,12 +30,16 @@ class Need:
 class Ask:
     """Send a message to a holder and wait for the value that it answers.
 
-    Time-out 0 means that of the batch [s].
+    Attributes:
+        timeout_s: Bound on the wait; 0 means that of the batch [s].
+        is_lasting: The holder does it whenever it can, also when nobody waits for it any more:
+            what is to go has to go. Anything else that was not begun in time is not done.
     """
 
     process: Process
     message: Message
     timeout_s: float = 0.0
+    is_lasting: bool = False
 
 
 @dataclass(frozen=True, slots=True)

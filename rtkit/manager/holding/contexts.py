@@ -6,12 +6,12 @@ from collections.abc import Callable
 from functools import partial
 
 from rtkit.component.base import Component
-from rtkit.component.context import ExecutionContext
+from rtkit.component.context import ExecutionContext, always
 from rtkit.component.period import check_rate
 from rtkit.component.wholes import is_composite
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core.message import Message
-from rtkit.manager.holding.host import LATER, Host, Operations, answer_code
+from rtkit.manager.holding.host import LATER, Host, Operations, answer_code, in_time
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
 
@@ -36,7 +36,8 @@ class Contexts:
             if is_awaited:
                 self._later(message, code, f"{why}: {component.instance}")
 
-        context.request(component, Transition(message["transition"]), done)
+        is_wanted = partial(in_time, message) if is_awaited else always
+        context.request(component, Transition(message["transition"]), done, is_wanted)
         return LATER if is_awaited else ""
 
     def _set_rate(self, message: Message) -> None:
@@ -53,7 +54,8 @@ class Contexts:
     def _tick(self, message: Message) -> object:
         component, context = self._of(message)
         context.request_tick(
-            lambda code, why: self._later(message, code, f"{why}: {component.instance}")
+            lambda code, why: self._later(message, code, f"{why}: {component.instance}"),
+            partial(in_time, message),
         )
         return LATER
 
@@ -106,7 +108,12 @@ class Contexts:
     ) -> None:
         """Change who takes part, on the thread that ticks, and answer."""
         why = f"precondition not met (execution context {context.id} of {context.owner})"
-        context.submit(lambda: self._later(message, change(), why))
+
+        def work() -> None:
+            if in_time(message):
+                self._later(message, change(), why)
+
+        context.submit(work)
 
     def _later(self, message: Message, code: ReturnCode, why: str) -> None:
         self._host.post(lambda: answer_code(self._host, message, code, why))

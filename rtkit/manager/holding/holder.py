@@ -19,18 +19,19 @@ from rtkit import fault
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext
 from rtkit.component.wholes import is_composite
-from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.message import Message
 from rtkit.manager.holding.composites import Composites
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.contexts import Contexts, release
 from rtkit.manager.holding.facts_out import facts_of
-from rtkit.manager.holding.host import LATER, Operations
+from rtkit.manager.holding.host import LATER, Operations, in_time
 from rtkit.manager.holding.links import Links
 from rtkit.manager.holding.machines import Machines
 from rtkit.manager.holding.neighbours import Neighbours
 from rtkit.manager.holding.pacer import Pacer, Work
 from rtkit.manager.logs.late import late
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.plain import encode
@@ -82,6 +83,7 @@ class Holder:
             "delete": self._delete,
             "set": self._set,
             "activate_set": self._activate_set,
+            "set_back": self._set_back,
             "remember": self._remember,
             "figures": self._tell_figures,
             **(self._making(maker) if maker is not None else {}),
@@ -151,6 +153,9 @@ class Holder:
         operation = self._operations.get(message.get("op", ""))
         if operation is None:
             self.refuse(message, Malformed(f"unknown operation: {message.get('op')!r}"))
+            return
+        if not in_time(message):
+            self.refuse(message, Unreachable(NOT_BEGUN))
             return
         fault.point("holder.asked")
         try:
@@ -400,6 +405,16 @@ class Holder:
         _check_composite(component, message["set_id"], {})
         component.configuration.activate(message["set_id"])
         return self._take_over(component, message)
+
+    def _set_back(self, message: Message) -> None:
+        """Undo what was asked for by somebody who has given up; what was set since stays."""
+        component, set_id = self.component(message["instance"]), message["set_id"]
+        configuration = component.configuration
+        present, meant = configuration.sets.get(set_id, {}), message["values"]
+        before = message["before"].items()
+        configuration.set(set_id, {k: v for k, v in before if present.get(k) == meant.get(k)})
+        configuration.activate(message["active_set"])
+        self._take_over(component, message)
 
     def _take_over(self, component: Component, message: Message) -> object:
         """Answer when the component sees its new configuration."""

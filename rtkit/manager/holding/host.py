@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
+from time import monotonic
 from typing import Any, Protocol
 
 from rtkit.component.base import Component
@@ -37,6 +39,15 @@ class Host(Protocol):
 
     def refuse(self, message: Message, error: RtkitError, code: ReturnCode | None = None) -> None:
         """Answer a message with an error."""
+
+
+def in_time(message: Message) -> bool:
+    """Whether the one who sent a message still waits for its answer.
+
+    Asked before work is begun that had to wait: processes of a host share the monotonic clock.
+    """
+    until: float = message.get("until", math.inf)
+    return monotonic() <= until
 
 
 def answer_code(host: Host, message: Message, code: ReturnCode, why: str) -> None:

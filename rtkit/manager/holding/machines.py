@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.errors import Malformed, Refused, RtkitError
 from rtkit.manager.core.message import Message
-from rtkit.manager.holding.host import LATER, Host, Operations
+from rtkit.manager.holding.host import LATER, Host, Operations, in_time
 
 if TYPE_CHECKING:
     from rtkit.component.fsm import FsmComponent
@@ -44,6 +44,8 @@ class Machines:
     ) -> object:
         def work() -> None:
             error: RtkitError | None = None
+            if not in_time(message):
+                return
             try:
                 change()
             except RtkitError as failure:

@@ -12,6 +12,7 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.core import procedures
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
 from rtkit.manager.fake import OWN, FakeShell
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.rtc.enums import ReturnCode, Transition
 
 
@@ -63,18 +64,42 @@ def test_what_is_asked_of_a_component_goes_to_its_process(shell):
     actions = (SetParameters("A", "default", {"x": "1"}), ActivateSet("A", "b"), activate("A"))
     shell.ask(*actions, ordered=False)
     assert [call.key for call in shell.calls] == [key] * 3
-    assert [dict(call.message, call=0) for call in shell.calls] == [
-        {"op": "set", "set_id": "default", "values": {"x": "1"}, "instance": "A", "call": 0},
-        {"op": "activate_set", "set_id": "b", "instance": "A", "call": 0},
+    messages = [dict(call.message) for call in shell.calls]
+    assert [(each.pop("call") > 0, each.pop("until")) for each in messages] == [(True, 1010.0)] * 3
+    assert messages == [
+        {"op": "set", "set_id": "default", "values": {"x": "1"}, "instance": "A"},
+        {"op": "activate_set", "set_id": "b", "values": {}, "instance": "A"},
         {
             "op": "change_state",
             "context": "0",
             "transition": "activate",
             "wait": True,
             "instance": "A",
-            "call": 0,
         },
     ]
+
+
+def test_a_batch_that_comes_too_late_is_not_begun(shell):
+    shell.make("A")
+    asked = shell.ask(activate("A"), until=shell.now - 0.1)
+    assert not shell.calls
+    assert (asked.result.kind, asked.result.why) == ("unreachable", NOT_BEGUN)
+
+
+def test_of_a_batch_whose_client_gave_up_the_rest_is_not_begun(shell):
+    shell.make("A")
+    shell.make("B")
+    asked = shell.ask(activate("A"), activate("B"), until=shell.now + 1)
+    shell.now += 2
+    shell.reply(shell.next("change_state"))
+    assert [result.why for result in asked.results] == ["", NOT_BEGUN]
+    assert not shell.calls
+
+
+def test_holders_are_told_until_when_to_begin_but_not_of_what_has_to_go(shell):
+    shell.make("A", "s")
+    shell.ask(Delete("A"))
+    assert "until" not in shell.next("delete").message
 
 
 def test_each_wait_is_bounded_and_a_late_answer_ignored(shell):
