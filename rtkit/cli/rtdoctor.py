@@ -41,8 +41,9 @@ def main(app: App, words: tuple[str, ...], timeout_s: float, strict: bool, is_js
     """Tell what is wrong with this set-up, and what helps.
 
     Looked at are versions, variables, limits, the clock, folders and their rights, what killed
-    processes left, TCP doors, managers, slaves and components. Nothing is changed, and a manager
-    that hangs holds nothing up. What is in order is told with -v only, and by --json; the exit
+    processes left, TCP doors, managers, slaves and components; a large value is sent over a
+    connection as it is made between two processes. Nothing is changed, and a manager that hangs
+    holds nothing up. What is in order is told with -v only, and by --json; the exit
     status is 1 when something is wrong, which warnings and notes are not.
     """
     if words:
@@ -57,9 +58,10 @@ def main(app: App, words: tuple[str, ...], timeout_s: float, strict: bool, is_js
 
 
 def _looked(timeout_s: float) -> Iterator[Diagnosis]:
-    from rtkit.cli.doctor import folders, installation, live, stores
+    from rtkit.cli.doctor import data_link, folders, installation, live, stores
 
     yield from installation.installation(os.environ)
+    yield from data_link.data_link()
     yield from folders.folders()
     if folders.is_trusted():
         yield from folders.remains()

@@ -44,12 +44,28 @@ def runtime_path() -> str:
 
 
 def state_dir() -> str:
-    """Return the folder of logs: ``RTKIT_STATE_DIR``, or below the XDG state folder."""
+    """Return the folder of logs: ``RTKIT_STATE_DIR``, or below the XDG state folder.
+
+    Where that cannot be written, as in a home that is read-only, it is beside the sockets.
+    """
     chosen = os.environ.get("RTKIT_STATE_DIR")
     if chosen:
         return os.path.abspath(chosen)
+    usual = usual_state_dir()
+    return usual if _can_be_written(usual) else runtime_path() + ".state"
+
+
+def usual_state_dir() -> str:
+    """Return the folder of logs of a user who chose none and has a home that can be written."""
     base = os.environ.get("XDG_STATE_HOME") or os.path.expanduser("~/.local/state")
     return os.path.join(base, "rtkit")
+
+
+def _can_be_written(path: str) -> bool:
+    """Whether files can be made in a folder, or it can be made itself."""
+    while not os.path.lexists(path):
+        path = os.path.dirname(path) or "/"
+    return os.access(path, os.W_OK | os.X_OK)
 
 
 def manager_socket(manager: str) -> str:

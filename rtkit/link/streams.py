@@ -2,7 +2,7 @@
 
 They go over direct zenoh links: the receiving process listens on a unix socket of its own and
 every sender opens one client session to it, so data flow without the manager and while it is
-stopped.
+stopped. Large values go through shared memory; where none can be had, all go through the socket.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -34,9 +35,15 @@ class Streams:
 
     Args:
         pattern: Path of its socket, ``%p`` for the pid of the process that listens.
+
+    Attributes:
+        slow: Why large values go without shared memory, empty while they go through it.
+        report: Is told that once, in one line.
     """
 
     def __init__(self, pattern: str) -> None:
+        self.slow = ""
+        self.report: Callable[[str], object] = _ignore
         self._pattern = pattern
         self._listener: zenoh.Session | None = None
         self._senders: dict[str, _Sender] = {}
@@ -153,14 +160,37 @@ class Streams:
     def _listening(self) -> zenoh.Session:
         with self._lock:
             if self._listener is None:
-                try:
-                    self._listener = control.open_listener(
-                        self._endpoint, "peer", has_shared_memory=True
-                    )
-                except Unreachable:
-                    remove_socket(self._path)  # what is half made keeps its lock till we end
-                    raise
+                self._listener = self._fastest(self._listen, 0.0)
             return self._listener
+
+    def _listen(self, has_shared_memory: bool, _timeout_s: float) -> zenoh.Session:
+        try:
+            return control.open_listener(
+                self._endpoint, "peer", has_shared_memory=has_shared_memory
+            )
+        except Unreachable:
+            remove_socket(self._path)  # what is half made keeps its lock till we end
+            raise
+
+    def _fastest(
+        self, open: Callable[[bool, float], zenoh.Session], timeout_s: float
+    ) -> zenoh.Session:
+        """Open a session with shared memory, or without where that cannot be had.
+
+        Zenoh refuses a session altogether where ``/dev/shm`` is missing, full or read-only.
+        """
+        until = time.monotonic() + timeout_s
+        try:
+            return open(True, timeout_s)
+        except Unreachable as error:
+            left_s = until - time.monotonic()
+            if timeout_s and left_s <= 0:
+                raise
+            session = open(False, left_s)
+            if not self.slow:
+                self.slow = str(error)
+                self.report(f"large values go without shared memory, which is slower: {error}")
+            return session
 
     def _sender(self, endpoint: str, timeout_s: float) -> zenoh.Session:
         with self._lock:
@@ -169,8 +199,11 @@ class Streams:
         with sender.lock:  # an endpoint that does not answer holds up nobody else
             if sender.session is None:
                 try:
-                    sender.session = control.open_client(
-                        endpoint, timeout_s, has_shared_memory=True
+                    sender.session = self._fastest(
+                        lambda has_shared_memory, left_s: control.open_client(
+                            endpoint, left_s, has_shared_memory=has_shared_memory
+                        ),
+                        timeout_s,
                     )
                 except Unreachable:
                     self._release(endpoint)
@@ -188,6 +221,10 @@ class Streams:
             del self._senders[endpoint]
         if sender.session is not None:
             sender.session.close()  # type: ignore[no-untyped-call]
+
+
+def _ignore(text: str) -> None:
+    """Hear of something and do nothing."""
 
 
 def remove_socket(path: str) -> None:

@@ -11,6 +11,7 @@ sockets of the dead at once.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping
 
 import zenoh
@@ -84,7 +85,7 @@ def open_client(
     config = _config("client", settings, has_shared_memory)
     opened = _in_background(lambda: zenoh.open(config))
     if isinstance(opened, zenoh.ZError):
-        told = f": {opened}" if opened.__cause__ is not None else ""
+        told = f": {_bare(opened)}" if opened.__cause__ is not None else ""
         raise Unreachable(f"cannot reach {endpoint}{told}") from opened
     return opened
 
@@ -131,7 +132,12 @@ def open_listener(
     try:
         return _without_panic(lambda: zenoh.open(_config(mode, settings, has_shared_memory)))
     except zenoh.ZError as error:
-        raise Unreachable(f"cannot listen on {endpoint}: {error}") from error
+        raise Unreachable(f"cannot listen on {endpoint}: {_bare(error)}") from error
+
+
+def _bare(error: zenoh.ZError) -> str:
+    """Return what zenoh says of an error, without the line of its source."""
+    return re.sub(r" at /\S+\.rs:\d+\.?", "", str(error)).rstrip(".")
 
 
 class ZenohLink:

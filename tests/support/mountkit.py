@@ -22,11 +22,9 @@ def missing() -> str:
 
 
 @contextmanager
-def small(folder: str, size: str) -> Iterator[list[str]]:
-    """Have a folder be a file system of that size for whatever is started with this prefix."""
-    script = (
-        f"mount -t tmpfs -o size={size},mode=1777 tmpfs {folder} && echo made && exec sleep 600"
-    )
+def small(folder: str, options: str) -> Iterator[list[str]]:
+    """Have a folder be a file system of these options, for what is started with this prefix."""
+    script = f"mount -t tmpfs -o {options},mode=1777 tmpfs {folder} && echo made && exec sleep 600"
     command = ["unshare", "-m", "--propagation", "private", "sh", "-c", script]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as owner:
         try:

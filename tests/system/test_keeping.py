@@ -201,7 +201,7 @@ def test_a_store_that_is_removed_under_a_living_manager_is_written_anew(robot: A
 @pytest.mark.skipif(bool(mountkit.missing()), reason=mountkit.missing())
 def test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse(shell: Any) -> None:
     """The disk is full: what is new is refused and leaves nothing; with room again all goes on."""
-    with mountkit.small(f"{shell.folder}/state", "256k") as prefix:
+    with mountkit.small(f"{shell.folder}/state", "size=256k") as prefix:
         shell.prefix = [*prefix]
         in_there = [*prefix, "sh", "-c"]
         shell.run_there = lambda line: os.spawnvp(os.P_WAIT, in_there[0], [*in_there, line])

@@ -1,4 +1,4 @@
-"""No room in /dev/shm: large values are copied, none is lost, and nobody dies of it."""
+"""No /dev/shm, or no room in it: large values are copied, none is lost, nobody dies of it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+import jsonrecords
 import mountkit
 import pytest
 
@@ -83,16 +84,19 @@ def go_on(shell: Any) -> None:
         time.sleep(0.01)
 
 
-def test_shared_memory_that_is_full_from_the_start(shell: Any) -> None:
-    with mountkit.small("/dev/shm", "64k") as prefix:
+@pytest.mark.parametrize("options", ["size=64k", "ro"])
+def test_shared_memory_that_cannot_be_had_from_the_start(shell: Any, options: str) -> None:
+    with mountkit.small("/dev/shm", options) as prefix:
         shell.prefix = prefix
         bring_up(shell)
         go_on(shell)
+        found = jsonrecords.checked(shell.ok("rtdoctor --json"))
+        assert [each["severity"] for each in found if each["check"] == "links"] == ["warning"]
         shell.ok("rtmgr stop")
 
 
 def test_shared_memory_that_fills_up_and_is_emptied(shell: Any) -> None:
-    with mountkit.small("/dev/shm", "64m") as prefix:
+    with mountkit.small("/dev/shm", "size=64m") as prefix:
         shell.prefix = prefix
         bring_up(shell)
         go_on(shell)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
-from rtkit.cli.doctor.diagnosis import ERROR, OK, WARNING, Diagnosis
+from rtkit.cli.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places, secret
 
@@ -19,6 +19,10 @@ def folders() -> Iterator[Diagnosis]:
     """Look at the folders of sockets and of logs, and at the secret."""
     for what, path in (("sockets", places.runtime_path()), ("logs", places.state_dir())):
         yield _folder(what, path)
+    if places.state_dir() == places.runtime_path() + ".state":
+        text = f"{places.usual_state_dir()} cannot be written: logs and what managers keep"
+        text += f" are in {places.state_dir()}, which a restart of the machine may empty"
+        yield Diagnosis("folders", NOTE, text, "choose another one with RTKIT_STATE_DIR")
     yield from _socket_length()
     yield _secret()
 

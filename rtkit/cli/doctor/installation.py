@@ -11,14 +11,12 @@ from rtkit.cli.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
 
 _ZENOH = ((1, 10), (2, 0))
 _FEWEST_FILES = 1024
-_LEAST_SHM = 64 << 20
 _VARIABLES = (
     "RTKIT_COMPLETION_TIMEOUT", "RTKIT_CWD", "RTKIT_EXIT_DETAIL", "RTKIT_FAULT", "RTKIT_MANAGER",
     "RTKIT_MODULE_PATH", "RTKIT_MQTT_PASSWORD", "RTKIT_PORT", "RTKIT_PROFILE_PATH", "RTKIT_READY",
     "RTKIT_REALM", "RTKIT_RUNTIME_DIR", "RTKIT_SERVERS", "RTKIT_SLAVE", "RTKIT_STATE_DIR",
 )  # fmt: skip
 _FOLDER_LISTS = ("RTKIT_MODULE_PATH", "RTKIT_PROFILE_PATH")
-_SHM = "/dev/shm"
 
 
 def installation(environment: Mapping[str, str]) -> Iterator[Diagnosis]:
@@ -125,13 +123,6 @@ def _limits() -> Iterator[Diagnosis]:
 
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     yield files(soft, hard)
-    try:
-        status = os.statvfs(_SHM)
-    except OSError as error:
-        text = f"no shared memory: {_SHM}: {error.strerror}; large values go the slow way"
-        yield Diagnosis("limits", WARNING, text, f"mount -t tmpfs tmpfs {_SHM}", _SHM)
-        return
-    yield shared_memory(status.f_bavail * status.f_frsize, os.access(_SHM, os.W_OK))
 
 
 def files(soft: int, hard: int) -> Diagnosis:
@@ -141,18 +132,6 @@ def files(soft: int, hard: int) -> Diagnosis:
     text = f"only {soft} files may be open: not enough for a manager of a hundred slaves"
     most = hard if 0 <= hard < 4096 else 4096
     return Diagnosis("limits", WARNING, text, f"ulimit -n {most}", "nofile")
-
-
-def shared_memory(free: int, is_writable: bool) -> Diagnosis:
-    """Judge the memory that processes share [bytes]."""
-    if not is_writable:
-        text = f"{_SHM} cannot be written: large values go the slow way"
-        return Diagnosis("limits", WARNING, text, f"chmod 1777 {_SHM}", _SHM)
-    if free < _LEAST_SHM:
-        text = f"only {free >> 20} MiB are free in {_SHM}: large values may be lost"
-        cure = f"mount -o remount,size=512M {_SHM} (of a container: --shm-size 512m)"
-        return Diagnosis("limits", WARNING, text, cure, _SHM)
-    return Diagnosis("limits", OK, f"{free >> 20} MiB are free in {_SHM}", "", _SHM)
 
 
 def clock(now: float, installed: float) -> Iterator[Diagnosis]:

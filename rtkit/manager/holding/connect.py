@@ -49,6 +49,7 @@ class Wires:
     def __init__(self, host: str, streams: Streams) -> None:
         self._host = host
         self._streams = streams
+        streams.report = lambda text: _log().warning("%s", text)
         self._ends: dict[str, list[_End]] = {}
 
     def join(self, wire: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:

@@ -10,11 +10,12 @@ from pathlib import Path
 import jsonrecords
 import pytest
 
-from rtkit.cli.doctor import folders, installation, live
+from rtkit.cli.doctor import data_link, folders, installation, live
 from rtkit.cli.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.cli.rtdoctor import main
 from rtkit.deployment.facts import ProcessFacts, Snapshot
 from rtkit.deployment.listing import Listing, Row
+from rtkit.errors import Unreachable
 from rtkit.version import __version__
 
 
@@ -62,9 +63,28 @@ def test_limits() -> None:
     assert installation.files(-1, -1).severity == OK
     few = installation.files(256, 512)
     assert (few.severity, few.cure) == (WARNING, "ulimit -n 512")
-    assert installation.shared_memory(1 << 30, True).severity == OK
-    assert installation.shared_memory(1 << 20, True).severity == WARNING
-    assert installation.shared_memory(1 << 30, False).severity == WARNING
+
+
+def test_connections_between_processes() -> None:
+    assert data_link.judge("", 1 << 30).severity == OK
+    assert data_link.judge("", 1 << 20).severity == WARNING
+    assert data_link.judge("no shared memory", 1 << 30).severity == WARNING
+
+
+def test_a_large_value_is_sent_and_nothing_is_left(place: Path) -> None:
+    (found,) = data_link.data_link()
+    assert (found.check, found.severity in (OK, WARNING)) == ("links", True), found
+    assert not list((place / "RUNTIME").iterdir())
+
+
+def test_a_connection_that_cannot_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise Unreachable("cannot listen")
+
+    monkeypatch.setattr("rtkit.link.zenoh.open_listener", refuse)
+    (found,) = data_link.data_link()
+    assert (found.check, found.severity) == ("links", ERROR)
+    assert "cannot listen" in found.text
 
 
 def test_a_clock_before_the_installation() -> None:

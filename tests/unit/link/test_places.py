@@ -117,6 +117,20 @@ def test_root_may_look_at_the_folder_that_it_chose(
     assert places.runtime_dir() == str(another)
 
 
+def test_logs_lie_beside_the_sockets_where_the_home_cannot_be_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").touch()
+    monkeypatch.delenv("RTKIT_STATE_DIR", raising=False)
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path / "run"))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "home" / "state"))
+    assert places.state_dir() == str(tmp_path / "home" / "state" / "rtkit")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file" / "state"))
+    assert places.state_dir() == str(tmp_path / "run.state")
+    monkeypatch.setenv("RTKIT_STATE_DIR", str(tmp_path / "file" / "chosen"))
+    assert places.state_dir() == str(tmp_path / "file" / "chosen")
+
+
 def test_the_length_of_a_socket_s_path() -> None:
     for letter, count in (("x", 107), ("é", 53)):
         path = "/" + letter * (count - 1)
