@@ -15,6 +15,7 @@ from rtkit.cli._app import App
 from rtkit.cli._atomic import STDOUT
 from rtkit.cli._data import named_streams
 from rtkit.cli._meter import Show, metered
+from rtkit.cli._signals import heard_by_main
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ def record(
     streams = named_streams(app, ports, PortType.OUT, _name)
     types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
     with (
+        heard_by_main(),
         _ended_in_order(),
         opened(name, form) as file,
         _sink(form, file, streams, types) as sink,

@@ -31,6 +31,7 @@ def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target:
     import sys
     import threading
 
+    from rtkit.cli._signals import heard_by_main
     from rtkit.proxy.bridge import bridge
     from rtkit.serving.refusals import Refusals
 
@@ -39,16 +40,19 @@ def main(app: App, prefix: str, allow_set: tuple[str, ...], source: str, target:
 
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
-    with bridge(
-        source,
-        target,
-        prefix=prefix,
-        allow_set=allow_set,
-        cwd=working_directory(),
-        timeout_s=app.timeout_s,
-        said=say,
-        on_refusal=Refusals(),
-    ) as opened:
+    with (
+        heard_by_main(),
+        bridge(
+            source,
+            target,
+            prefix=prefix,
+            allow_set=allow_set,
+            cwd=working_directory(),
+            timeout_s=app.timeout_s,
+            said=say,
+            on_refusal=Refusals(),
+        ) as opened,
+    ):
         _out.write([opened.address])
         sys.stdout.flush()
         ended.wait()

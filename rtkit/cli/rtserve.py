@@ -99,6 +99,7 @@ def main(
     import threading
 
     from rtkit.cli._object import made
+    from rtkit.cli._signals import heard_by_main
     from rtkit.link.serial_line import SCHEME
     from rtkit.serving.serve import serve
 
@@ -108,7 +109,7 @@ def main(
         raise click.UsageError("--allow-set goes with --serial")
     policy = _policy(files, lines)
     thing_made = made(thing, arguments)
-    with serve(
+    with heard_by_main(), serve(
         thing_made, name, port=port, serial=serial, settable=settable, http=http, ice=ice,
         hide=hide, history=history, rules=policy,
     ) as served:  # fmt: skip

@@ -16,7 +16,7 @@ import zenoh
 from rtkit.errors import RtkitError
 from rtkit.link.properties import LEASE_S, Heard, Joined, Place, ear_key, group_of, heard
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Event
+from rtkit.property.messages import Event, Mark
 
 _MOST_KEPT = 10_000
 
@@ -49,7 +49,7 @@ class Ear:
         self._most = _queue_of(parameters)
         self._events: SimpleQueue[Event] = SimpleQueue()
         self._dropped = 0
-        self._last: tuple[int, float, str] | None = None
+        self._last: Mark | None = None
         self._lock = threading.Lock()
         self._renew_at = 0.0
         self._heard = Heard()
@@ -89,11 +89,11 @@ class Ear:
 
     def _take_once(self, event: Event) -> None:
         """Take an event, unless it was sent again in case it had been lost."""
-        if (event.revision, event.time, event.code) != self._last:
+        if event.mark != self._last:
             self._take(event, 0)
 
     def _take(self, event: Event, lost: int) -> None:
-        self._last = (event.revision, event.time, event.code)
+        self._last = event.mark
         if lost and self._most > 1:
             event = event._replace(dropped=event.dropped + lost)
         if self._events.qsize() >= self._most:

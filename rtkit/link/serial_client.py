@@ -22,7 +22,7 @@ from rtkit.link.serial_line import SerialAddress, SerialEnd, read_address
 from rtkit.property.checked import HELLO, CheckedReplies, frame
 from rtkit.property.codes import PASSING, PropertyError
 from rtkit.property.line import Replies, write_request
-from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.messages import Answer, Event, Mark, Payload
 
 LEASE_S = 10.0
 """How long the far side goes on sending events without being asked again [s]."""
@@ -59,7 +59,7 @@ class SerialClient(Closing):
         self._last_id = int.from_bytes(os.urandom(4), "big")
         self._inbox = Inbox()
         self._usual_s = _PATIENCE_S / _TIMES_USUAL
-        self._seen: dict[str, tuple[int, float, str, Payload]] = {}
+        self._seen: dict[str, Mark] = {}
         self._leases: dict[str, float] = {}
         self._closing = threading.Lock()
         self._waker = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -254,10 +254,9 @@ class SerialClient(Closing):
                 self._keep(Event(name, "", time.time(), 0, "bad", 0, answer.error))
 
     def _keep(self, event: Event) -> None:
-        mark = (event.revision, event.time, event.code, event.payload)
-        if (event.revision or event.time) and self._seen.get(event.name) == mark:
+        if (event.revision or event.time) and self._seen.get(event.name) == event.mark:
             return
-        self._seen[event.name] = mark
+        self._seen[event.name] = event.mark
         if event.code:
             self._forget(event.name)
         self._inbox.put(event)

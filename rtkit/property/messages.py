@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 Payload = str | bytes
 """Characters end to end; bytes only of properties that are declared so."""
 
+Mark = tuple[int, float, str, str, Payload]
+
 
 class Answer(NamedTuple):
     """What one request led to: the value, or the code and text of an error."""
@@ -117,3 +119,8 @@ class Event(NamedTuple):
     quality: str = "good"
     dropped: int = 0
     code: str = ""
+
+    @property
+    def mark(self) -> Mark:
+        """What two events have in common when the second repeats the first, lest it was lost."""
+        return self.revision, self.time, self.quality, self.code, self.payload

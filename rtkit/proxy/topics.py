@@ -12,7 +12,7 @@ from rtkit.link.mqtt import READY, STATE, Message, MqttAddress, MqttSession, top
 from rtkit.link.properties import LEASE_S
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event
-from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.messages import Answer, Event, Mark, Payload
 from rtkit.property.naming import parse_target
 from rtkit.proxy.contact import Answering, Gone, Hearing, over, with_id
 from rtkit.proxy.mailbox import Mailbox
@@ -27,7 +27,7 @@ class _Ear(NamedTuple):
     topic: str
     mailbox: Mailbox
     renewed_at: list[float]
-    last: list[tuple[int, float, str]]
+    last: list[Mark]
 
 
 class TopicContact:
@@ -169,10 +169,9 @@ class TopicContact:
 
     def _take(self, topic: str, event: Event) -> None:
         for ear in self._ears.values():
-            mark = (event.revision, event.time, event.code)
             # Else it was sent again, in case it had been lost.
-            if ear.topic == topic and ear.last != [mark]:
-                ear.last[:] = [mark]
+            if ear.topic == topic and ear.last != [event.mark]:
+                ear.last[:] = [event.mark]
                 ear.mailbox.put(event)
 
     def _went(self, why: str) -> None:

@@ -1,0 +1,29 @@
+"""Signals that another thread than the main one takes."""
+
+from __future__ import annotations
+
+import signal
+import threading
+
+from rtkit.cli._signals import heard_by_main
+
+BOUND_S = 30.0
+
+
+def test_a_signal_that_another_thread_takes_ends_the_wait_of_the_main_thread() -> None:
+    is_heard, is_over = threading.Event(), threading.Event()
+    other = threading.Thread(target=is_over.wait, args=(BOUND_S,))
+    other.start()
+    assert other.ident is not None
+    former = signal.signal(signal.SIGTERM, lambda *_: is_heard.set())
+    try:
+        with heard_by_main():
+            for _ in range(20):
+                is_heard.clear()
+                signal.pthread_kill(other.ident, signal.SIGTERM)
+                assert is_heard.wait(BOUND_S)
+    finally:
+        signal.signal(signal.SIGTERM, former)
+        is_over.set()
+        other.join()
+    assert signal.getsignal(signal.SIGURG) == signal.SIG_DFL
