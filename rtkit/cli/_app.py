@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn, TypeGuard
 
 import click
@@ -87,6 +87,33 @@ class App:
 
         listing = self.tree.listing()
         return build(listing), listing.host
+
+    def tell_silent(self, root: Node, nodes: Iterable[Node], done: str) -> int:
+        """Tell which managers did not answer, so that nothing was `done` there; return the status.
+
+        Args:
+            root: Of the tree, which knows whether the manager did that was asked.
+            nodes: Those that were to be looked at.
+            done: What with them, ``searched``.
+        """
+        from rtkit.tree.view import silent
+
+        told = [root.trouble] if root.trouble else []
+        told += [f"{node.path} was not {done}: {node.trouble}" for node in silent(nodes)]
+        for text in told:
+            self.fail(text)
+        return self.status(Unreachable()) if told else 0
+
+    def tell_silent_servers(self, done: str) -> int:
+        """Tell which servers that are always to be in the tree do not answer; return the status."""
+        if not self._is_own_tree:
+            return 0
+        from rtkit.tree.place import silent_servers
+
+        silent = silent_servers(self.timeout_s)
+        for why in silent:
+            self.fail(f"{done}: {why}")
+        return self.status(Unreachable()) if silent else 0
 
     def others(self) -> list[str]:
         """Return the other managers that are known, each as `connect` takes it."""

@@ -96,6 +96,8 @@ class Ears(Closing):
             self.names[name] = name
             if not self._enter(name):
                 app.fail(f"manager {name!r} does not answer")
+        if self._is_wide:
+            app.tell_silent_servers("not listened to")
 
     def close(self) -> None:
         """Listen no more."""

@@ -67,7 +67,8 @@ def _node(listing: Listing, path: Path) -> Node:
         if path.port is not None:
             raise Refused(f"Not a component: {path.typed}")
         if node.kind is not Kind.MANAGER:
-            raise NotFound(f"No such object: {path.typed}")
+            hint = f"it is a directory: rtls {path.typed} lists it"
+            raise NotFound(f"No such object: {path.typed} ({hint})")
     elif path.is_directory:
         raise NotFound(f"No such object: {path.typed}")
     elif node.kind is Kind.ZOMBIE:

@@ -45,11 +45,13 @@ def main(
     vendor: str,
     output: str,
     takes_all: bool,
-) -> None:
+) -> int:
     """Save the live system as an RTS profile, with all that rtresurrect needs to make it again.
 
-    Components that are connected are saved, on the SERVERs named or everywhere. A SERVER may also
-    be a manager of this host, /localhost/m1.mgr: what several of them hold becomes one system.
+    Components of the manager that is asked are saved if they are connected, on the SERVERs named or
+    everywhere. A SERVER may also be a manager of this host, /localhost/m1.mgr: what several of them
+    hold becomes one system. Servers of RTKIT_SERVERS that do not answer are told, and the status
+    is 1 then.
     """
     from datetime import datetime
 
@@ -70,6 +72,7 @@ def main(
     _tell_gaps(app, snapshot)
     profile = capture(snapshot, heading, takes_all=takes_all, hosts=hosts)
     write_output(write_profile(profile, app.form or form_of_name(output) or XML), output)
+    return 0 if servers else app.tell_silent_servers("not saved")
 
 
 def _host(server: str, snapshot: Snapshot) -> str:

@@ -103,6 +103,8 @@ def _of_tree(app: App, typed: str) -> Subject:
     facts = app.tree.part([instance]).component(instance)
     if facts is None:
         raise NotFound(f"No such object: {typed}")
+    if facts.trouble:
+        app.fail(f"warning: as last reported ({facts.trouble}): {typed}")
     return Subject(facts.type, facts.ports, facts.sets)
 
 

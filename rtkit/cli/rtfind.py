@@ -9,9 +9,9 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, check_at_most_one, command
-from rtkit.errors import Malformed, Unreachable, UsageProblem
+from rtkit.errors import Malformed, UsageProblem
 from rtkit.tree.resolve import absent, find
-from rtkit.tree.view import Kind, Node
+from rtkit.tree.view import Kind, Node, once
 
 _LETTERS: dict[str, tuple[Kind, ...]] = {
     "c": (Kind.COMPONENT,),
@@ -45,6 +45,9 @@ _LETTERS: dict[str, tuple[Kind, ...]] = {
     metavar="LEVELS",
     help="So many levels below the start; 0, the default: all.",
 )
+@click.option(
+    "-u", "--unique", is_flag=True, help="Each component once, not also below its managers."
+)
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line, as rtls --json.")
 @click.argument("starts", nargs=-1, metavar="START")
 def main(
@@ -54,6 +57,7 @@ def main(
     names: tuple[str, ...],
     inames: tuple[str, ...],
     depth: int,
+    unique: bool,
     is_json: bool,
 ) -> int:
     """Search the tree.
@@ -68,18 +72,17 @@ def main(
     kinds = _kinds(letters)
     patterns = [_pattern(each, 0) for each in names]
     patterns += [_pattern(each, re.IGNORECASE) for each in inames]
-    nodes = list(_walk(_start(app, starts[0]), depth or -1))
+    root, start = _start(app, starts[0])
+    nodes = list(_walk(start, depth or -1))
     found = [node for node in nodes if node.kind in kinds and _matches(node.name, patterns)]
+    found = once(found) if unique else found
     if is_json:
         from rtkit.cli.rtls import entry_record
 
         _out.write(_records.lines("entry", map(entry_record, found)))
     else:
         _out.write(_out.printable(node.path) for node in found)
-    silent = [n for n in nodes if n.trouble and not n.is_slave and not n.children]
-    for node in silent:
-        app.fail(f"{node.path} was not searched: {node.trouble}")
-    return app.status(Unreachable()) if silent else 0
+    return app.tell_silent(root, nodes, "searched")
 
 
 def _kinds(letters: str) -> set[Kind]:
@@ -98,7 +101,8 @@ def _matches(name: str, patterns: Sequence[re.Pattern[str]]) -> bool:
     return not patterns or any(pattern.fullmatch(name) for pattern in patterns)
 
 
-def _start(app: App, typed: str) -> Node:
+def _start(app: App, typed: str) -> tuple[Node, Node]:
+    """Return the root of the tree and the node from which to search."""
     path = app.path(typed)
     if path.port is not None:
         raise Malformed(f"Not a directory: {path.typed}")
@@ -108,7 +112,7 @@ def _start(app: App, typed: str) -> Node:
         raise absent(root, path, hostname)
     if path.is_directory and not node.is_directory:
         raise Malformed(f"Not a directory: {path.typed}")
-    return node
+    return root, node
 
 
 def _walk(node: Node, depth: int) -> Iterator[Node]:

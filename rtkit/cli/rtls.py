@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import click
@@ -13,7 +13,7 @@ from rtkit.cli._service_listing import Listing, service_at
 from rtkit.cli._watch import MayWatch, Sight, WatchOption
 from rtkit.errors import Malformed, Unreachable
 from rtkit.tree.resolve import entry
-from rtkit.tree.view import Kind, Node
+from rtkit.tree.view import Kind, Node, once
 
 if TYPE_CHECKING:
     from rtkit.rtc.names import Path
@@ -31,6 +31,9 @@ _STYLES = {
 @command("rtls", cls=MayWatch)
 @click.option("-l", "is_long", is_flag=True, help="State, ports and connections of each entry.")
 @click.option("-R", "--recurse", is_flag=True, help="List directories below, one block each.")
+@click.option(
+    "-u", "--unique", is_flag=True, help="Each component once, not also below its managers."
+)
 @click.option("-1", "is_single", is_flag=True, help="One name a line (as when not on a terminal).")
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.option(
@@ -47,16 +50,18 @@ def main(
     paths: tuple[str, ...],
     is_long: bool,
     recurse: bool,
+    unique: bool,
     is_single: bool,
     is_json: bool,
     period_s: float | None,
-) -> None:
+) -> int:
     """List directories, managers and components of the tree.
 
     Without a path: the working directory (RTKIT_CWD). A zombie, an entry with nobody behind it,
     has a * before its name. With -l each line tells the state, then ports and how many of them
     are connected (all, in, out, service), then the name and in brackets what else to know.
     Of a served object (rtserve): its properties; with -l type, access, unit, quality, name, value.
+    Managers that do not answer, whose entries are missing, are told, and the status is 1 then.
     Watched, it is written again only when it has changed, on a terminal in place of what was.
     """
     check_at_most_one(paths, "path")
@@ -73,24 +78,26 @@ def main(
             from rtkit.cli._service_watch import watch_service
 
             watch_service(listing, Sight(period_s, gap))
-        return
+        return 0
     show = _json if is_json else _long if is_long else _short(is_single)
 
-    def look() -> Iterable[str]:
+    def look() -> tuple[Node, Node]:
         root, hostname = app.root(path, is_deep=recurse or is_long)
-        node = entry(root, path, hostname)
+        return root, entry(root, path, hostname)
+
+    def lines(node: Node) -> Iterable[str]:
         if not node.is_directory:
             return show([node])
-        if not recurse:
-            return show(node.entries())
-        if is_json:
-            return show([child for child in node.walk() if child is not node])
-        return _blocks(node, ".", show)
+        below = list(node.walk())[1:] if recurse else node.entries()
+        kept = once(below) if unique else below
+        return _blocks(node, ".", set(kept), show) if recurse and not is_json else show(kept)
 
     if period_s is None:
-        _out.write(look())
-    else:
-        _watch(app, path, look, Sight(period_s, gap))
+        root, node = look()
+        _out.write(lines(node))
+        return app.tell_silent(root, node.walk() if recurse else (), "listed")
+    _watch(app, path, lambda: lines(look()[1]), Sight(period_s, gap))
+    return 0
 
 
 def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: Sight) -> None:
@@ -117,13 +124,13 @@ def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: Sight
                 app.tell(str(error))
 
 
-def _blocks(node: Node, title: str, show: _Show) -> Iterator[str]:
+def _blocks(node: Node, title: str, kept: Container[Node], show: _Show) -> Iterator[str]:
     yield f"{_out.printable(title)}:"
-    yield from show(node.entries())
+    yield from show([child for child in node.entries() if child in kept])
     yield ""
     for child in node.entries():
         if child.is_directory:
-            yield from _blocks(child, f"{title}/{child.name}", show)
+            yield from _blocks(child, f"{title}/{child.name}", kept, show)
 
 
 def _short(is_single: bool) -> _Show:

@@ -24,7 +24,7 @@ _ZOMBIE = "lightgrey"
 @shared.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
 @click.option("--live", is_flag=True, help="Draw what lives, with colours for states.")
 @click.argument("files", nargs=-1, metavar="[FILE]")
-def main(app: App, files: tuple[str, ...], live: bool) -> None:
+def main(app: App, files: tuple[str, ...], live: bool) -> int:
     """Write the system of an RTS profile as a graph for Graphviz.
 
     It is read from FILE, or from stdin. Components are boxes with their ports at both sides,
@@ -45,6 +45,7 @@ def main(app: App, files: tuple[str, ...], live: bool) -> None:
 
         profile, fills = read_document(app, files, strict=False).profile, {}
     _out.write(dot_lines(system_scene(profile), _TITLE, fills))
+    return app.tell_silent_servers("not drawn") if live else 0
 
 
 def _living(app: App) -> tuple[RtsProfile, dict[str, str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.link.places import DEFAULT_MANAGER, manager_socket
@@ -17,6 +17,9 @@ from rtkit.tree.view import Kind, Node, build, manager_node
 
 if TYPE_CHECKING:
     from rtkit.tree.client import Tree
+
+
+_Answer = TypeVar("_Answer")
 
 
 def manager_of(path: Path) -> str:
@@ -50,6 +53,20 @@ def others(tree: Tree) -> list[str]:
     return [*_others(tree.manager), *servers()]
 
 
+def silent_servers(timeout_s: float) -> list[str]:
+    """Return why those do not answer that are always to be in the tree; all are asked at once."""
+    asked = [partial(_why_silent, address, timeout_s) for address in servers()]
+    return list(filter(None, _at_once(asked)))
+
+
+def _why_silent(address: str, timeout_s: float) -> str:
+    try:
+        connect(address, timeout_s).close()
+    except RtkitError as error:
+        return str(error)
+    return ""
+
+
 def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[Node, str]:
     """Return the tree as far as `path` shows it, and the host that ``localhost`` means.
 
@@ -77,10 +94,14 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> Node | None:
     hostname = os.uname().nodename
     if len(path.elements) > 1 or not all(is_local_host(each, hostname) for each in path.elements):
         return None
-    root = Node("", Kind.ROOT)
+    chosen = os.environ.get("RTKIT_MANAGER") or ""
+    usual = chosen or DEFAULT_MANAGER
+    # Nobody misses the default one where only services or managers of other names were started.
+    is_missed = bool(chosen) or os.path.lexists(manager_socket(usual))
+    root = Node("", Kind.ROOT, trouble=trouble * is_missed)
     local = root.add(Node(LOCAL, Kind.HOST, trouble=trouble))
     running = list(_others(""))
-    if (os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER) not in running:
+    if usual not in running:
         _add_services(local)
         for node in _at_once(_of(_neighbour, running, None, is_deep=is_deep)):
             local.add(node)
@@ -128,13 +149,13 @@ def _of(
     ]
 
 
-def _at_once(asked: Sequence[Callable[[], Node]]) -> list[Node]:
+def _at_once(asked: Sequence[Callable[[], _Answer]]) -> list[_Answer]:
     """Ask all at the same time, so that one who does not answer costs no more than its time."""
     if len(asked) < 2:
         return [ask() for ask in asked]
     from threading import Thread
 
-    answers: list[Node | None] = [None] * len(asked)
+    answers: dict[int, _Answer] = {}
 
     def ask_one(number: int) -> None:
         answers[number] = asked[number]()
@@ -144,7 +165,7 @@ def _at_once(asked: Sequence[Callable[[], Node]]) -> list[Node]:
         thread.start()
     for thread in threads:
         thread.join()
-    return [node for node in answers if node is not None]
+    return [answers[number] for number in sorted(answers)]
 
 
 def _add_services(host: Node) -> None:

@@ -25,9 +25,19 @@ def absent(root: Node, path: Path, hostname: str) -> NotFound:
         name = LOCAL if depth == 0 and is_local_host(element, hostname) else element
         below = node.children.get(name)
         if below is None:
-            return NotFound(f"No such object: {path.typed}{_meant(path, element, node)}")
+            meant = _base_is_gone(path, depth) or _meant(path, element, node)
+            return NotFound(f"No such object: {path.typed}{meant}")
         node = below
     return NotFound(f"No such object: {path.typed}")
+
+
+def _base_is_gone(path: Path, depth: int) -> str:
+    """Return what to tell if what is missing is not in what was typed, but in what it goes from."""
+    steps = [step for step in path.typed.split("/") if step not in ("", ".")]
+    base = path.elements[: len(path.elements) - len(steps)]
+    if path.typed.startswith("/") or ".." in steps or depth >= len(base):
+        return ""
+    return f" (the working directory /{'/'.join(base)} is not there: rtcwd, RTKIT_CWD change it)"
 
 
 def _meant(path: Path, element: str, node: Node) -> str:

@@ -6,7 +6,7 @@ directory below its master.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from enum import Enum
 
 from rtkit.deployment.listing import Listing, Row
@@ -30,19 +30,28 @@ class Node:
     Attributes:
         row: What the listing tells of a component; None for what is a directory.
         process: Name of the process behind a manager or slave; empty for others.
-        trouble: Why that process does not answer; empty when it does.
+        trouble: Why that process does not answer; empty when it does. Of the root: why the
+            manager did not that was asked.
+        pid: Of the manager that told of a component; 0 for what is a directory.
     """
 
-    __slots__ = ("children", "kind", "name", "parent", "process", "row", "trouble")
+    __slots__ = ("children", "kind", "name", "parent", "pid", "process", "row", "trouble")
 
     def __init__(
-        self, name: str, kind: Kind, row: Row | None = None, process: str = "", trouble: str = ""
+        self,
+        name: str,
+        kind: Kind,
+        row: Row | None = None,
+        process: str = "",
+        trouble: str = "",
+        pid: int = 0,
     ) -> None:
         self.name = name
         self.kind = kind
         self.row = row
         self.process = process
         self.trouble = trouble
+        self.pid = pid
         self.parent: Node | None = None
         self.children: dict[str, Node] = {}
 
@@ -101,6 +110,26 @@ class Node:
             yield from child.walk()
 
 
+def silent(nodes: Iterable[Node]) -> list[Node]:
+    """Return those managers and hosts of which nothing is known, because they do not answer."""
+    return [node for node in nodes if node.trouble and not node.is_slave and not node.children]
+
+
+def once(nodes: Iterable[Node]) -> list[Node]:
+    """Return nodes with each component once: by a name if it has one, else below its manager."""
+    found: dict[object, Node] = {}
+    for node in nodes:
+        key = (node.pid, node.instance) if node.instance else node
+        if key not in found or _rank(node) < _rank(found[key]):
+            found[key] = node
+    return list(found.values())
+
+
+def _rank(node: Node) -> tuple[bool, int]:
+    is_below_manager = node.parent is not None and node.parent.kind is Kind.MANAGER
+    return is_below_manager, node.path.count("/")
+
+
 def build(listing: Listing) -> Node:
     """Return the root of the tree that `listing` describes."""
     root = Node("", Kind.ROOT)
@@ -114,7 +143,7 @@ def build(listing: Listing) -> Node:
         for name in row.names:
             parent, leaf = _parent(root, name, listing.host)
             if parent is not None:
-                parent.add(_leaf(leaf, row))
+                parent.add(_leaf(leaf, row, listing.pid))
     return root
 
 
@@ -146,10 +175,10 @@ def _fill(manager: Node, listing: Listing) -> None:
         for name, state, reason in listing.slaves
     }
     for row in listing.rows:
-        manager.add(_leaf(row.instance + COMPONENT_SUFFIX, row))
+        manager.add(_leaf(row.instance + COMPONENT_SUFFIX, row, listing.pid))
         slave = slaves.get(row.process)
         if slave is not None:
-            slave.add(_leaf(row.instance + COMPONENT_SUFFIX, row))
+            slave.add(_leaf(row.instance + COMPONENT_SUFFIX, row, listing.pid))
 
 
 def _trouble(state: str, reason: str) -> str:
@@ -174,5 +203,5 @@ def _below(node: Node, name: str, kind: Kind) -> Node:
     return node.children.get(name) or node.add(Node(name, kind))
 
 
-def _leaf(name: str, row: Row) -> Node:
-    return Node(name, Kind.ZOMBIE if row.zombie else Kind.COMPONENT, row)
+def _leaf(name: str, row: Row, pid: int) -> Node:
+    return Node(name, Kind.ZOMBIE if row.zombie else Kind.COMPONENT, row, pid=pid)
