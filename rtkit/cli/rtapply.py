@@ -38,7 +38,8 @@ def main(
     What holds already is not touched. Steps that need nothing of each other are done at once, and
     what lives is looked at before each round: what turned out otherwise is planned anew. When a
     step fails nothing more is begun, and what is left is told; run again, it goes on from there.
-    With --rollback it goes back instead, by the cheapest way.
+    With --rollback it goes back instead, by the cheapest way; what fails on that way is told, and
+    the rest goes back all the same.
 
     --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
     noted: plans made later count with it.

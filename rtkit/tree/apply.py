@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.plan import Check, Layer, Plan, Step, merged
 from rtkit.deployment.undo import traces
-from rtkit.errors import Refused, RtkitError
+from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree.client import Tree
 from rtkit.tree.grace import UNFINISHED, uninterrupted
 
@@ -22,6 +23,7 @@ class Runner:
     Attributes:
         attempted: Every action sent so far.
         done: The steps that were carried out.
+        failed: The required steps that failed.
     """
 
     def __init__(
@@ -49,6 +51,7 @@ class Runner:
         self._told: set[str] = set()
         self.attempted: list[Action] = []
         self.done: list[Step] = []
+        self.failed: list[Step] = []
         self._taken = [] if taken is None else taken
 
     def check(self, checks: Iterable[Check]) -> None:
@@ -102,6 +105,7 @@ class Runner:
             if result.ok:
                 self.done += together
             elif any(step.is_required for step in together):
+                self.failed += together
                 failures.append(together[0].told(result.why))
             else:
                 self._failed(together, together[0].told(result.why))
@@ -120,8 +124,9 @@ class Runner:
             else:
                 self._failed([step], step.told(result.why))
 
-    def _failed(self, steps: Iterable[Step], why: str) -> None:
+    def _failed(self, steps: Sequence[Step], why: str) -> None:
         if any(step.is_required for step in steps):
+            self.failed += steps
             raise Refused(f"Required action failed: {why}")
         self._tell(why)
 
@@ -146,15 +151,23 @@ class Runner:
         """Take back what was attempted since `before`; return what was removed and what remains.
 
         Raises:
-            RtkitError: The manager does not answer.
+            RtkitError: The manager does not answer when it is asked what there is.
         """
         removed: list[str] = []
         remaining: list[str] = []
-        now = uninterrupted(self._tree.remains)
-        for trace in traces(self.attempted, before, now):
-            (result,) = self._perform(trace.undo)
-            gone = result.ok or result.kind == "not-found"
-            (removed if gone else remaining).append(trace.what)
+        left = deque(traces(self.attempted, before, uninterrupted(self._tree.remains)))
+        while left:
+            trace = left.popleft()
+            try:
+                (result,) = self._perform(trace.undo)
+            except Unreachable as error:
+                # Who is silent now would be waited for once more with each of the others.
+                remaining += [f"{trace.what} ({error})", *(each.what for each in left)]
+                break
+            if result.ok or result.kind == "not-found":
+                removed.append(trace.what)
+            else:
+                remaining.append(f"{trace.what} ({result.why})")
         return removed, remaining
 
 

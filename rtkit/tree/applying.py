@@ -7,16 +7,17 @@ step fails nothing more is begun: what is left, or the way back, is planned from
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import Layer, Plan
-from rtkit.deployment.planning.back import way_back, without
+from rtkit.deployment.planning.back import WayBack
 from rtkit.deployment.planning.costs import Costs
 from rtkit.deployment.planning.doing import Doing
+from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.moves import Move
 from rtkit.deployment.planning.outlook import NOTHING_KNOWN, Outlook
@@ -24,7 +25,7 @@ from rtkit.deployment.planning.plan import NO_RANKS, DeploymentPlan, make_plan
 from rtkit.deployment.planning.survey import NO_STATES, Survey, survey
 from rtkit.deployment.planning.telling import lines
 from rtkit.deployment.system import System
-from rtkit.errors import Impossible, Refused, RtkitError
+from rtkit.errors import Impossible, Refused, RtkitError, Unreachable, from_kind
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.tree.apply import Runner, Talk
 from rtkit.tree.client import Tree
@@ -58,7 +59,9 @@ class Goal:
     states: Mapping[str, LifeCycleState | None] = field(default_factory=lambda: NO_STATES)
     absent: frozenset[str] = frozenset()
 
-    def survey(self, snapshot: Snapshot, began: Snapshot | None = None) -> Survey:
+    def survey(
+        self, snapshot: Snapshot, began: Snapshot | None = None, *, is_back: bool = False
+    ) -> Survey:
         """Return what is wanted over what lives, with what lived when it `began`.
 
         Raises:
@@ -74,6 +77,7 @@ class Goal:
             self.outlook,
             self.states,
             self.absent,
+            is_back=is_back,
         )
 
     def holds(self, snapshot: Snapshot) -> bool:
@@ -120,6 +124,7 @@ class Applier:
         self._progress = progress
         self._runner = Runner(tree, report, taken=taken)
         self._look: Callable[[], Snapshot] = lambda: uninterrupted(tree.snapshot)
+        self._moves: Sequence[Move] = ()
 
     def run(self, plan: DeploymentPlan, before: Snapshot, *, rolls_back: bool = False) -> None:
         """Carry a plan out that was made from what lived `before`; go back if that fails.
@@ -134,7 +139,7 @@ class Applier:
         try:
             self._reach(plan, doing, lambda now: self._goal.survey(now, before).model, system)
         except RtkitError as error:
-            raise type(error)(f"{error}; {self._after(before, rolls_back)}") from error
+            raise from_kind(error.kind, f"{error}; {self._after(before, rolls_back)}") from error
         except KeyboardInterrupt as error:
             told = self._after(before, rolls_back=rolls_back)
             raise KeyboardInterrupt("; ".join(filter(None, (str(error), told)))) from error
@@ -151,7 +156,7 @@ class Applier:
 
     def _carry_out(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> str:
         """Carry a plan out; return what made it worthless, if anything did."""
-        count = len(plan.layers)
+        self._moves, count = plan.moves, len(plan.layers)
         for number, layer in enumerate(plan.layers, 1):
             snapshot = self._look()
             model = see(snapshot)
@@ -201,26 +206,47 @@ class Applier:
             return f"what is left is not known ({str(trouble) or 'interrupted again'})"
 
     def _go_back(self, before: Snapshot) -> str:
-        was = self._goal.survey(before).model
+        """Lead back to what was; what fails on the way is told, and the rest goes on."""
+        way = WayBack(lambda now: self._goal.survey(now, before, is_back=True).model, before)
         self._look = lambda: uninterrupted(self._tree.remains)
-        left = self._look()
-        gone = [each.manager for each in (left, *left.others) if not each.pid]
-
-        joined = {
-            wire.connector_id: tuple(end.instance for end in wire.ports)
-            for wire in before.connectors
-        }
-
-        def see(now: Snapshot) -> Model:
-            return without(way_back(self._goal.survey(now, before).model, was, joined), was, gone)
-
-        plan = make_plan(see(left), self._goal.ranks)
-        for line in lines(plan) if plan.moves else ():
-            self._report(line.replace("plan:", "way back:", 1))
         nothing = System()
-        self._reach(plan, Doing(nothing, Live(before, nothing)), see, nothing)
-        ended = f", but for what was in manager {', '.join(gone)}, which has ended" if gone else ""
-        return f"everything is as it was before{ended}"
+        doing = Doing(nothing, Live(before, nothing))
+        ended: list[str] | None = None
+        is_over = False
+        while not is_over:
+            try:
+                plan = make_plan(way.model(self._look()), self._goal.ranks)
+                for line in lines(plan) if plan.moves else ():
+                    self._report(line.replace("plan:", "way back:", 1))
+                self._runner.failed.clear()
+                self._reach(plan, doing, way.model, nothing)
+                is_over = True
+            except NoPlan as error:
+                self._give_up(way, error.variables, error)
+            except Refused as error:
+                failed = {step.text for step in self._runner.failed}
+                moves = [move for move in self._moves if move.text in failed]
+                self._give_up(way, (move.changes[0][0] for move in moves), error)
+            except Unreachable:
+                # A manager that ended takes along what was in it; the others can go back.
+                known, ended = ended, way.gone(self._look())
+                if ended == known or not ended:
+                    raise
+        return self._outcome(way, self._look())
+
+    def _give_up(self, way: WayBack, variables: Iterable[str], error: RtkitError) -> None:
+        given_up = list(variables)
+        if not given_up:
+            raise error
+        way.give_up(given_up)
+        self._report(f"way back: {error}; going on with the rest")
+
+    def _outcome(self, way: WayBack, left: Snapshot) -> str:
+        unlike = ", ".join(way.unlike(left))
+        but = f", but {unlike}" if unlike else ""
+        gone = ", ".join(way.gone(left))
+        ended = f", but for what was in manager {gone}, which has ended" if gone else ""
+        return f"everything is as it was before{but}{ended}"
 
 
 def _is_done(move: Move, model: Model) -> bool:

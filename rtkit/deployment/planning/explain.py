@@ -17,18 +17,20 @@ class NoPlan(Impossible):
 
     Attributes:
         wishes: Of which each can be left out, and then the others can hold: ``VARIABLE=VALUE``.
+        variables: The same wishes by the variables that they are about.
         reasons: What stands in the way of them.
         more: What else stands in the way, of other wishes.
     """
 
     def __init__(
         self,
-        wishes: Sequence[str],
+        wishes: Sequence[Wished],
         words: Sequence[str],
         reasons: Sequence[str],
         more: Sequence[str] = (),
     ) -> None:
-        self.wishes = tuple(wishes)
+        self.wishes = tuple(map(_told, wishes))
+        self.variables = tuple(variable for variable, _ in wishes)
         self.reasons = tuple(reasons)
         self.more = tuple(more)
         how = "cannot hold together" if len(wishes) > 1 else "cannot be"
@@ -45,11 +47,10 @@ def explained(model: Model, error: Impossible) -> NoPlan:
     if near is not None and _is_possible(model, local):
         local = wishes
     found = minimal_conflict(local, lambda some: _is_possible(model, some))
-    told = [_told(wish) for wish in found or local]
     words = [_words(model, wish) for wish in found or local]
     reasons = list(dict.fromkeys(_reasons(model, found)))
     more = [why for why in _unmakable(model) if why not in reasons]
-    return NoPlan(told, words, reasons, more)
+    return NoPlan(found or local, words, reasons, more)
 
 
 def _is_possible(model: Model, wishes: Sequence[Wished]) -> bool:

@@ -80,6 +80,8 @@ def survey(
     outlook: Outlook = NOTHING_KNOWN,
     states: Mapping[str, LifeCycleState | None] = NO_STATES,
     absent: Collection[str] = (),
+    *,
+    is_back: bool = False,
 ) -> Survey:
     """Return a wanted system over what lives as a model.
 
@@ -92,12 +94,15 @@ def survey(
         outlook: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there, by name.
+        is_back: For the way back: what turned out to be another than wanted is taken in too.
 
     Raises:
         Impossible: Something else lives where a required component belongs.
     """
     began = began or live.snapshot
-    return _Surveying(system, live, state, costs, began, outlook, states, absent).run()
+    surveying = _Surveying(system, live, state, costs, began, outlook, states, absent)
+    surveying.is_back = is_back
+    return surveying.run()
 
 
 class _Surveying:
@@ -112,6 +117,7 @@ class _Surveying:
         states: Mapping[str, LifeCycleState | None],
         absent: Collection[str],
     ) -> None:
+        self.is_back = False
         self._outlook = outlook
         self._states = states
         self._absent = frozenset(absent)
@@ -168,7 +174,10 @@ class _Surveying:
             return
         why_not = "" if facts is not None else self._why_not(component)
         if wrong or (why_not and not component.is_required):
-            if wrong and component.is_required:
+            if self.is_back and facts is not None:
+                if facts.instance == component.instance:
+                    self._leaving(component, facts)
+            elif wrong and component.is_required:
                 self._problems.append(wrong)
             else:
                 self._notes.append(wrong or why_not)
@@ -182,10 +191,7 @@ class _Surveying:
         lack = why_not or self._lack(component)
         places = () if lack or not create else (place,)
         why = lack or ("" if create else f"nothing tells how to make {component.path}")
-        module = component.module if component.pattern is None else ""
-        self._units[name] = Unit(name, module, places, why, members)
-        if module:
-            self._module(self._live_facts.home(name), module)
+        self._units[name] = Unit(name, self._module(component), places, why, members)
         is_stated = bool(component.create) or entry is None
         is_stated = is_stated and not (made is not None and is_place_open(made))
         self._desired[f"cmp:{name}"] = self._place_wish(component, facts, place, is_stated)
@@ -197,7 +203,7 @@ class _Surveying:
     def _leaving(self, component: WantedComponent, facts: ComponentFacts) -> None:
         """Take in a component that lives and is to be ended."""
         name = component.instance
-        self._units[name] = Unit(name)
+        self._units[name] = Unit(name, self._module(component))
         self._live[f"cmp:{name}"] = self._place(name, facts.process)
         self._desired[f"cmp:{name}"] = ABSENT
         self._live_state(component, facts)
@@ -241,11 +247,16 @@ class _Surveying:
     def _place(self, name: str, process: str) -> str:
         return place_name(self._live_facts.home(name), process)
 
-    def _module(self, manager: str, module: str) -> None:
-        path, init = split_module(module)
+    def _module(self, component: WantedComponent) -> str:
+        """Return the module that a component needs, and note whether it is loaded."""
+        if not component.module or component.pattern is not None:
+            return ""
+        manager = self._live_facts.home(component.instance)
+        path, init = split_module(component.module)
         loaded = self._live_facts.managers[manager].modules
         if any(is_loaded(known, path, init) for known in loaded):
-            self._live[f"mod:{manager}/{module}"] = LOADED
+            self._live[f"mod:{manager}/{component.module}"] = LOADED
+        return component.module
 
     def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         name = component.instance

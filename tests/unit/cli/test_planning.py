@@ -476,6 +476,66 @@ def test_rollback_leads_back_and_shows_the_way(console):
     assert now.component("Source0").state == "Active"
 
 
+def test_a_component_in_error_does_not_end_the_way_back(console):
+    console.up()
+    console.world.set_state("Source0", LifeCycleState.ERROR, "ValueError: no")
+    console.write(gain="7")
+    console.world.fault = failing(act.ActivateSet)
+    status, _, err = console.run("rtapply --rollback")
+    assert status == 1
+    assert err.endswith("; everything is as it was before, but Source0 is inactive (was error)\n")
+    assert console.world.components["Source0"].sets["default"]["gain"] == "2"
+
+
+def test_what_fails_on_the_way_back_is_told_and_the_rest_goes_back(console):
+    console.up()
+    console.write(gain="7")
+    console.change('rts:data="1"', 'rts:data="8"')
+    ill: list[act.Action] = []
+
+    def fault(action: act.Action) -> Result | None:
+        if isinstance(action, act.ActivateSet) and not ill:
+            ill.append(action)
+        elif not ill or getattr(action, "instance", "") != "Source0":
+            return None
+        return Result(ReturnCode.ERROR, "refused", "no luck")
+
+    console.world.fault = fault
+    status, _, err = console.run("rtapply --rollback --parallel 1")
+    assert status == 1
+    assert "way back: Required action failed: set Source0.gain=2: no luck; going on with" in err
+    assert err.endswith(
+        "; everything is as it was before, but Source0 is inactive (was active),"
+        " Source0.gain=7 (was 2)\n"
+    )
+    assert console.world.state_of("Sink0") == "Active"
+    assert console.world.components["Sink0"].sets["default"]["gain"] == "1"
+
+
+def test_what_turns_out_to_be_another_is_taken_back(console):
+    source = console.world.types["Source"]
+    console.world.types["Source"] = replace(source, type=replace(source.type, version="2.0"))
+    status, _, err = console.run("rtapply --rollback")
+    assert status == 1
+    assert "is RTC:Me:test:Source:2.0, not RTC:Me:test:Source:1.0" in err
+    assert err.endswith("; everything is as it was before\n")
+    assert not console.world.components
+
+
+def test_what_becomes_impossible_on_the_way_is_told_and_taken_back(console):
+    def fault(action: act.Action) -> Result | None:
+        console.world.fault = lambda _: None
+        console.world.perform(act.Create("Sink?instance_name=Sink0", ("localhost/other/S.rtc",)))
+        return None
+
+    console.world.fault = fault
+    status, _, err = console.run("rtapply --rollback --exit-detail --parallel 1")
+    assert status == 7
+    assert "(Sink0 is at /localhost/other/S.rtc)" in err
+    assert err.endswith("; everything is as it was before\n")
+    assert list(console.world.components) == ["Sink0"]
+
+
 def test_what_dies_meanwhile_is_planned_anew(console):
     connected = []
 

@@ -128,7 +128,20 @@ def test_regret_says_what_remains(runner, world):
         plan(step(act.Create("Sink?instance_name=A")), step(act.Create("No?instance_name=B")))
     )
     world.fault = lambda action: NO if isinstance(action, act.Delete) else None
-    assert regret(runner, before, Refused()) == "remains: A"
+    assert regret(runner, before, Refused()) == "remains: A (no)"
+
+
+def test_regret_tells_what_was_removed_when_the_manager_falls_silent(runner, world):
+    before = world.snapshot()
+    runner.run(plan(*(step(act.Create(f"Sink?instance_name={name}")) for name in "ABC")))
+
+    def fault(action):
+        if action == act.Delete("B"):
+            raise Unreachable("it fell silent")
+
+    world.fault = fault
+    told = regret(runner, before, Refused())
+    assert told == "removed again: A; remains: B (manager on box: it fell silent), C"
 
 
 def test_regret_without_a_manager_says_so(world, talk):
