@@ -20,10 +20,10 @@ ALL = "all"
 _Asked = tuple["Path", "ChangeState"]
 
 
-def state_command(name: str, transition: Transition, summary: str) -> Main:
+def state_command(name: str, transition: Transition, summary: str, more: str = "") -> Main:
     """Return the command that asks execution contexts for `transition`."""
 
-    @command(name, help=_help(summary))
+    @command(name, help=_help(summary, more))
     @click.option(
         "-e",
         "--exec_context",
@@ -41,11 +41,11 @@ def state_command(name: str, transition: Transition, summary: str) -> Main:
     return main
 
 
-def _help(summary: str) -> str:
+def _help(summary: str, more: str) -> str:
     return (
         f"{summary}\n\nWaits until every component named is there (--timeout bounds it) and prints"
         " nothing; one that is there already is left as it is. All paths are checked before"
-        " anything changes."
+        f" anything changes.{more}"
     )
 
 
@@ -93,13 +93,14 @@ def _asked(
     app: App, paths: Sequence[Path], transition: Transition, index: int | None, wait: bool
 ) -> list[_Asked]:
     from rtkit.deployment.actions import ChangeState
-    from rtkit.tree.resolve import component
+    from rtkit.tree.resolve import component, supervised
     from rtkit.tree.view import build
 
     # The short listing tells the first context.
     listing = app.tree.listing()
     root = build(listing)
-    nodes = [component(root, path, listing.host) for path in paths]
+    find = component if transition is Transition.ACTIVATE else supervised
+    nodes = [find(root, path, listing.host) for path in paths]
     snapshot = app.tree.part([node.instance for node in nodes]) if index != 0 else None
     asked: list[_Asked] = []
     for path, node in zip(paths, nodes, strict=True):

@@ -56,7 +56,7 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
 
 
 def _node(listing: Listing, path: Path) -> Node:
-    from rtkit.tree.resolve import absent, find
+    from rtkit.tree.resolve import absent, find, zombie
     from rtkit.tree.view import Kind, build
 
     root = build(listing)
@@ -72,7 +72,7 @@ def _node(listing: Listing, path: Path) -> Node:
     elif path.is_directory:
         raise NotFound(f"No such object: {path.typed}")
     elif node.kind is Kind.ZOMBIE:
-        raise Refused(f"Zombie object: {path.typed}")
+        raise zombie(node, path)
     return node
 
 

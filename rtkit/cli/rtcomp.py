@@ -94,6 +94,7 @@ def _change(
 def _name(node: Node, path: Path) -> str:
     """Return the instance name of the composite that is meant."""
     from rtkit.rtc.names import check_instance_name
+    from rtkit.tree.resolve import zombie
     from rtkit.tree.view import Kind
 
     if node.kind is Kind.MANAGER:
@@ -103,7 +104,7 @@ def _name(node: Node, path: Path) -> str:
     if path.port is not None or path.is_directory:
         raise Malformed(f"Not a component: {path.typed}")
     if node.kind is Kind.ZOMBIE:
-        raise Refused(f"Zombie object: {path.typed}")
+        raise zombie(node, path)
     return node.instance
 
 

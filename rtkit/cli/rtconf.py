@@ -123,7 +123,7 @@ def _asked(
 
 
 def _node(listing: Listing, path: Path) -> Node:
-    from rtkit.tree.resolve import absent, find
+    from rtkit.tree.resolve import absent, find, zombie
     from rtkit.tree.view import Kind, build
 
     root = build(listing)
@@ -131,7 +131,7 @@ def _node(listing: Listing, path: Path) -> Node:
     if path.port is not None and node is not None:
         raise Refused(f"Not a component: {path.typed}")
     if node is not None and node.kind is Kind.ZOMBIE and not path.is_directory:
-        raise Refused(f"Zombie object: {path.typed}")
+        raise zombie(node, path)
     is_known = node is not None and node.kind in (Kind.COMPONENT, Kind.MANAGER)
     if node is None or not is_known or (path.is_directory and not node.is_directory):
         raise absent(root, path, listing.host)

@@ -5,4 +5,9 @@ from __future__ import annotations
 from rtkit.cli._transitions import state_command
 from rtkit.rtc.enums import Transition
 
-main = state_command("rtdeact", Transition.DEACTIVATE, "Deactivate components: Active to Inactive.")
+main = state_command(
+    "rtdeact",
+    Transition.DEACTIVATE,
+    "Deactivate components: Active to Inactive.",
+    "\n\nA dead component that its policy brings back comes back Inactive.",
+)

@@ -24,7 +24,7 @@ def main(app: App, paths: tuple[str, ...], is_forced: bool) -> None:
     """Finalise a component and end it.
 
     Its connections and names go with it. Returns when it has ended. A slave, MANAGER.mgr/SLAVE.mgr,
-    ends with all components in it.
+    ends with all components in it. A dead component that its policy would bring back stays away.
 
     A component of which a callback does not come back cannot end; the request stays queued until
     it does. With --force its slave is ended in that case, first asked (TERM), then killed, and
@@ -42,7 +42,7 @@ def main(app: App, paths: tuple[str, ...], is_forced: bool) -> None:
 
 def _action(app: App, path: Path, is_forced: bool) -> Delete | EndSlave:
     from rtkit.deployment.actions import Delete, EndSlave
-    from rtkit.tree.resolve import component, find
+    from rtkit.tree.resolve import find, supervised
     from rtkit.tree.view import build
 
     listing = app.tree.listing()
@@ -50,4 +50,4 @@ def _action(app: App, path: Path, is_forced: bool) -> Delete | EndSlave:
     node = find(root, path, listing.host)
     if node is not None and node.is_slave and path.port is None:
         return EndSlave(node.process, is_forced)
-    return Delete(component(root, path, listing.host).instance, is_forced)
+    return Delete(supervised(root, path, listing.host).instance, is_forced)

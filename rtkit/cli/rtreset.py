@@ -5,4 +5,10 @@ from __future__ import annotations
 from rtkit.cli._transitions import state_command
 from rtkit.rtc.enums import Transition
 
-main = state_command("rtreset", Transition.RESET, "Reset components: Error to Inactive.")
+main = state_command(
+    "rtreset",
+    Transition.RESET,
+    "Reset components: Error to Inactive.",
+    "\n\nA dead component that waits for its restart, or was given up, is made again at once,"
+    " Inactive; its earlier ends are forgiven.",
+)

@@ -29,6 +29,8 @@ class Row(NamedTuple):
             its health; empty for nothing.
         restarts: How often it was made again after its loss.
         restarted_for: For what its policy did so the last time; mostly empty.
+        due_s: When it is to be made again, on the monotonic clock of its host [s]; 0 for never.
+        given_up: Why it is made again no more; empty when it is not given up.
     """
 
     instance: str
@@ -49,6 +51,22 @@ class Row(NamedTuple):
     again: str = ""
     restarts: int = 0
     restarted_for: str = ""
+    due_s: float = 0.0
+    given_up: str = ""
+
+    @property
+    def is_in_hand(self) -> bool:
+        """Whether it is dead, and its policy brings it back, or gave it up."""
+        return bool(self.zombie) and bool(self.due_s or self.given_up)
+
+    def coming(self, now_s: float) -> str:
+        """Return in how long it comes back, from monotonic `now_s` [s] on; empty if it does not."""
+        if not self.due_s:
+            return ""
+        left_s = self.due_s - now_s
+        if left_s <= 0:
+            return "just coming back"
+        return f"comes back in {left_s:.{0 if left_s >= 1 else 1}f} s"
 
 
 class Listing(NamedTuple):
@@ -111,6 +129,8 @@ def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Ro
         component.upkeep.history,
         component.upkeep.restarts,
         component.upkeep.why,
+        component.upkeep.due_s,
+        component.upkeep.given_up,
     )
 
 
@@ -140,9 +160,11 @@ def listing_from_text(text: str) -> Listing:
                         *map(str, (context, cause, again)),
                         int(restarts),
                         str(why),
+                        float(due_s),
+                        str(given_up),
                     ]
                 )
-                for *row, names, context, cause, again, restarts, why in rows
+                for *row, names, context, cause, again, restarts, why, due_s, given_up in rows
             ),
             tuple(map(str, names)),
             str(trouble),

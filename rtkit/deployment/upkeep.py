@@ -18,6 +18,7 @@ class Upkeep:
         degraded: Which rule of health it breaks that says so.
         rested: Which rule it broke for which it was deactivated.
         halted: For which loss everything was deactivated, since it is critical.
+        due_s: When it is to be made again, on the monotonic clock of its host [s]; 0 for never.
     """
 
     restarts: int = 0
@@ -28,6 +29,7 @@ class Upkeep:
     degraded: str = ""
     rested: str = ""
     halted: str = ""
+    due_s: float = 0.0
 
     @property
     def trouble(self) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.errors import Refused
 from rtkit.rtc.names import is_local_host, parse_path
-from rtkit.tree.resolve import entry
+from rtkit.tree.resolve import entry, zombie
 from rtkit.tree.view import Kind, build
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def open_live(path: str, timeout_s: float) -> Live:
         listing = tree.listing()
         node = entry(build(listing), where, listing.host)
         if node.kind is Kind.ZOMBIE:
-            raise Refused(f"Zombie object: {path}")
+            raise zombie(node, where)
         if node.is_slave or node.kind not in (Kind.COMPONENT, Kind.MANAGER):
             raise Refused(f"Not a component or manager: {path}")
         return Live(tree, node.instance)

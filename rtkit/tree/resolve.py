@@ -92,6 +92,26 @@ def component(root: Node, path: Path, hostname: str) -> Node:
     return _living(root, path, hostname)
 
 
+def supervised(root: Node, path: Path, hostname: str) -> Node:
+    """Return the component at `path`: it lives, or its policy has it in hand after its end.
+
+    Raises:
+        NotFound: Nothing is there.
+        Malformed: A port, or something with a trailing slash.
+        Refused: A directory, a manager, or a zombie that stays one.
+    """
+    check_component_syntax(path)
+    node = find(root, path, hostname)
+    if node is not None and node.row is not None and node.row.is_in_hand:
+        return node
+    return _living(root, path, hostname)
+
+
+def zombie(node: Node, path: Path) -> Refused:
+    """Return the error that nobody is behind `path` any more, with why."""
+    return Refused(f"Zombie object: {path.typed} ({node.remark})")
+
+
 def component_of_port(root: Node, path: Path, hostname: str) -> Node:
     """Return the living component whose port `path` names.
 
@@ -125,7 +145,7 @@ def manager(root: Node, path: Path, hostname: str) -> Node:
     if node is None:
         raise absent(root, path, hostname)
     if node.kind is Kind.ZOMBIE:
-        raise Refused(f"Zombie object: {path.typed}")
+        raise zombie(node, path)
     if node.kind is not Kind.MANAGER or path.port is not None:
         raise Refused(f"Not a manager: {path.typed}")
     return node
@@ -136,7 +156,7 @@ def _living(root: Node, path: Path, hostname: str) -> Node:
     if node is None:
         raise absent(root, path, hostname)
     if node.kind is Kind.ZOMBIE:
-        raise Refused(f"Zombie object: {path.typed}")
+        raise zombie(node, path)
     if node.kind is not Kind.COMPONENT:
         raise Refused(f"Not a component: {path.typed}")
     return node

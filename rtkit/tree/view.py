@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from enum import Enum
+from time import monotonic
 
 from rtkit.deployment.listing import Listing, Row
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_host
@@ -96,8 +97,9 @@ class Node:
         if row is None:
             return self.trouble
         made = "stand-in" if row.is_stand_in else ""
-        known = (row.zombie, made) if row.zombie else (row.trouble, row.cause, row.again, made)
-        return ", ".join(filter(None, known))
+        if row.zombie:
+            return ", ".join(filter(None, (row.zombie, row.coming(monotonic()), made)))
+        return ", ".join(filter(None, (row.trouble, row.cause, row.again, made)))
 
     def entries(self) -> list[Node]:
         """Return what is directly below, by name."""

@@ -224,7 +224,7 @@ def test_a_killed_slave_leaves_zombies_with_the_reason(manager: Any) -> None:
     line = manager.ok("rtls -l /localhost/ConsoleOut1.rtc")
     assert line == "-  -  -  -  -  *ConsoleOut1.rtc  (signal 9)\n"
     for command in ("rtact", "rtcat", "rtconf", "rtdis"):
-        told = f"{command}: Zombie object: /localhost/ConsoleOut1.rtc\n"
+        told = f"{command}: Zombie object: /localhost/ConsoleOut1.rtc (signal 9)\n"
         assert manager.run(f"{command} /localhost/ConsoleOut1.rtc") == (1, "", told)
     manager.ok(f"rtmgr -d ConsoleOut1 {MANAGER}")
     assert manager.ok("rtls /localhost").split() == ["ConsoleOut0.rtc", "manager.mgr/"]

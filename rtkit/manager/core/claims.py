@@ -7,11 +7,11 @@ from collections.abc import Collection, Generator
 from typing import Any
 
 from rtkit.deployment import actions as act
-from rtkit.errors import Refused, RtkitError
+from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.registration import check_free, early_names, is_own_place
 from rtkit.manager.core.state import Claim, State
-from rtkit.manager.core.wishes import Ask
+from rtkit.manager.core.wishes import Ask, Until
 from rtkit.manager.settings.values import PROCESS_UNIQUE
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.names import check_instance_name
@@ -33,6 +33,13 @@ def names_elsewhere(state: State, create: CreateString) -> Generator[Ask, Any, C
     return frozenset(names)
 
 
+def at_rest(state: State, instance: str) -> Generator[Until, Any, None]:
+    """Wait until nobody makes or ends a component of that name any more."""
+    while instance in state.ending or instance in state.claims:
+        yield Until(lambda: instance not in state.ending, f"{instance} is just being deleted")
+        yield Until(lambda: instance not in state.claims, f"{instance} is just being made")
+
+
 def claim_name(
     state: State, action: act.Create, create: CreateString, taken: Collection[str] = ()
 ) -> tuple[str, Claim]:
@@ -44,8 +51,6 @@ def claim_name(
     """
     instance = create.instance_name or _free_name(state, action, create, taken)
     check_instance_name(instance)
-    if instance in state.claims:
-        raise Refused(f"{instance} is just being made")
     known = state.components.get(instance)
     asked = action.names or (known.names if known is not None else ())
     names = asked or early_names(state, create, instance)

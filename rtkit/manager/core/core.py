@@ -210,7 +210,8 @@ class Core:
         if self._now > job.until:
             done(failed(Unreachable(NOT_BEGUN)))
             return
-        steps = procedure_for(job.batch.actions[index], self.state)
+        action = job.batch.actions[index]
+        steps = self._supervisor.steps(action) or procedure_for(action, self.state)
         self._tasks.begin(steps, job.batch.timeout_s, done)
 
     def _done(self, job: _Job, index: int, began: float, result: Result) -> None:

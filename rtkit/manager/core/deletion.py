@@ -13,6 +13,7 @@ from typing import Any
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
+from rtkit.manager.core.claims import at_rest
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
@@ -32,6 +33,8 @@ def delete(state: State, action: act.Delete) -> Procedure:
         Unreachable: It does not end; says what is stuck, and what helps.
     """
     instance = action.instance
+    if instance not in state.ending:
+        yield from at_rest(state, instance)
     facts = state.components.get(instance)
     process = state.process_of(instance)
     if facts is None or process is None:

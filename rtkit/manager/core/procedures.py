@@ -14,7 +14,7 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.health import read_rules
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
-from rtkit.manager.core.claims import claim_name, names_elsewhere
+from rtkit.manager.core.claims import at_rest, claim_name, names_elsewhere
 from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
@@ -149,9 +149,8 @@ def _unload(state: State, action: act.Unload) -> Procedure:
 
 def _create(state: State, action: act.Create) -> Procedure:
     create = parse_create(action.create)
+    yield from at_rest(state, create.instance_name)
     known = state.components.get(create.instance_name)
-    if known is not None and known.instance in state.ending:
-        raise Refused(f"{known.instance} is just being deleted")
     if known is not None and not known.zombie:
         return Result(value=known.instance, note=_otherwise(state, action, create, known))
     create = _in_language(state, create)

@@ -93,7 +93,8 @@ def revive(state: State, instances: Collection[str], failed: Failed) -> Steps:
         tuple(
             _done(state, act.ChangeState(i, context, Transition.ACTIVATE), f"activate {i}", failed)
             for i in living
-            for context in wishes[i].active
+            if i in kept.components
+            for context in kept.components[i].active  # it may have been wished otherwise meanwhile
             if not _is_active(state, i, context)
         )
     )

@@ -199,6 +199,12 @@ class State:
         """Return what is told of the ends and the health of a component."""
         return self.watched(instance).told(self.degraded.get(instance, ""))
 
+    def is_in_hand(self, instance: str) -> bool:
+        """Whether a component is dead, and its policy brings it back, or gave it up."""
+        facts, watched = self.components.get(instance), self.watched(instance)
+        is_dead = facts is not None and bool(facts.zombie)
+        return is_dead and instance in self.kept.components and watched.is_in_hand
+
     def tell_upkeep(self, instance: str) -> None:
         """Have the facts of a component say what was done about it."""
         facts = self.components.get(instance)

@@ -7,7 +7,7 @@ what he ended is not made again, what he made himself begins with a clean record
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Generator, Iterable
+from collections.abc import Collection, Generator, Iterable, Mapping
 from typing import Any
 from zlib import crc32
 
@@ -15,9 +15,10 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.supervision import WINDOW_S, Policy, Restart, at_end, at_health
-from rtkit.errors import RtkitError, Unreachable
+from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.manager.core.deletion import FORCE_S
 from rtkit.manager.core.kept import WATCHED
+from rtkit.manager.core.noting import note
 from rtkit.manager.core.policies import policy_of
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.restoring import lives, revive
@@ -140,6 +141,37 @@ class Supervisor:
             self._state.watch(instance, halted=why)
         self._tasks.begin(_stop_system(self._state, critical, why), _STOP_S, _ignore)
 
+    def steps(self, action: act.Action) -> Procedure | None:
+        """Return how an action is done to a component that is in hand; None for any other."""
+        if not isinstance(action, act.ChangeState) or not self._state.is_in_hand(action.instance):
+            return None
+        return self._change_wish(action)
+
+    def _change_wish(self, action: act.ChangeState) -> Procedure:
+        """Wish a dead component at rest; at a reset make it again at once, and forgive all.
+
+        Raises:
+            Refused: It is to be active, which it cannot be now.
+            RtkitError: It cannot be made.
+        """
+        yield from ()
+        state, instance = self._state, action.instance
+        if action.transition is Transition.ACTIVATE:
+            raise Refused(f"zombie ({state.components[instance].zombie}): {instance}")
+        note(state.kept, action)
+        if action.transition is Transition.RESET:
+            yield from self._make_at_once(instance)
+        return Result()
+
+    def _make_at_once(self, instance: str) -> Generator[Yielded, Any, None]:
+        state, failures = self._state, list[RtkitError]()
+        state.kept.put(WATCHED, instance, state.watched(instance).record)
+        state.returning.discard(instance)
+        yield from revive(state, [instance], lambda _what, error: failures.append(error))
+        if failures:
+            raise failures[0]
+        state.watch(instance, restarts=state.watched(instance).restarts + 1)
+
     def heard(self, facts: ComponentFacts, now: float) -> None:
         """Take note of how a component is: in Error it counts as lost."""
         state, instance = self._state, facts.instance
@@ -182,11 +214,18 @@ class Supervisor:
 
     def _begin(self, instances: Collection[str], wait_s: float, why: str) -> None:
         self._state.returning.update(instances)
-        again = self._bring_back(instances, wait_s, why)
+        dues = {each: self._state.watched(each).ledger.times for each in instances}
+        again = self._bring_back(dues, wait_s, why)
         self._tasks.begin(again, _REVIVE_S, _ignore)
 
-    def _bring_back(self, instances: Collection[str], wait_s: float, why: str) -> Procedure:
-        """Make components again after a while, unless somebody has done so or ended them."""
+    def _bring_back(
+        self, dues: Mapping[str, tuple[float, ...]], wait_s: float, why: str
+    ) -> Procedure:
+        """Make components again after a while, unless somebody has done so or ended them.
+
+        `dues` tells by its last moment which restart of each it is: another one may be due after
+        a reset.
+        """
         state = self._state
         failures: list[str] = []
 
@@ -196,13 +235,14 @@ class Supervisor:
 
         try:
             yield Pause(wait_s)
-            still = [each for each in instances if self._is_missed(each)]
+            still = [each for each in self._of_this(dues) if self._is_missed(each)]
             for instance in still:
                 if lives(state, instance):
                     yield from _take_down(state, instance)
             yield from revive(state, still, failed)
             yield Pause(_BREATH_S)
         finally:
+            instances = self._of_this(dues)
             state.returning.difference_update(instances)
             state.unwell.difference_update(instances)
         now = yield Clock()
@@ -215,6 +255,11 @@ class Supervisor:
                 state.watch(instance, pending="")
         self.lost(dead, failures[0] if failures else "it ended at its start", now)
         return Result()
+
+    def _of_this(self, dues: Mapping[str, tuple[float, ...]]) -> list[str]:
+        """Return those for which no other restart is due by now."""
+        watched = {each: self._state.watched(each) for each in dues}
+        return [i for i, w in watched.items() if not w.pending or w.ledger.times == dues[i]]
 
     def _is_missed(self, instance: str) -> bool:
         """Whether a component is wished for, there is nothing of use, and nobody has reset it."""

@@ -41,6 +41,7 @@ from rtkit.manager.core.wishes import (
     Signal,
     Tell,
     Together,
+    Until,
     Wait,
     Wish,
 )
@@ -99,6 +100,7 @@ class Tasks:
         self._keys = itertools.count(OWN_PROCESS + 1)
         self._ready: deque[_Step] = deque()
         self._waiting: dict[int, _Task] = {}
+        self._conditions: dict[int, None] = {}
         self._deadlines: list[tuple[float, int]] = []
 
     @property
@@ -120,7 +122,7 @@ class Tasks:
         while True:
             while self._ready:
                 self._resume(self._ready.popleft())
-            if not self._expire():
+            if not (self._go_on_with_what_is_so() or self._expire()):
                 break
         self._prune()
         if self._deadlines and self._deadlines[0][0] < math.inf:
@@ -231,6 +233,10 @@ class Tasks:
                     if not _have_ended(wish):
                         self._wait(task, wish, -1, wish.timeout_s)
                         return
+                case Until(is_so):
+                    if not is_so():
+                        self._conditions[self._wait(task, wish, -1)] = None
+                        return
                 case Together():
                     self._side_by_side(task, wish)
                     return
@@ -283,6 +289,17 @@ class Tasks:
             self._out.append(SpawnSlave(process.key, name))
         return process
 
+    def _go_on_with_what_is_so(self) -> bool:
+        """End the waits for what others have brought about; return whether there were any."""
+        for number in list(self._conditions):
+            task = self._waiting.get(number)
+            if task is None:
+                del self._conditions[number]
+            elif isinstance(task.wait, Until) and task.wait.is_so():
+                self._go_on(number, None)
+                return True  # one at a time: what it does may undo what the next one waits for
+        return False
+
     def _expire(self) -> bool:
         """End the waits whose time is up; return whether there were any."""
         while self._deadlines and self._deadlines[0][0] <= self._now:
@@ -305,6 +322,8 @@ class Tasks:
         heapq.heappush(self._deadlines, (self._now + _INSPECTION_S, number))
 
     def _late(self, task: _Task) -> Unreachable:
+        if isinstance(task.wait, Until):
+            return Unreachable(task.wait.why)
         key = task.key
         process = self._state.processes.get(key)
         if process is None:

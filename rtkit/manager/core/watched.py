@@ -38,6 +38,16 @@ class Watched:
         """What is left of it when nothing that it did is held against it any more."""
         return Watched(restarts=self.restarts, why=self.why, took_s=self.took_s)
 
+    @property
+    def is_in_hand(self) -> bool:
+        """Whether it is to be made again, or was given up."""
+        return bool(self.pending or self.given_up)
+
+    @property
+    def due_s(self) -> float:
+        """When it is to be made again, monotonic [s]; 0 when it is not."""
+        return self.ledger.times[-1] if self.pending and self.ledger.times else 0.0
+
     def told(self, degraded: str) -> Upkeep:
         """Return what is told of it, with the rule of health that it breaks."""
         return Upkeep(
@@ -49,4 +59,5 @@ class Watched:
             degraded,
             self.rested,
             self.halted,
+            self.due_s,
         )

@@ -8,7 +8,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.state import Opening, Process, State
-from rtkit.manager.core.wishes import Ask, Procedure, Tell
+from rtkit.manager.core.wishes import Ask, Procedure, Tell, Until
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.interface_types import DIRECT, differing
 from rtkit.rtc.plain import encode
@@ -36,11 +36,12 @@ def living(state: State, instance: str) -> Process:
 def connect(state: State, wire: ConnectorProfile) -> Procedure:
     """Make a connector; one that exists between the same ports is what was asked for."""
     connector_id = wire.connector_id
+    while connector_id in state.openings:
+        why = f"connection {connector_id} is just being made"
+        yield Until(lambda: connector_id not in state.openings, why)
     known = state.connectors.get(connector_id)
     if known is not None:
         return _same(known, wire)
-    if connector_id in state.openings:
-        raise Refused(f"connection {connector_id} is just being made")
     if not connector_id or any(ord(c) < 32 for c in connector_id):
         raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
     ports = _ports(state, wire)

@@ -6,7 +6,7 @@ waited for, or raises inside it the error that ended the wait.
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from typing import Any
 
 from rtkit.deployment.actions import Result
@@ -58,6 +58,14 @@ class Pause:
 
 
 @dataclass(frozen=True, slots=True)
+class Until:
+    """Wait until something is so that other procedures bring about; `why` tells what it is not."""
+
+    is_so: Callable[[], bool]
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class Tell:
     """Send a message to a holder that needs no answer; goes on at once."""
 
@@ -92,6 +100,6 @@ class Together:
     procedures: tuple[Procedure, ...]
 
 
-Wait = Need | Ask | AllEnded | Pause | Together
+Wait = Need | Ask | AllEnded | Pause | Until | Together
 Wish = Wait | Tell | Signal | Later | Clock
 Procedure = Generator[Wish, Any, Result]

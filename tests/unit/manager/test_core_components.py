@@ -296,9 +296,28 @@ def test_one_that_lives_is_returned_and_nothing_is_made(shell):
 def test_concurrent_creations_never_share_a_name(shell):
     asked = shell.ask(create("Thing"), create("Thing"), ordered=False)
     same = shell.ask(create("Thing?instance_name=Thing1"))
-    assert (same.result.kind, same.result.why) == ("refused", "Thing1 is just being made")
+    assert not same.is_answered
     shell.serve()
     assert [result.value for result in asked.results] == ["Thing0", "Thing1"]
+    assert same.result.value == "Thing1"
+
+
+def test_creations_of_one_name_wait_for_the_first(shell):
+    first, *others = [shell.ask(create(), timeout_s=float(n)) for n in (9, 8, 7)]
+    late = shell.ask(create(), timeout_s=1.0)
+    shell.wait(1.0)
+    assert (late.result.kind, late.result.why) == ("unreachable", "A is just being made")
+    shell.refuse(shell.next("create"))
+    assert first.result.kind == "not-found"
+    shell.serve()  # the first of those who wait makes it
+    assert [asked.result.value for asked in others] == ["A", "A"]
+    assert not shell.state.claims
+
+
+def test_a_deletion_waits_for_the_creation(shell):
+    made, deleted = shell.ask(create()), shell.ask(Delete("A"))
+    shell.serve()
+    assert (made.result.value, deleted.result.ok, shell.state.components) == ("A", True, {})
 
 
 def test_a_name_is_taken_also_while_its_owner_is_being_made(shell):
@@ -631,11 +650,13 @@ def test_a_deletion_of_what_its_process_no_longer_has_is_done(shell):
 def test_while_one_is_being_deleted_nothing_else_is_done_with_it(shell):
     shell.make("A")
     asked = shell.ask(Delete("A"))
-    for action in (Delete("A"), create(), ChangeState("A", "0", Transition.ACTIVATE)):
+    for action in (Delete("A"), ChangeState("A", "0", Transition.ACTIVATE)):
         result = shell.ask(action).result
         assert (result.kind, result.why) == ("refused", "A is just being deleted")
+    again = shell.ask(create())
     shell.serve()
     assert asked.result.ok
+    assert (again.result.value, list(shell.state.components)) == ("A", ["A"])
 
 
 def test_one_in_a_stopped_slave_is_not_touched(shell):

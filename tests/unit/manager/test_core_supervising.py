@@ -7,6 +7,7 @@ from endings import come_back, do, in_error, make, pass_time
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.supervision import HEALTHY_S
+from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import FakeShell, facts, wire
 from rtkit.rtc.enums import LifeCycleState, Transition
@@ -130,6 +131,92 @@ def test_nothing_comes_back_into_a_manager_that_stops() -> None:
         shell.wait(100.0)
         assert not shell.spawned
         assert shell.is_finished
+
+
+def test_one_that_waits_can_be_laid_to_rest_and_comes_back_so() -> None:
+    shell = FakeShell()
+    make(shell, "A", restart="on-failure")
+    do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
+    shell.end(shell.state.holders["A"])
+    refused = shell.ask(act.ChangeState("A", "0", Transition.ACTIVATE)).result
+    assert (refused.kind, refused.why) == ("refused", "zombie (signal 9): A")
+    do(shell, act.ChangeState("A", "0", Transition.DEACTIVATE))
+    assert come_back(shell) == ["create"]
+
+
+def test_what_is_told_to_rest_while_it_is_made_is_not_activated() -> None:
+    shell = FakeShell()
+    make(shell, "A", restart="on-failure")
+    do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
+    shell.end(shell.state.holders["A"])
+    pass_time(shell, 20.0)
+    shell.fork("s")
+    do(shell, act.ChangeState("A", "0", Transition.DEACTIVATE))
+    assert shell.state.components["A"].zombie == ""
+    shell.wait(1.0)
+    assert not shell.calls
+
+
+@pytest.mark.parametrize("ends", [1, 6])
+def test_a_reset_makes_one_that_waits_or_is_given_up_again_at_once(ends: int) -> None:
+    shell = FakeShell()
+    make(shell, "A", restart="on-failure")
+    do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
+    for turn in range(ends):
+        shell.end(shell.state.holders["A"])
+        if turn < ends - 1:
+            come_back(shell)
+    began = shell.now
+    asked = shell.ask(act.ChangeState("A", "0", Transition.RESET))
+    assert come_back(shell) == ["create"]
+    assert asked.result.ok
+    assert shell.now == pytest.approx(began, abs=0.01)
+    facts = shell.state.components["A"]
+    assert (facts.zombie, facts.upkeep.given_up, facts.upkeep.restarts) == ("", "", ends)
+    shell.end(shell.state.holders["A"])  # as if for the first time
+    assert shell.state.components["A"].upkeep.due_s - shell.now == pytest.approx(0.1, rel=0.11)
+    assert come_back(shell) == ["create"]
+    shell.wait(60.0)
+    assert not shell.spawned
+
+
+def test_a_reset_that_fails_says_why() -> None:
+    shell = FakeShell()
+    make(shell, "A", **{"restart": "on-failure", "restart.delay": "9"})
+    shell.end(shell.state.holders["A"])
+    asked = shell.ask(act.ChangeState("A", "0", Transition.RESET))
+    shell.fork("s")
+    shell.refuse(shell.next("create"), Refused("no such type"))
+    assert asked.result.why == "no such type"
+    assert shell.state.components["A"].zombie == "signal 9"
+
+
+def test_one_that_is_deleted_while_it_comes_back_does_not_stay() -> None:
+    shell = FakeShell()
+    make(shell, "A", restart="on-failure")
+    shell.end(shell.state.holders["A"])
+    pass_time(shell, 20.0)
+    deleted = shell.ask(act.Delete("A"))
+    key = shell.fork("s")
+    shell.serve()
+    shell.end(key, "exit status 0")
+    assert deleted.result.ok
+    assert not shell.state.components
+    assert not shell.state.kept.components
+
+
+def test_another_one_of_the_name_of_one_that_was_ended_is_made_again_too() -> None:
+    shell = FakeShell()
+    for _ in range(3):
+        make(shell, "A", **{"restart": "on-failure", "restart.delay": "5"})
+        shell.end(shell.state.holders["A"])
+        do(shell, act.Delete("A"))
+        shell.wait(1.0)
+    make(shell, "A", restart="on-failure")
+    shell.wait(20.0)
+    shell.end(shell.state.holders["A"])
+    assert come_back(shell, 1.0) == ["create"]
+    assert not shell.state.returning
 
 
 def test_who_was_made_again_by_hand_is_not_made_twice() -> None:
