@@ -41,6 +41,8 @@ def main(
     With --rollback it goes back instead, by the cheapest way; what fails on that way is told, and
     the rest goes back all the same.
 
+    Managers of this host that do not run and are needed are started first, as rtmgr start does.
+
     --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
     noted: plans made later count with it.
     """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from rtkit.cli._app import App, command
@@ -9,6 +11,10 @@ from rtkit.cli.system import shared
 from rtkit.cli.system.document import read_document
 from rtkit.cli.system.foresight import lacking
 from rtkit.errors import UsageProblem
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.system import System
 
 
 @command("rtresurrect")
@@ -43,6 +49,9 @@ def main(
     component profile says how; then connections are made and configuration sets written and
     activated. What is there already is left as it is. If something required fails, what was made
     is removed again.
+
+    Managers of this host that do not run are started first, as rtmgr start does; with --no-create
+    they must run.
     """
     from rtkit.cli.system.known_types import known_types
     from rtkit.deployment.creation import creation_plan
@@ -57,31 +66,35 @@ def main(
 
         with document.naming():
             check_paths(document.profile)
-    before = shared.look(app, document.profile, dry_run=dry_run)
-    system = shared.wanted_system(
-        app,
-        document,
-        before,
-        stand_in=stand_in,
-        transmit=transmit,
-        mapped=mapped,
-        known_types=None if no_create or stand_in else known_types(document.profile, before),
-    )
-    lacks = {} if no_create else lacking(app, system, before)
-    with document.naming():
-        if not dry_run:
-            from rtkit.cli._meter import counted, metered
-            from rtkit.cli.system import step_times
-            from rtkit.tree.resurrect import resurrect
+    found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create)
+    with shared.managers_started(app, found, dry_run=dry_run) as before:
+        system = shared.wanted_system(
+            app,
+            document,
+            before,
+            stand_in=stand_in,
+            transmit=transmit,
+            mapped=mapped,
+            known_types=None if no_create or stand_in else known_types(document.profile, before),
+        )
+        lacks = {} if no_create else lacking(app, system, before)
+        with document.naming():
+            if dry_run:
+                live = Live(before, system)
+                creation = creation_plan(system, live, may_create=not no_create, lacks=lacks)
+                shared.show(creation)
+                shared.show(wiring_plan(system, live, creation.made))
+            else:
+                _bring_up(app, system, before, lacks, may_create=not no_create)
 
-            with (
-                step_times.noting(app, system, before) as taken,
-                metered(app, "resurrect") as show,
-            ):
-                runner = shared.runner(app, counted(show), taken)
-                resurrect(app.tree, system, before, runner, may_create=not no_create, lacks=lacks)
-            return
-        live = Live(before, system)
-        creation = creation_plan(system, live, may_create=not no_create, lacks=lacks)
-    shared.show(creation)
-    shared.show(wiring_plan(system, live, creation.made))
+
+def _bring_up(
+    app: App, system: System, before: Snapshot, lacks: dict[str, str], *, may_create: bool
+) -> None:
+    from rtkit.cli._meter import counted, metered
+    from rtkit.cli.system import step_times
+    from rtkit.tree.resurrect import resurrect
+
+    with step_times.noting(app, system, before) as taken, metered(app, "resurrect") as show:
+        runner = shared.runner(app, counted(show), taken)
+        resurrect(app.tree, system, before, runner, may_create=may_create, lacks=lacks)

@@ -50,6 +50,8 @@ def main(
     another (rtkit help states). A system is in the state whose wishes all hold; that is seen, not
     remembered. The transition is the cheapest plan: what both states wish is not touched.
 
+    With --goto and --event managers of this host that do not run are started when needed.
+
     Without options the states are shown, with the way to each and the events of the present one;
     the status is 1 when the system is in none. With --follow each transition is told on stdout,
     and the steps on stderr when verbose.
@@ -76,6 +78,7 @@ def main(
         basis=basis,
         stand_in=stand_in,
         transmit=transmit,
+        starts=goto is not None or event is not None,
     )
     states, snapshot = States(begun), begun.snapshot
     if follow:

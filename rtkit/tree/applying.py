@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
@@ -135,14 +136,35 @@ class Applier:
             KeyboardInterrupt: Interrupted; its text tells what is left.
         """
         system = self._goal.system
-        doing = Doing(system, Live(before, system))
         try:
+            plan, before = self._with_managers(plan, before)
+            doing = Doing(system, Live(before, system))
             self._reach(plan, doing, lambda now: self._goal.survey(now, before).model, system)
         except RtkitError as error:
             raise from_kind(error.kind, f"{error}; {self._after(before, rolls_back)}") from error
         except KeyboardInterrupt as error:
             told = self._after(before, rolls_back=rolls_back)
             raise KeyboardInterrupt("; ".join(filter(None, (str(error), told)))) from error
+
+    def _with_managers(
+        self, plan: DeploymentPlan, before: Snapshot
+    ) -> tuple[DeploymentPlan, Snapshot]:
+        """Start the managers of a plan; what they bring back counts as what lived before."""
+        starts = [move for move in plan.moves if move.kind == "start_manager"]
+        for move in starts:
+            try:
+                uninterrupted(partial(self._tree.start, move.subject))
+            except RtkitError as error:
+                raise from_kind(error.kind, f"{move.text}: {error}") from error
+            self._progress(f"[1/{len(plan.layers)}] {move.text}")
+        if not starts:
+            return plan, before
+        before = self._look()
+        rest = self._goal.plan(before)
+        if [*rest.moves] == [move for move in plan.moves if move not in starts]:
+            return plan, before
+        self._report("not as planned: a manager came back with what it kept; planning anew")
+        return rest, before
 
     def _reach(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> None:
         for _ in range(_MOST_PLANS):
@@ -232,7 +254,7 @@ class Applier:
                 known, ended = ended, way.gone(self._look())
                 if ended == known or not ended:
                     raise
-        return self._outcome(way, self._look())
+        return self._outcome(way, self._look(), uninterrupted(self._tree.end_started))
 
     def _give_up(self, way: WayBack, variables: Iterable[str], error: RtkitError) -> None:
         given_up = list(variables)
@@ -241,8 +263,9 @@ class Applier:
         way.give_up(given_up)
         self._report(f"way back: {error}; going on with the rest")
 
-    def _outcome(self, way: WayBack, left: Snapshot) -> str:
-        unlike = ", ".join(way.unlike(left))
+    def _outcome(self, way: WayBack, left: Snapshot, started: Sequence[str]) -> str:
+        runs_on = (f"manager {name} runs" for name in started)
+        unlike = ", ".join([*way.unlike(left), *runs_on])
         but = f", but {unlike}" if unlike else ""
         gone = ", ".join(way.gone(left))
         ended = f", but for what was in manager {gone}, which has ended" if gone else ""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
 from rtkit.closing import Closing
-from rtkit.errors import Malformed, Unreachable
+from rtkit.errors import Malformed, Refused, Unreachable
 from rtkit.link import keys
 from rtkit.tree.api import ByPath, as_text
 
@@ -79,6 +79,18 @@ class Tree(ByPath, Closing):
     def at(self, manager: str) -> Tree:
         """Return the connection to one of the managers that are asked; here there is only one."""
         return self
+
+    def start(self, manager: str) -> None:
+        """Start a manager that does not run; this connection cannot.
+
+        Raises:
+            Refused: It cannot; tells who can.
+        """
+        raise Refused(f"manager {manager} does not run; start it with: rtmgr start {manager}")
+
+    def end_started(self) -> list[str]:
+        """End the managers that were started; return those that hold something and run on."""
+        return []
 
     def remains(self) -> Snapshot:
         """Return what can still be seen after a failure.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import select
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -13,11 +14,14 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.joint import down, homes_in, joined, manager_for, sent
 from rtkit.errors import RtkitError, Unreachable
+from rtkit.link.inproc import InprocLink
 from rtkit.rtc.profiles import ConnectorProfile
-from rtkit.tree.client import Tree
+from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree
 from rtkit.tree.listening import Ear, Heard
 
 Answer = Callable[[], tuple[Result, ...]]
+Start = Callable[[str], Tree]
+"""Starts a manager of that name, and connects to it."""
 
 
 class Fleet(Tree):
@@ -30,10 +34,29 @@ class Fleet(Tree):
     """
 
     def __init__(
-        self, names: Sequence[str], trees: Mapping[str, Tree], homes: Mapping[str, str]
+        self,
+        names: Sequence[str],
+        trees: Mapping[str, Tree],
+        homes: Mapping[str, str],
+        start: Start | None = None,
     ) -> None:
-        first = next(iter(trees.values()))
-        super().__init__(first.link, first.host, names[0], first.timeout_s)
+        """Join connections.
+
+        Args:
+            names: All managers that are meant.
+            trees: The connections to those that run.
+            homes: Where components belong.
+            start: Starts a manager and connects to it; None where that is for others to do.
+        """
+        first = next(iter(trees.values()), None)
+        super().__init__(
+            first.link if first is not None else InprocLink(),  # where nobody answers
+            first.host if first is not None else os.uname().nodename,
+            names[0],
+            first.timeout_s if first is not None else DEFAULT_TIMEOUT_S,
+        )
+        self._start = start
+        self._started: dict[str, bool] = {}
         self.names = tuple(names)
         self.trees = dict(trees)
         self.homes = dict(homes)
@@ -58,6 +81,41 @@ class Fleet(Tree):
         if name not in self.trees:
             raise Unreachable(f"manager {name!r} is not running")
         return self.trees[name]
+
+    def start(self, manager: str) -> None:
+        """Start one of the managers.
+
+        Raises:
+            Refused: It cannot be started, or that is for others to do.
+            Unreachable: It was not ready in time.
+        """
+        if self._start is None:
+            super().start(manager)
+            return
+        tree = self._start(manager)
+        if not self.trees:
+            self.link = tree.link
+        self.trees[manager] = tree
+        found = tree.snapshot()
+        self._started[manager] = not (found.components or found.modules)
+
+    def end_started(self) -> list[str]:
+        """End the managers that were started and held nothing then; return the others."""
+        from rtkit.tree import managers
+
+        left = []
+        for name, was_empty in self._started.items():
+            tree = self.trees.get(name)
+            if tree is None or tree.has_ended():
+                continue
+            if not was_empty or tree.snapshot().components:
+                left.append(name)
+                continue
+            del self.trees[name]
+            tree.close()
+            managers.stop(name, tree.timeout_s)
+        self._started.clear()
+        return left
 
     def snapshot(self) -> Snapshot:
         """Return what all of them know.

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.client import Tree
+    from rtkit.tree.fleet import Start
 
 
 def names_another(profile: RtsProfile) -> bool:
@@ -69,19 +70,25 @@ class Managers:
         return joined([known.get(n) or down(self.host, n) for n in self.names], self.homes)
 
 
-def gather(app: App, profile: RtsProfile, *, is_lenient: bool) -> Snapshot | None:
+def gather(
+    app: App, profile: RtsProfile, *, is_lenient: bool, starts: bool = False
+) -> Snapshot | None:
     """Connect to the managers of a profile; return what is to be seen if none of them runs.
 
     Args:
         app: Is given the connection, if the profile is about another manager or several.
         profile: The system profile.
         is_lenient: A manager that does not run is told and counts as holding nothing.
+        starts: One that does not run holds nothing, and can be started.
 
     Raises:
         Unreachable: Tells which managers do not run, and what belongs there.
     """
     managers = Managers(profile)
     trees, absent = managers.connect(app.timeout_s)
+    if starts and all(map(can_be_started, absent)):
+        app.ask(_one(managers, trees, app))
+        return None
     if absent and not is_lenient:
         _close(trees)
         raise Unreachable("; ".join(absent.values()))
@@ -127,12 +134,55 @@ def usual_manager() -> str:
     return os.environ.get("RTKIT_MANAGER") or DEFAULT_MANAGER
 
 
-def _one(managers: Managers, trees: Mapping[str, Tree]) -> Tree:
-    if len(managers.names) == 1:
+def can_be_started(manager: str) -> bool:
+    """Whether a manager that cannot be reached is one of this host that does not run."""
+    from rtkit.link import places
+
+    return ":" not in manager and places.owner(manager) is None
+
+
+def starter(app: App) -> Start:
+    """Return what starts a manager as ``rtmgr start NAME`` does, and connects to it."""
+
+    def start(name: str) -> Tree:
+        from rtkit.errors import Partial, Refused
+        from rtkit.link import places
+        from rtkit.manager import launch
+        from rtkit.manager.settings.configuration import Wanted
+        from rtkit.rtc.names import check_instance_name
+        from rtkit.tree.connect import connect
+
+        check_instance_name(name)
+        try:
+            started = launch.start(name, Wanted(), app.timeout_s)
+            for text in (*started.warnings, *started.failures):
+                app.fail(f"manager {name}: {text}")
+        except Partial as error:
+            whys = (str(failure) for _, failure in error.failures)
+            raise Refused("; ".join([str(error), *whys])) from error
+        except Refused:
+            if places.owner(name) is None:  # else somebody else has just started it
+                raise
+        return connect(name, app.timeout_s)
+
+    return start
+
+
+def unstarted(app: App) -> Tree:
+    """Return the usual manager, which does not run, as one that can be started."""
+    from rtkit.tree.fleet import Fleet
+
+    return Fleet([usual_manager()], {}, {}, starter(app))
+
+
+def _one(managers: Managers, trees: Mapping[str, Tree], app: App | None = None) -> Tree:
+    """Return connections as one; with `app` those that are missing can be started."""
+    if len(managers.names) == 1 and trees:
         return trees[managers.names[0]]
     from rtkit.tree.fleet import Fleet
 
-    return Fleet(managers.names, trees, managers.homes)
+    start = starter(app) if app is not None else None
+    return Fleet(managers.names, trees, managers.homes, start)
 
 
 def _close(trees: Mapping[str, Tree]) -> None:

@@ -118,6 +118,7 @@ def prepare(
         stand_in=stand_in,
         transmit=transmit,
         parallel=parallel,
+        starts=True,
     )
     goal = replace(goal, state=None if state == ANY else LifeCycleState(state))
     survey = goal.survey(snapshot)
@@ -138,8 +139,11 @@ def begin(
     stand_in: bool,
     transmit: bool,
     parallel: int = 0,
+    starts: bool = False,
 ) -> Begun:
     """Read the profile and look at what lives; the goal is that all is active.
+
+    Managers that do not run are an error, unless the plan `starts` them.
 
     Raises:
         InvalidDocument: The profile makes no sense.
@@ -150,7 +154,7 @@ def begin(
     from rtkit.tree.applying import Goal
 
     document = read_document(app, files, strict=strict)
-    snapshot = shared.look(app, document.profile, dry_run=is_dry)
+    snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts)
     system = shared.wanted_system(
         app,
         document,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -131,28 +133,63 @@ def snapshot(app: App) -> Snapshot:
     return uninterrupted(lambda: app.tree.snapshot())
 
 
-def look(app: App, profile: RtsProfile, *, dry_run: bool, may_lack: bool = False) -> Snapshot:
+def look(
+    app: App,
+    profile: RtsProfile,
+    *,
+    dry_run: bool,
+    may_lack: bool = False,
+    starts: bool = False,
+) -> Snapshot:
     """Return what lives in the managers of a profile; a dry run goes on without, and says so.
 
-    With `may_lack` some of several managers may be missing, but not all.
+    With `may_lack` some of several managers may be missing, but not all; where one is missing
+    that `starts` can be started, it holds nothing.
 
     Raises:
         Unreachable: A manager does not run, or does not answer.
     """
+    starts = starts and not dry_run
     if app.finds_managers:
-        from rtkit.cli.system.gathering import gather, names_another
+        from rtkit.cli.system import gathering
 
-        if names_another(profile):
-            empty = gather(app, profile, is_lenient=dry_run or may_lack)
+        if gathering.names_another(profile):
+            is_lenient = dry_run or may_lack
+            empty = gathering.gather(app, profile, is_lenient=is_lenient, starts=starts)
             if empty is not None:
                 return empty
     try:
         return snapshot(app)
     except Unreachable as error:
+        if starts and app.finds_managers and gathering.can_be_started(gathering.usual_manager()):
+            app.ask(gathering.unstarted(app))
+            return snapshot(app)
         if not dry_run:
             raise
         app.fail(f"{error}; shown as if nothing lived")
         return nothing()
+
+
+@contextmanager
+def managers_started(app: App, found: Snapshot, *, dry_run: bool) -> Iterator[Snapshot]:
+    """Start the managers that were found not to run; hand out what lives then.
+
+    Those that still hold nothing are ended when what is done inside fails.
+    """
+    from rtkit.tree.grace import uninterrupted
+
+    absent = [each.manager for each in (found, *found.others) if not each.pid]
+    if not absent or dry_run:
+        yield found
+        return
+    try:
+        for name in absent:
+            uninterrupted(partial(app.tree.start, name))
+            app.tell(f"manager {name} was not running, and is started")
+        yield snapshot(app)
+    except BaseException:
+        uninterrupted(app.tree.end_started)
+        raise
 
 
 def nothing() -> Snapshot:

@@ -61,7 +61,8 @@ class WayBack:
 
     def gone(self, now: Snapshot) -> list[str]:
         """Return the managers that have ended."""
-        return [each.manager for each in (now, *now.others) if not each.pid]
+        ran = {each.manager for each in (self._before, *self._before.others) if each.pid}
+        return [m.manager for m in (now, *now.others) if not m.pid and m.manager in ran]
 
     def _whole(self, now: Snapshot) -> Model:
         model = way_back(self._survey(now), self._was, self._joined)

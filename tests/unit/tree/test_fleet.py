@@ -19,6 +19,7 @@ from rtkit.profile.common import Property
 from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
+from rtkit.tree import managers
 from rtkit.tree.apply import Runner
 from rtkit.tree.applying import Applier, Goal
 from rtkit.tree.fake import fake_tree
@@ -223,6 +224,75 @@ def test_the_way_back_leaves_out_what_was_in_a_manager_that_ended() -> None:
         "deactivate",
         "activate",
     ]
+
+
+class Starting(Host):
+    """A host of which only the first manager runs; the other one is started when asked."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        super().__init__(profile(HERE, THERE))
+        self.stopped: list[str] = []
+        monkeypatch.setattr(managers, "stop", lambda name, _timeout_s: self.stopped.append(name))
+        trees = {"manager": self.fleet.trees["manager"]}
+        self.fleet = Fleet(
+            NAMES, trees, self.fleet.homes, lambda name: fake_tree(self.worlds[name])
+        )
+        self.told: list[str] = []
+
+    def attempt(self) -> str:
+        before = self.fleet.snapshot()
+        goal = Goal(self.system)
+        applier = Applier(self.fleet, goal, self.told.append, self.told.append)
+        try:
+            applier.run(goal.plan(before), before, rolls_back=True)
+        except Refused as error:
+            return str(error)
+        return ""
+
+
+def failing(action: act.Action) -> act.Result | None:
+    is_start = isinstance(action, act.ChangeState) and action.transition == "activate"
+    return act.Result(act.ReturnCode.ERROR, "refused", "no luck") if is_start else None
+
+
+def test_a_manager_that_does_not_run_is_started_and_what_it_brings_back_is_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    host = Starting(monkeypatch)
+    assert host.attempt() == ""
+    assert host.told[0] == "[1/3] start manager m1"
+    assert host.worlds["m1"].components["There"].state == "Active"
+
+    host = Starting(monkeypatch)
+    create = "Node?instance_name=There&manager_name=s"
+    host.worlds["m1"].perform(act.Create(create, ("localhost/There.rtc",)))
+    host.worlds["manager"].fault = host.worlds["m1"].fault = failing
+    assert host.attempt().endswith("everything is as it was before, but manager m1 runs")
+    assert "not as planned: a manager came back with what it kept; planning anew" in host.told
+    assert list(host.worlds["m1"].components) == ["There"]
+    assert (host.worlds["manager"].components, host.stopped) == ({}, [])
+
+
+def test_a_manager_that_was_started_is_ended_on_the_way_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    host = Starting(monkeypatch)
+    host.worlds["m1"].fault = failing
+    assert host.attempt().endswith("; everything is as it was before")
+    assert host.stopped == ["m1"]
+    assert list(host.fleet.trees) == ["manager"]
+
+
+def test_a_manager_that_cannot_be_started_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    host = Starting(monkeypatch)
+
+    def start(_name: str) -> NoReturn:
+        raise Refused("no memory")
+
+    host.fleet = Fleet(NAMES, host.fleet.trees, host.fleet.homes, start)
+    assert host.attempt() == "start manager m1: no memory; everything is as it was before"
+    host.fleet = Fleet(NAMES, host.fleet.trees, host.fleet.homes)
+    assert "m1 does not run; start it with: rtmgr start m1" in host.attempt()
 
 
 @pytest.mark.parametrize(
