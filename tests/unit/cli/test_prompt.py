@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -312,7 +313,7 @@ def test_without_a_manager_nothing_is_offered_and_the_reason_is_on_stderr(
 
 
 @pytest.mark.parametrize("line", ["rtls --", "rtls /localhost/", "rtcat /localhost/A.rtc:"])
-def test_nothing_heavy_is_imported(line: str) -> None:
+def test_nothing_heavy_is_imported(line: str, tmp_path: Path) -> None:
     heavy = ("asyncio", "lxml", "rich", "rtkit.deployment.facts", "rtkit.rtc.plain", "subprocess",
              "importlib.metadata", "rtkit.component", "rtkit.manager", "tempfile")  # fmt: skip
     script = (
@@ -330,8 +331,9 @@ def test_nothing_heavy_is_imported(line: str) -> None:
         f"assert run(['complete', 'bash', '9', {BREAKS!r}, {line!r}], tree=Tree()) == 0\n"
         f"print([name for name in {heavy} if name in sys.modules], file=sys.stderr)\n"
     )
+    alone = {**os.environ, "RTKIT_RUNTIME_DIR": str(tmp_path)}
     done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False, env=alone
     )
     assert done.stderr == "[]\n"
     assert len(done.stdout.splitlines()) > 1
