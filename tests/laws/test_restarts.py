@@ -105,5 +105,46 @@ def test_after_a_loss_of_power_there_is_nothing_to_plan(profile):
     assert not Goal(system, ACTIVE).plan(world.snapshot()).moves
 
 
+@given(
+    profiles(stand_ins=False), st.lists(st.tuples(st.integers(0, 30), st.booleans()), max_size=3)
+)
+@few
+def test_managers_killed_while_they_restore_leave_nothing_out(profile, kills):
+    """Each is killed after some steps, some with all slaves; those that live are repaired."""
+    world = managed()
+    system = brought_up(world, profile)
+    world.settle()
+    before = shown(world.snapshot())
+    for steps, is_all_lost in kills:
+        if is_all_lost:
+            world.end_slaves()
+        world.begin_anew()
+        world.serve(steps)
+    world.begin_anew()
+    world.settle()
+    assert shown(world.snapshot()) == before
+    assert not Goal(system, ACTIVE).plan(world.snapshot()).moves
+
+
+@given(profiles(stand_ins=False), disturbances(), st.booleans())
+@few
+def test_what_was_done_and_not_recorded_holds_or_does_not(profile, changes, is_killed_twice):
+    """The manager is killed in the commit: what is shown then is there after a loss of power."""
+    world = managed()
+    brought_up(world, profile)
+    world.settle()
+    for each in changes:
+        if not isinstance(each, str) and _is_possible(world, each):
+            world.perform_unrecorded(each)
+            world.begin_anew()
+            if is_killed_twice:
+                world.serve(2)
+                world.begin_anew()
+            world.settle()
+            found = shown(world.snapshot())
+            world.lose_power()
+            assert shown(world.snapshot()) == found
+
+
 def _is_possible(world: Managed, action: act.Action) -> bool:
     return not isinstance(action, act.Delete) or action.instance in world.shell.state.components

@@ -13,6 +13,7 @@ from typing import Any
 
 import mountkit
 import pytest
+from faultkit import Order, Points
 
 MANAGER = "/localhost/manager.mgr"
 ASIDE = "the damaged store of wishes is kept aside: "
@@ -109,6 +110,31 @@ def test_the_end_of_the_machine_forgets_nothing_and_a_user_may(robot: Any) -> No
     assert robot.run("rtmgr stop").status == 1
     robot.ok("rtmgr start")
     assert robot.ok("rtls /localhost").split() == ["manager.mgr/"]
+
+
+def test_a_manager_killed_in_its_commit_or_while_it_restores_leaves_nothing_half(
+    shell: Any,
+) -> None:
+    """A value holds or does not; what one manager has begun to make again the next one ends."""
+    points = Points(shell.folder / "points")
+    shell.environment.update(points.variable)
+    start = "rtmgr start --allow-faults"
+    shell.ok(start)
+    shell.ok(f"rtmgr {MANAGER} -c 'Controller?instance_name=C&manager_name=c'")
+    shell.ok("rtact /localhost/C.rtc")
+    points.arm(Order("manager.recording", 1))
+    assert shell.run("rtconf /localhost/C.rtc set gain 77").status == 1
+    points.disarm()
+    shell.ok(start)
+    found = shell.ok("rtls -l /localhost"), shell.ok("rtconf /localhost/C.rtc get gain")
+    for sent in (1, 2, 3):  # create, set, activate
+        kill(pids(shell))
+        points.arm(Order("manager.sending", sent))
+        assert shell.run(start).status == 1, sent
+        points.disarm()
+        shell.ok(start)
+        now = shell.ok("rtls -l /localhost"), shell.ok("rtconf /localhost/C.rtc get gain")
+        assert now == found, sent
 
 
 def test_restoring_can_be_declined(robot: Any) -> None:

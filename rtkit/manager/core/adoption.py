@@ -6,12 +6,15 @@ known again when both its ends are; one whose other end nobody holds any more is
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import NamedTuple
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed
+from rtkit.manager.core import since_made
 from rtkit.manager.core.message import Message
+from rtkit.manager.core.noting import note
 from rtkit.manager.core.registration import free_names
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.wishes import Pause, Procedure, Tell
@@ -35,13 +38,14 @@ def free_name(state: State, name: str, pid: int) -> str:
 
 
 class Holding(NamedTuple):
-    """What a found slave says it holds: components, and ends of connectors."""
+    """What a found slave says it holds, and what was asked of that since it was made."""
 
     components: list[ComponentFacts]
     wires: list[ConnectorProfile]
+    asked: since_made.Asked = MappingProxyType({})
 
 
-def read(name: str, components: object, wires: object) -> Holding:
+def read(name: str, components: object, wires: object, asked: object = None) -> Holding:
     """Read what the slave `name` says it holds.
 
     Raises:
@@ -52,7 +56,8 @@ def read(name: str, components: object, wires: object) -> Holding:
     held = [decode(ComponentFacts, each) for each in components]
     for facts in held:
         check_instance_name(facts.instance)
-    return Holding(held, [decode(ConnectorProfile, each) for each in wires])
+    ends = [decode(ConnectorProfile, each) for each in wires]
+    return Holding(held, ends, since_made.read(asked))
 
 
 def take(state: State, process: Process, holding: Holding) -> list[Message]:
@@ -71,6 +76,16 @@ def take(state: State, process: Process, holding: Holding) -> list[Message]:
     for wire in holding.wires:
         _take_end(state, process, wire)
     return undo
+
+
+def believe(state: State, process: Process, holding: Holding) -> None:
+    """Take for desired what users asked last, though no manager may have recorded it."""
+    for instance, actions in holding.asked.items():
+        if state.holders.get(instance) == process.key:
+            for action in actions:
+                note(state.kept, action)
+            state.kept.named(instance, state.components[instance].names)
+            state.since_made[instance] = since_made.desired(instance, actions)
 
 
 def take_unsaid(state: State, process: Process, holding: Holding) -> None:

@@ -54,7 +54,7 @@ from rtkit.manager.core.events import (
 from rtkit.manager.core.keeping import Keeping, unkept
 from rtkit.manager.core.message import Message
 from rtkit.manager.core.procedures import procedure_for, slaves_of
-from rtkit.manager.core.restoring import RESTORE_S, note_loss, reconnect, restore
+from rtkit.manager.core.restoring import RESTORE_S, note_loss, repair, restore
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.supervising import Supervisor
@@ -101,7 +101,7 @@ class Core:
         self._survey = Survey(state, self._out, self._announcer.run_id, wellbeing)
         self._is_stopping = False
         self._now = 0.0
-        self._is_restored = False
+        self._is_restoring = False
 
     @property
     def is_idle(self) -> bool:
@@ -287,11 +287,10 @@ class Core:
             self._out.append(AnswerClient(answer, Reply(results[0].value)))
 
         def done(result: Result) -> None:
-            self._is_restored = True
-            self._supervisor.resume(self._now)
             self._keeping.finish([act.Tick("", "")], [result], tell)
 
-        self._tasks.begin(restore(self.state), RESTORE_S, done)
+        self._is_restoring = True  # who comes from now on is late
+        self._tasks.begin(restore(self.state, self._supervisor.resume), RESTORE_S, done)
 
     # what processes report
 
@@ -343,13 +342,14 @@ class Core:
             self._configure(process)
             self._tasks.process_is_up(process)
 
-    def _configure(self, process: Process) -> None:
-        if configuring.is_needed(self.state):
+    def _configure(self, process: Process, *, is_found: bool = False) -> None:
+        """Tell a process of properties; a new one has the defaults, one that was found any."""
+        if configuring.is_needed(self.state) or (is_found and process.is_slave):
             self._out.append(SendToHolder(process.key, configuring.message(self.state)))
 
     def _found(self, event: SlaveFound) -> None:
         """Believe a process about what it holds; what contradicts the living, it is to drop."""
-        holding = adoption.read(event.name, event.components, event.wires)
+        holding = adoption.read(event.name, event.components, event.wires, event.asked)
         process = adoption.process_of(self.state, event.pid)
         if process is None:
             name = adoption.free_name(self.state, event.name, event.pid)
@@ -364,9 +364,10 @@ class Core:
             adoption.take_unsaid(self.state, process, holding)
             self._end_unwanted(process)
             return
-        self._configure(process)
+        self._configure(process, is_found=True)
         for message in adoption.take(self.state, process, holding):
             self._out.append(SendToHolder(process.key, message))
+        adoption.believe(self.state, process, holding)
         for wire in adoption.unsaid_wires(self.state, process, holding) if was_silent else ():
             self._cut(wire)
         if process.is_guest:
@@ -375,8 +376,9 @@ class Core:
         process.is_wanted &= not self._is_stopping
         self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
-        if self._is_restored:
-            self._tasks.begin(reconnect(self.state), RESTORE_S)
+        if self._is_restoring:
+            held = self.state.held_by(process.key)
+            self._tasks.begin(repair(self.state, held), RESTORE_S)
         self._tasks.begin(retire(self.state, process), adoption.SETTLE_S)
 
     def _missed(self, event: SlaveMissed) -> None:

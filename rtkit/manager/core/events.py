@@ -139,6 +139,7 @@ class SlaveFound:
     """A slave that an earlier manager left, or a guest, said what it holds.
 
     One with a `silence`, ``stopped`` or ``does not answer``, said nothing: that is from its will.
+    What was `asked` of components since they were made, it alone may know.
     """
 
     pid: int
@@ -147,6 +148,7 @@ class SlaveFound:
     wires: object
     is_guest: bool = False
     silence: str = ""
+    asked: object = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -189,11 +189,12 @@ class Kept:
         text = "" if pattern is None else json.dumps(encode(pattern), separators=(",", ":"))
         self.put(COMPONENT, instance, Wish(create, names, text))
 
-    def adopt(self, facts: ComponentFacts) -> None:
-        """Take for wished what lives and is known from nothing else."""
-        active = tuple(c.id for c in facts.contexts if c.state is LifeCycleState.ACTIVE)
-        wish = Wish(facts.create, facts.names, "", facts.sets, facts.active_set, active)
-        self.put(COMPONENT, facts.instance, wish)
+    def adopt(self, facts: ComponentFacts, asked: Wish | None = None) -> None:
+        """Take for wished what lives and is known from nothing else but what was asked of it."""
+        if asked is None:
+            active = tuple(c.id for c in facts.contexts if c.state is LifeCycleState.ACTIVE)
+            asked = Wish("", (), "", facts.sets, facts.active_set, active)
+        self.put(COMPONENT, facts.instance, replace(asked, create=facts.create, names=facts.names))
 
     def forget(self, instance: str) -> None:
         """Wish a component no longer, nor what hangs on it."""

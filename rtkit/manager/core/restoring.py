@@ -1,4 +1,4 @@
-"""What is wished and does not live is made again: created, configured, connected, activated.
+"""Brings components to what is desired: what is missing is made, what differs is repaired.
 
 With places fixed the cheapest plan is the difference itself, in the order of its kinds; so nothing
 is searched for. What fails is told, and the rest is done all the same.
@@ -19,11 +19,12 @@ from rtkit.errors import Malformed, RtkitError
 from rtkit.manager.core.kept import Kept, Wish
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import State
-from rtkit.manager.core.wishes import Pause, Procedure, Together
+from rtkit.manager.core.wishes import Clock, Pause, Procedure, Together
 from rtkit.manager.core.wishes import Wish as Yielded
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.plain import decode
+from rtkit.rtc.profiles import ConnectorProfile
 
 _log = logging.getLogger(__name__)
 RESTORE_S = 10.0
@@ -36,10 +37,11 @@ Steps = Generator[Yielded, Any, None]
 Failed = Callable[[str, RtkitError], object]
 
 
-def restore(state: State) -> Procedure:
-    """Adopt what lives and is not known, and make what is known and does not live.
+def restore(state: State, resume: Callable[[float], object]) -> Procedure:
+    """Adopt what lives and is not known, and bring to its end what is known.
 
-    Its value are the failures, as results of which each names in its value what failed.
+    Its value are the failures, as results of which each names in its value what failed. `resume`
+    is called with the time [s] when modules are there: who comes back by a policy waits for nobody.
     """
     failures: list[Result] = []
 
@@ -51,10 +53,23 @@ def restore(state: State) -> Procedure:
     for path, init in list(kept.modules.items()):
         if path not in state.modules:
             yield from _try(state, act.Load(path, init), f"load {path}", failed)
+    resume((yield Clock()))
     awaited = {*kept.zombies, *state.returning}
-    missing = [i for i in kept.components if i not in awaited and not lives(state, i)]
-    yield from revive(state, missing, failed)
+    yield from revive(state, [each for each in kept.components if each not in awaited], failed)
     return Result(value=results_to_text(failures))
+
+
+def repair(state: State, instances: Collection[str]) -> Procedure:
+    """Adopt what a slave holds that has come back late, and do what is missing of it."""
+
+    def failed(what: str, error: RtkitError) -> None:
+        _log.warning("cannot %s: %s", what, error)
+
+    _adopt(state)
+    busy = {*state.returning, *state.ending}
+    known = [each for each in instances if each in state.kept.components and each not in busy]
+    yield from revive(state, known, failed)
+    return Result()
 
 
 def note_loss(state: State, instance: str) -> Procedure:
@@ -67,60 +82,101 @@ def note_loss(state: State, instance: str) -> Procedure:
 
 
 def revive(state: State, instances: Collection[str], failed: Failed) -> Steps:
-    """Make components again as they are wished, with the connectors that are missing.
+    """Bring components to what is desired of them: made, configured, connected and active.
 
-    `failed` is called with what failed, and why.
+    One that is made waits only for those to which it is bound, one that lives for nobody. `failed`
+    is called with what failed, and why.
     """
-    kept = state.kept
-    wishes = {each: kept.components[each] for each in instances}
-    composites = {each: wish for each, wish in wishes.items() if _is_composite(wish)}
-    kept.revived.update(wishes)
-    single = dict.fromkeys(i for i in wishes if i not in composites)
-    try:
-        yield Together(tuple(_make(state, i, wishes[i], failed) for i in single))
-        for instance, wish in composites.items():
-            yield Together((_make(state, instance, wish, failed),))
-    finally:
-        kept.revived.difference_update(wishes)
-    living = [each for each in wishes if lives(state, each)]
+    groups = _groups(state, instances)
+    yield Together(tuple(_complete(state, group, failed) for group in groups))
+
+
+def _groups(state: State, instances: Collection[str]) -> list[list[str]]:
+    """Return what is to be done together: of what is missing, whoever is bound to each other."""
+    missing = {each for each in instances if not lives(state, each)}
+    group_of = {each: [each] for each in instances}
+    for bond in _bonds(state.kept):
+        first, *others = [each for each in bond if each in missing] or [""]
+        for other in others:
+            ours, theirs = group_of[first], group_of[other]
+            if ours is not theirs:
+                ours.extend(theirs)
+                group_of.update(dict.fromkeys(theirs, ours))
+    return list({id(group): group for group in group_of.values()}.values())
+
+
+def _bonds(kept: Kept) -> Iterable[tuple[str, ...]]:
+    """Yield instances that are connected, share a context, or make a composite."""
+    for wire in kept.wires.values():
+        yield tuple(end.instance for end in wire.ports)
+    for instance, wish in kept.components.items():
+        for participants in wish.attached.values():
+            yield (instance, *participants)
+        if _is_composite(wish):
+            members = parse_create(wish.create).options["members"].split(",")
+            yield (instance, *(each.strip() for each in members))
+
+
+def _complete(state: State, group: Collection[str], failed: Failed) -> Procedure:
+    """Bring those to their end that are bound to each other."""
+    wishes = state.kept.components
+    fresh = [each for each in group if not lives(state, each)]
+    yield from _make_all(state, fresh, failed)
+    ready = {
+        each: Wish("") if each in fresh else state.since_made.get(each, wishes[each])
+        for each in group
+        if each in wishes and _answers(state, each)
+    }
+    for each in (*fresh, *ready):
+        state.since_made.pop(each, None)
     # Ports of a composite come with its configuration; those of others are there.
-    arranged = [each for each in living if each in composites]
-    yield Together(tuple(_configure(state, i, wishes[i], failed) for i in arranged))
-    configures = (_configure(state, i, wishes[i], failed) for i in living if i in single)
-    yield Together((*configures, *_connects(state, failed)))
-    yield from _attach(state, living, failed)
+    composites = [each for each in ready if _is_composite(wishes[each])]
+    yield Together(tuple(_configure(state, i, ready[i], failed) for i in composites))
+    single = (each for each in ready if each not in composites)
+    configures = (_configure(state, i, ready[i], failed) for i in single)
+    yield Together((*configures, *_connects(state, ready, failed)))
+    yield from _attach(state, ready, fresh, failed)
     yield Together(
         tuple(
-            _done(state, act.ChangeState(i, context, Transition.ACTIVATE), f"activate {i}", failed)
-            for i in living
-            if i in kept.components
-            for context in kept.components[i].active  # it may have been wished otherwise meanwhile
-            if not _is_active(state, i, context)
+            _activate(state, instance, context, failed)
+            for instance, asked in ready.items()
+            if instance in wishes
+            for context in wishes[instance].active
+            if context not in asked.active
         )
     )
-
-
-def reconnect(state: State) -> Procedure:
-    """Make connectors again with a slave that has come back late."""
-
-    def failed(what: str, error: RtkitError) -> None:
-        _log.warning("cannot %s: %s", what, error)
-
-    yield Together(tuple(_connects(state, failed)))
     return Result()
 
 
-def _connects(state: State, failed: Failed) -> Iterable[Procedure]:
-    """Yield what makes the connectors that are missing between components that answer."""
-    missing = [
-        wire
+def _make_all(state: State, instances: Collection[str], failed: Failed) -> Steps:
+    """Make components side by side, composites last."""
+    kept = state.kept
+    wishes = {each: kept.components[each] for each in instances if each in kept.components}
+    kept.revived.update(wishes)
+    try:
+        single = [(each, wish) for each, wish in wishes.items() if not _is_composite(wish)]
+        yield Together(tuple(_make(state, each, wish, failed) for each, wish in single))
+        for instance, wish in wishes.items():
+            if _is_composite(wish):
+                yield Together((_make(state, instance, wish, failed),))
+    finally:
+        kept.revived.difference_update(wishes)
+
+
+def _connects(state: State, instances: Collection[str], failed: Failed) -> Iterable[Procedure]:
+    """Yield what makes the connectors of components that are missing, if both ends answer."""
+    return [
+        _connect(state, wire, failed)
         for wire in state.kept.wires.values()
         if wire.connector_id not in state.connectors
-        and wire.connector_id not in state.openings
+        and any(end.instance in instances for end in wire.ports)
         and all(_answers(state, end.instance) for end in wire.ports)
     ]
-    for wire in missing:
-        yield _done(state, act.Connect(wire), f"connect {wire.connector_id}", failed)
+
+
+def _connect(state: State, wire: ConnectorProfile, failed: Failed) -> Procedure:
+    yield from _try(state, act.Connect(wire), f"connect {wire.connector_id}", failed)
+    return Result()
 
 
 def _answers(state: State, instance: str) -> bool:
@@ -143,7 +199,7 @@ def _adopt(state: State) -> None:
             continue
         kept.found(instance)
         if instance not in kept.components and facts.create and not facts.is_stand_in:
-            kept.adopt(facts)
+            kept.adopt(facts, state.since_made.get(instance))
     for instance, wish in kept.components.items():
         if read_rules(parse_create(wish.create).options):
             state.ruled.add(instance)
@@ -156,8 +212,20 @@ def _is_composite(wish: Wish) -> bool:
     return "members" in parse_create(wish.create).options
 
 
+def _activate(state: State, instance: str, context: str, failed: Failed) -> Procedure:
+    """Activate a component unless it is, or comes to be meanwhile by what was asked before."""
+    if not _is_active(state, instance, context):
+        try:
+            yield from procedure_for(act.ChangeState(instance, context, Transition.ACTIVATE), state)
+        except RtkitError as error:
+            if not _is_active(state, instance, context):
+                failed(f"activate {instance}", error)
+    return Result()
+
+
 def _is_active(state: State, instance: str, context: str) -> bool:
-    contexts = state.components[instance].contexts
+    facts = state.components.get(instance)
+    contexts = facts.contexts if facts is not None else ()
     return any(c.id == context and c.state is LifeCycleState.ACTIVE for c in contexts)
 
 
@@ -170,45 +238,50 @@ def _make(state: State, instance: str, wish: Wish, failed: Failed) -> Procedure:
         failed(f"create {instance}", Malformed(str(error)))
         return Result()
     create = act.Create(wish.create, wish.names, pattern)
-    return (yield from _done(state, create, f"create {instance}", failed))
-
-
-def _configure(state: State, instance: str, wish: Wish, failed: Failed) -> Procedure:
-    """Give a component that was made again what users had set."""
-    for action in _settings(state, instance, wish):
-        yield from _try(state, action, f"configure {instance}", failed)
+    yield from _try(state, create, f"create {instance}", failed)
     return Result()
 
 
-def _settings(state: State, instance: str, wish: Wish) -> Iterable[Action]:
-    facts = state.components[instance]
+def _configure(state: State, instance: str, asked: Wish, failed: Failed) -> Procedure:
+    """Give a component what is desired and was not asked of it since it was made."""
+    if lives(state, instance) and instance in state.kept.components:
+        for action in list(_settings(state, instance, asked)):
+            yield from _try(state, action, f"configure {instance}", failed)
+    return Result()
+
+
+def _settings(state: State, instance: str, asked: Wish) -> Iterable[Action]:
+    facts, wish = state.components[instance], state.kept.components[instance]
     for set_id, values in wish.sets.items():
-        now = facts.sets.get(set_id, {})
-        changed = {key: value for key, value in values.items() if now.get(key) != value}
+        now, last = facts.sets.get(set_id, {}), asked.sets.get(set_id, {})
+        changed = {k: v for k, v in values.items() if v not in (now.get(k), last.get(k))}
         if changed:
             yield act.SetParameters(instance, set_id, changed)
-    if wish.active_set not in ("", facts.active_set):
+    if wish.active_set not in ("", facts.active_set, asked.active_set):
         yield act.ActivateSet(instance, wish.active_set)
-    if wish.states:
+    if wish.states != asked.states:
         yield act.SetStructure(instance, wish.states)
-    if wish.events:
+    if wish.events != asked.events:
         yield act.SetEventProfiles(instance, wish.events)
     for context, rate in wish.rates.items():
-        yield act.SetRate(instance, context, rate)
+        if rate != asked.rates.get(context):
+            yield act.SetRate(instance, context, rate)
 
 
-def _attach(state: State, revived: Collection[str], failed: Failed) -> Steps:
+def _attach(state: State, ready: Collection[str], fresh: Collection[str], failed: Failed) -> Steps:
+    """Attach those that take no part yet in contexts in which they shall."""
     for owner, wish in list(state.kept.components.items()):
         for context, participants in wish.attached.items():
             for each in participants:
-                if owner in revived or each in revived:
+                is_ours = each in ready or owner in fresh
+                if is_ours and lives(state, owner) and not _takes_part(state, each, owner, context):
                     action = act.Attach(owner, context, each)
                     yield from _try(state, action, f"attach {each} to {owner}", failed)
 
 
-def _done(state: State, action: Action, what: str, failed: Failed) -> Procedure:
-    yield from _try(state, action, what, failed)
-    return Result()
+def _takes_part(state: State, instance: str, owner: str, context: str) -> bool:
+    facts = state.components.get(instance)
+    return facts is not None and any(c.id == f"{owner}/{context}" for c in facts.contexts)
 
 
 def _try(state: State, action: Action, what: str, failed: Failed) -> Steps:

@@ -8,7 +8,7 @@ from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.upkeep import Upkeep
 from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.kept import Kept
+from rtkit.manager.core.kept import Kept, Wish
 from rtkit.manager.core.watched import Watched
 from rtkit.manager.settings.properties import Settings
 from rtkit.records import dataclass, field, replace
@@ -144,6 +144,8 @@ class State:
         unwell: Those of them that live, and are to be ended first.
         ruled: Instances with rules of health.
         degraded: Which of those rules they break, by instance.
+        since_made: What users asked of found components since they were made, by instance; no
+            more once the rest of what is desired of them is done.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
             the other end is known too.
     """
@@ -179,6 +181,7 @@ class State:
     unwell: set[str] = field(default_factory=set)
     ruled: set[str] = field(default_factory=set)
     degraded: dict[str, str] = field(default_factory=dict)
+    since_made: dict[str, Wish] = field(default_factory=dict)
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""

@@ -21,6 +21,7 @@ from rtkit.component.context import ExecutionContext
 from rtkit.component.wholes import is_composite
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.message import Message
+from rtkit.manager.holding.asked import Asked
 from rtkit.manager.holding.composites import Composites
 from rtkit.manager.holding.connect import Wires
 from rtkit.manager.holding.contexts import Contexts, release
@@ -74,6 +75,7 @@ class Holder:
         self._components: dict[str, Component] = {}
         self._pacers: dict[tuple[str, str], Pacer] = {}
         self._memory: dict[str, Mapping[str, Any]] = {}
+        self._asked = Asked()
         self._takeovers: dict[str, list[Message]] = {}
         self._deletions: dict[str, list[Message]] = {}
         self._stale: set[Component] = set()
@@ -173,7 +175,9 @@ class Holder:
                 self.answer(message, value)
 
     def answer(self, message: Message, value: Any) -> None:
-        """Answer a message."""
+        """Answer a message, whose operation was done."""
+        if message.get("instance") in self._components:
+            self._asked.note(message)
         if "call" in message:
             self._send({"reply": message["call"], "value": "" if value is None else value})
             fault.point("holder.answered")
@@ -347,6 +351,7 @@ class Holder:
     def _end(self, instance: str) -> None:
         component = self._components.pop(instance)
         self._memory.pop(instance, None)
+        self._asked.forget(instance)
         self._links.part(component)
         for key in [key for key in self._pacers if key[0] == instance]:
             self._pacers.pop(key).close(_DEACTIVATE_S)
@@ -384,6 +389,7 @@ class Holder:
         return {
             "components": components,
             "wires": [encode(wire) for wire in self._links.wires],
+            "asked": self._asked.told(self._components),
         }
 
     # configuration and state

@@ -254,7 +254,14 @@ def test_a_connector_to_one_that_says_nothing_is_kept() -> None:
     assert shell.find(300, "a", ["A"], [wire("w")]) == key
     shell.wait(3 * SETTLE_S)
     assert set(shell.state.connectors) == {"w"}
-    assert shell.told == []
+    assert {message["op"] for _, message in shell.told} == {"configure"}
+
+
+def test_a_slave_that_is_found_is_told_of_properties_that_may_not_be_recorded() -> None:
+    """The manager may have been killed in the commit of one that it had told already."""
+    shell = FakeShell()
+    key = shell.find(300, "s", ["A"])
+    assert [(each, message["op"]) for each, message in shell.told] == [(key, "configure")]
 
 
 def test_a_connector_of_which_it_knows_nothing_when_it_answers_is_cut() -> None:
