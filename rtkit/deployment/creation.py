@@ -169,7 +169,7 @@ def _loads(missing: list[WantedComponent], live: Live) -> Iterator[Step]:
 
 def is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
     """Whether a module that is loaded is the one of a path, and of an init function if named."""
-    return known.path == path and init in ("", known.init)
+    return known.is_at(path) and init in ("", known.init)
 
 
 def split_module(module: str) -> tuple[str, str]:

@@ -104,8 +104,21 @@ class TypeProfile:
 
 @dataclass(frozen=True, slots=True)
 class ModuleProfile:
-    """A loaded module and the component types its factories make."""
+    """A loaded module and the component types that one of its init functions offers.
+
+    Attributes:
+        path: By which it was loaded first.
+        init: Name of the init function; a module that was loaded by several is there once for each.
+        file: Where it was found, without links.
+        aliases: Other paths by which it was loaded.
+    """
 
     path: str
     init: str
     types: tuple[TypeProfile, ...] = ()
+    file: str = ""
+    aliases: tuple[str, ...] = ()
+
+    def is_at(self, path: str) -> bool:
+        """Whether a path as it is typed means this module."""
+        return path in (self.path, self.file, *self.aliases)

@@ -315,9 +315,12 @@ def test_a_listing_loads_nothing_that_it_does_not_need(manager: Any) -> None:
 def test_what_is_asked_for_and_is_there_otherwise(manager: Any) -> None:
     manager.ok(f"rtmgr -c ConsoleIn?instance_name=M%C3%B6 {MANAGER}")
     assert manager.run(f"rtmgr -c ConsoleIn?instance_name=Mö {MANAGER}") == (0, "", "")
-    note = "rtmgr: note: Mö exists already, as ConsoleIn in manager: nothing was made\n"
-    line = f"rtmgr -c ConsoleOut?instance_name=Mö&manager_name=s {MANAGER}"
+    note = "rtmgr: note: Mö exists already, in manager: nothing was made\n"
+    line = f"rtmgr -c ConsoleIn?instance_name=Mö&manager_name=s {MANAGER}"
     assert manager.run(line) == (0, "", note)
+    asked = "ConsoleOut?instance_name=M%C3%B6"
+    told = f"rtmgr: Failed to create component: {asked} (Mö exists already, as ConsoleIn)\n"
+    assert manager.run(f"rtmgr -c {asked} {MANAGER}") == (1, "", told)
     assert manager.ok("rtls -R /localhost/manager.mgr") == ".:\nMö.rtc\n\n"
 
 

@@ -49,7 +49,8 @@ def manager_lines(snapshot: Snapshot, process: ProcessFacts | None, offers: Offe
     lines += ["Modules:", *_titled([(t, known.get(key, "")) for t, key in _MODULES], "  ")]
     lines += ["OS:", *_titled([(t, known.get(key, "")) for t, key in _SYSTEM], "  ")]
     lines += ["Loaded modules:"]
-    lines += _titled([("Filepath", module.path) for module in snapshot.modules], "  ")
+    paths = dict.fromkeys(module.path for module in snapshot.modules)
+    lines += _titled([("Filepath", path) for path in paths], "  ")
     return [*lines, "Loadable modules:", *(f"  {_out.printable(id)}" for id in offers.types)]
 
 

@@ -17,7 +17,7 @@ from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.figures import FIGURES
 from rtkit.deployment.news import TREE
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.manager.core import adoption, configuring, facts_in, operations
+from rtkit.manager.core import adoption, configuring, facts_in, modules, operations
 from rtkit.manager.core.announcing import Announcer
 from rtkit.manager.core.events import (
     AdoptSlave,
@@ -309,6 +309,8 @@ class Core:
                     self._cut(wire)
         elif "figures" in message:
             self._survey.hear(process, message["figures"])
+        elif "loaded" in message:
+            modules.take_all(self.state, message["loaded"])
         elif "gone" in message:
             self._gone(process, message["gone"])
         else:

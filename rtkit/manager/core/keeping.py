@@ -14,7 +14,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.errors import Refused, RtkitError
 from rtkit.manager.core.events import Instruction, Keep, Row, WakeAt
-from rtkit.manager.core.kept import COMPONENT, MODULE, WIRE
+from rtkit.manager.core.kept import COMPONENT, MODULE, WIRE, module_path
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import State
 from rtkit.manager.core.tasks import Tasks, failed
@@ -192,6 +192,11 @@ def _opposite(state: State, action: Action, result: Result) -> Action | None:
             return act.Delete(result.value)
         case act.Connect(wire) if not is_stored(WIRE, wire.connector_id):
             return act.Disconnect(wire.connector_id)
-        case act.Load(path) if not is_stored(MODULE, path):
+        case act.Load(path) if not any(is_stored(MODULE, row) for row in _rows(state, path)):
             return act.Unload(path)
     return None
+
+
+def _rows(state: State, path: str) -> list[str]:
+    """Return the rows about a module, one for each init function."""
+    return [row for row, init in state.kept.modules.items() if module_path(row, init) == path]

@@ -261,3 +261,13 @@ _READ: Mapping[str, Callable[[Any], object]] = {
     BEGUN: _word,
     BOOT: _word,
 }
+
+
+def module_row(path: str, init: str) -> str:
+    """Return under which name it is kept that a module is to be loaded."""
+    return f"{path}:{init}" if init else path
+
+
+def module_path(row: str, init: str) -> str:
+    """Return the path in such a name."""
+    return row.removesuffix(f":{init}") if init else row

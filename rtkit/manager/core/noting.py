@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
-from rtkit.manager.core.kept import MODULE, WIRE, Kept, Wish
+from rtkit.manager.core.kept import MODULE, WIRE, Kept, Wish, module_row
 from rtkit.rtc.enums import Transition
 
 
@@ -12,9 +12,7 @@ def note(kept: Kept, action: Action) -> None:
     """Note an action that was done, but for those on whole components, which say more."""
     match action:
         case act.Load(path, init):
-            kept.put(MODULE, path, init)
-        case act.Unload(path):
-            kept.drop(MODULE, path)
+            kept.put(MODULE, module_row(path, init), init)
         case act.Connect(wire):
             kept.wire(wire)
         case act.Disconnect(connector_id):

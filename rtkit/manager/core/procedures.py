@@ -13,13 +13,14 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.health import read_rules
-from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core.claims import at_rest, claim_name, names_elsewhere
 from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.message import Message
+from rtkit.manager.core.modules import load, unload
 from rtkit.manager.core.naming import remember, unregister
 from rtkit.manager.core.noting import note
 from rtkit.manager.core.policies import policy_of
@@ -27,7 +28,7 @@ from rtkit.manager.core.registration import late_names
 from rtkit.manager.core.state import Claim, Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
 from rtkit.manager.core.transitions import change_state
-from rtkit.manager.core.trial import share_trial, try_module
+from rtkit.manager.core.trial import share_trial
 from rtkit.manager.core.wiring import connect, cut, disconnect, living
 from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell, Wish
 from rtkit.manager.settings.values import DEFAULT_PORT
@@ -56,9 +57,9 @@ def procedure_for(action: Action, state: State) -> Procedure:
 def _steps(action: Action, state: State) -> Procedure:
     match action:
         case act.Load():
-            return _load(state, action)
+            return load(state, action)
         case act.Unload():
-            return _unload(state, action)
+            return unload(state, action)
         case act.Create():
             return _create(state, action)
         case act.Delete():
@@ -123,27 +124,6 @@ def _configure(
         raise
 
 
-# modules
-
-
-def _load(state: State, action: act.Load) -> Procedure:
-    if action.path not in state.modules:
-        state.modules[action.path] = yield from try_module(state, action.path, action.init)
-    return Result(value=action.path)
-
-
-def _unload(state: State, action: act.Unload) -> Procedure:
-    if action.path not in state.modules:
-        raise NotFound(f"module is not loaded: {action.path}")
-    message = {"op": "unload", "path": action.path}
-    yield Ask(state.processes[OWN_PROCESS], message)
-    state.modules.pop(action.path, None)
-    for process in list(state.processes.values()):
-        if process.is_slave and process.is_ready:
-            yield Tell(process, message)
-    return Result()
-
-
 # components
 
 
@@ -161,7 +141,8 @@ def _create(state: State, action: act.Create) -> Procedure:
     try:
         process = yield from _place(state, claim, create)
         claim.key = process.key
-        made = yield from _make(state, process, action, create.with_options(instance_name=instance))
+        named = create.with_options(instance_name=instance)
+        made, note = yield from _make(state, process, action, named)
         names = claim.names
         if claim.is_by_template:
             names = (*names, *late_names(state, create, instance))
@@ -185,21 +166,25 @@ def _create(state: State, action: act.Create) -> Procedure:
         state.ruled.add(instance)
     if names != claim.names:
         yield Tell(process, remember(state, instance))
-    return Result(value=instance)
+    return Result(value=instance, note=note)
 
 
 def _otherwise(
     state: State, action: act.Create, create: CreateString, known: ComponentFacts
 ) -> str:
-    """Tell how a component that is there already differs from what was asked for."""
-    told = []
+    """Tell that a component that is there already is not where it was asked for.
+
+    Raises:
+        Refused: It is of another type than was asked for.
+    """
     pattern = action.pattern
-    if known.type.type_name != (pattern.type.type_name if pattern else create.implementation_id):
-        told.append(f"as {known.type.type_name}")
+    asked = pattern.type.type_name if pattern else create.implementation_id
+    if known.type.type_name != asked:
+        raise Refused(f"{known.instance} exists already, as {known.type.type_name}")
     place = create.place or _slave_at(state, create.address)
-    if place not in ("", known.process):
-        told.append(f"in {known.process}")
-    return f"{known.instance} exists already, {' '.join(told)}: nothing was made" if told else ""
+    if place in ("", known.process):
+        return ""
+    return f"{known.instance} exists already, in {known.process}: nothing was made"
 
 
 def _in_language(state: State, create: CreateString) -> CreateString:
@@ -259,8 +244,8 @@ def _slave_at(state: State, address: str) -> str:
 
 def _make(
     state: State, process: Process, action: act.Create, create: CreateString
-) -> Generator[Wish, Any, CreateString]:
-    """Have a process make a component; return the create string that makes it again."""
+) -> Generator[Wish, Any, tuple[CreateString, str]]:
+    """Have a process make a component; return the create string for it, and what is odd."""
     instance = create.instance_name
     is_fresh = create.place == FRESH_SLAVE
     again = create.with_options(manager_name=process.name) if is_fresh else create
@@ -274,21 +259,30 @@ def _make(
         "kept": {"names": list(state.claims[instance].names), "create": str(again)},
     }
     if process.key == OWN_PROCESS:
-        yield from _make_here(state, process, message)
+        told = yield from _make_here(state, process, message)
     else:
-        yield Ask(process, message)
+        told = yield Ask(process, message)
     facts = state.components.get(instance)
     if facts is None or facts.zombie:
         raise Refused(f"{instance} ended while it was made")
-    return again
+    return again, _old_code(told, instance, process)
 
 
-def _make_here(state: State, own: Process, message: Message) -> Generator[Wish, Any, None]:
+def _old_code(told: object, instance: str, process: Process) -> str:
+    """Return what to tell of a component whose module was edited after it had been imported."""
+    path = told.get("changed") if isinstance(told, dict) else ""
+    if not path:
+        return ""
+    what = f"{instance} is made of {path} as {process.name} had loaded it, which has changed since"
+    return f"{what} (rtmgr -u {path} lets the next one have the new code)"
+
+
+def _make_here(state: State, own: Process, message: Message) -> Generator[Wish, Any, object]:
     """Have the manager's own process make a component, once others have tried its modules."""
     while True:
         told = yield Ask(own, {**message, "tried": dict(state.tried)})
-        if not isinstance(told, dict):
-            return
+        if not isinstance(told, dict) or "untried" not in told:
+            return told
         yield from share_trial(state, str(told["untried"]), str(told["init"]))
 
 

@@ -16,7 +16,8 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.health import read_rules
 from rtkit.errors import Malformed, RtkitError
-from rtkit.manager.core.kept import Kept, Wish
+from rtkit.manager.core.kept import Kept, Wish, module_path
+from rtkit.manager.core.modules import known
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import State
 from rtkit.manager.core.wishes import Clock, Pause, Procedure, Together
@@ -50,8 +51,9 @@ def restore(state: State, resume: Callable[[float], object]) -> Procedure:
 
     _adopt(state)
     kept = state.kept
-    for path, init in list(kept.modules.items()):
-        if path not in state.modules:
+    for row, init in list(kept.modules.items()):
+        path = module_path(row, init)
+        if known(state, path, init) is None:
             yield from _try(state, act.Load(path, init), f"load {path}", failed)
     resume((yield Clock()))
     awaited = {*kept.zombies, *state.returning}

@@ -35,7 +35,7 @@ def try_module(state: State, path: str, init: str) -> Generator[Wish, Any, Modul
     process: Process = yield Need(TRIAL, trial_of=path)
     try:
         told = yield Ask(process, {"op": "load", "path": path, "init": init})
-        profile, fingerprint = _read(told)
+        profile, fingerprint = read(told)
     except RtkitError as error:
         yield Later(_kill(process))
         failure = _explained(path, process, error) if isinstance(error, Unreachable) else error
@@ -62,7 +62,12 @@ def share_trial(state: State, path: str, init: str) -> Generator[Wish, Any, None
         raise trial.failure
 
 
-def _read(told: Any) -> tuple[ModuleProfile, int]:
+def read(told: Any) -> tuple[ModuleProfile, int]:
+    """Read what a process says of a module that it has loaded: what it offers, its fingerprint.
+
+    Raises:
+        Malformed: It cannot be read.
+    """
     if not isinstance(told, dict) or not isinstance(told.get("fingerprint"), int):
         raise Malformed("what was told of the module cannot be read")
     return decode(ModuleProfile, told.get("module")), told["fingerprint"]

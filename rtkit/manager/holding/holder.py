@@ -66,6 +66,7 @@ class Holder:
         maker: Maker | None,
     ) -> None:
         self._send = send
+        self._maker = maker
         self._beats: Beats | None = None
         self._own_slot: Slot | None = None
         self._will: Will | None = None
@@ -117,7 +118,13 @@ class Holder:
 
     def tell_all(self, tell: Callable[[Message], object]) -> None:
         """Have `tell` called with everything that is held, before any later report."""
-        self._inbox.put(lambda: tell(self._holding()))
+
+        def introduce() -> None:
+            tell(self._holding())
+            if self._maker is not None and self._maker.modules:
+                self._send({"loaded": self._maker.modules})
+
+        self._inbox.put(introduce)
 
     def run(self) -> None:
         """Do what comes in until `close`."""
@@ -196,6 +203,7 @@ class Holder:
             "configure": maker.configure,
             "load": partial(self._load, maker),
             "unload": maker.unload,
+            "fingerprint": maker.fingerprint,
             "create": partial(self._create, maker),
         }
 
@@ -213,6 +221,9 @@ class Holder:
             raise Refused(f"{instance} exists already")
         with self._watched(instance, "creation"):
             component = maker.make(create, message)
+        found = maker.found()
+        if found:
+            self._send({"loaded": found})
         if not isinstance(component, Component):
             return component
         self.hold(component)
@@ -221,7 +232,7 @@ class Holder:
             self._compose(message, component)
             return LATER
         self.tell(component)
-        return instance
+        return {"changed": maker.changed(component)}
 
     def hold(self, component: Component) -> None:
         """Initialise a component and drive its contexts; only on the thread of `run`.

@@ -11,12 +11,14 @@ from typing import Any
 
 from rtkit.component.base import Component
 from rtkit.component.standin import stand_in
+from rtkit.errors import NotFound, Refused
 from rtkit.manager.core.message import Message
 from rtkit.manager.holding.process_settings import complete, configure
 from rtkit.manager.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.profiles import ModuleProfile
 
 
 class Maker:
@@ -39,12 +41,35 @@ class Maker:
         Raises:
             RtkitError: There is none, or it cannot be imported.
         """
-        module = self._loader.load(path, init)
-        return {"module": encode(module), "fingerprint": self._loader.fingerprint(path)}
+        return self._told(self._loader.load(path, init))
 
-    def unload(self, message: Message) -> None:
-        """Forget a module."""
-        self._loader.unload(message["path"])
+    def unload(self, message: Message) -> str:
+        """Forget a module; return where its file is, empty if there is none of that name."""
+        return self._loader.unload(message["path"])
+
+    def fingerprint(self, message: Message) -> int:
+        """Return what tells what is in the file of a module now, 0 if it cannot be read."""
+        try:
+            return self._loader.present_fingerprint(message["path"])
+        except (NotFound, Refused):
+            return 0
+
+    def changed(self, component: Component) -> str:
+        """Return the path of a component's module if it has been edited since it was imported."""
+        return self._loader.changed(component.type)
+
+    @property
+    def modules(self) -> list[Any]:
+        """All modules of this process."""
+        return list(map(self._told, self._loader.modules))
+
+    def found(self) -> list[Any]:
+        """Return the modules that were found by the names of types since this was asked last."""
+        return list(map(self._told, self._loader.found()))
+
+    def _told(self, module: ModuleProfile) -> dict[str, Any]:
+        fingerprint = self._loader.fingerprint(module.file)
+        return {"module": encode(module), "fingerprint": fingerprint}
 
     def make(self, create: CreateString, message: Message) -> Component | dict[str, Any]:
         """Return a component that is not initialised, or which module has to be tried before.

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
@@ -52,6 +53,14 @@ class _Registrar:
         self.classes.append(component_class)
 
 
+class _Imported(NamedTuple):
+    """A module that was imported, and what tells its content from another."""
+
+    module: ModuleType
+    fingerprint: int
+    stamp: tuple[int, int, int]
+
+
 class Loader:
     """The modules and factories of one process.
 
@@ -74,8 +83,10 @@ class Loader:
         self._imports_untried = imports_untried
         self._search = Search(load_path)
         self._is_search_allowed = True
-        self._modules: dict[str, ModuleProfile] = {}
-        self._fingerprints: dict[str, int] = {}
+        self._imported: dict[str, _Imported] = {}
+        self._modules: dict[tuple[str, str], ModuleProfile] = {}
+        self._known: dict[tuple[str, str], ModuleProfile] = {}
+        self._found: list[ModuleProfile] = []
 
     def configure(
         self, folders: Sequence[str], *, is_absolute_allowed: bool, is_search_allowed: bool
@@ -85,41 +96,98 @@ class Loader:
         self._is_search_allowed = is_search_allowed
 
     def load(self, path: str, init: str = "") -> ModuleProfile:
-        """Load a module and call its init function; loading it again changes nothing.
+        """Load a module and call its init function; doing that again changes nothing.
 
         Raises:
             NotFound: There is no such file, or no such init function in it.
-            Refused: It does not import, or its init function raises; says where.
+            Refused: It does not import, or its init function raises; says where. Or it has
+                changed since another init function of it was called.
             UntriedModule: Another process has to import it first.
         """
-        known = self._modules.get(path)
+        asked = (path, init)
+        if asked not in self._known:
+            self._known[asked] = self._load(path, init)
+        return self._known[asked]
+
+    def _load(self, path: str, init: str) -> ModuleProfile:
+        source = self._search.read(path)
+        name = init or source.init or f"{os.path.basename(source.file).partition('.')[0]}Init"
+        known = self._modules.get((source.real, name))
         if known is not None:
             return known
-        file, real, source, told = self._search.read(path)
-        fingerprint = zlib.crc32(source)
+        fingerprint = zlib.crc32(source.text)
         if not self._imports_untried and self.tried.get(path) != fingerprint:
             raise UntriedModule(path, init)
-        name = init or told or f"{os.path.basename(file).partition('.')[0]}Init"
-        offer_neighbours(real)
-        module = import_file(file, source)
-        types = self.factories.register_all(_initialise(module, name, path))
-        profile = self._modules[path] = ModuleProfile(path, name, types)
-        self._fingerprints[path] = fingerprint
+        imported = self._imported.get(source.real)
+        if imported is None:
+            offer_neighbours(source.real)
+            imported = _Imported(
+                import_file(source.file, source.text), fingerprint, _stamp(source.real)
+            )
+        elif imported.fingerprint != fingerprint:
+            raise Refused(f"module {path} has changed since it was loaded (rtmgr -u forgets it)")
+        types = self.factories.register_all(_initialise(imported.module, name, path))
+        self._imported[source.real] = imported
+        profile = ModuleProfile(path, name, types, source.real)
+        self._modules[source.real, name] = profile
         return profile
 
     def fingerprint(self, path: str) -> int:
         """Return what tells the content of a loaded module from another."""
-        return self._fingerprints[path]
+        return self._imported[self._real(path)].fingerprint
 
-    def unload(self, path: str) -> None:
-        """Forget a module and its factories; components already made stay."""
-        module = self._modules.pop(path, None)
-        if module is None:
-            return
+    def present_fingerprint(self, path: str) -> int:
+        """Return what tells what is in the file of a module now.
+
+        Raises:
+            NotFound: There is no such file.
+            Refused: It lies where no module is taken from.
+        """
+        return zlib.crc32(self._search.read(path).text)
+
+    def changed(self, type_: TypeProfile) -> str:
+        """Return the path of the module of a type if it has been edited since it was imported."""
+        for (real, _), module in self._modules.items():
+            if type_ in module.types and _stamp(real) != self._imported[real].stamp:
+                was = self._imported[real].fingerprint
+                with contextlib.suppress(NotFound, Refused):
+                    return module.path if self.present_fingerprint(real) != was else ""
+        return ""
+
+    def found(self) -> list[ModuleProfile]:
+        """Return the modules that were found by the names of types since this was asked last."""
+        found, self._found = self._found, []
+        return found
+
+    @property
+    def modules(self) -> tuple[ModuleProfile, ...]:
+        """What is loaded, once for each init function."""
+        return tuple(self._modules.values())
+
+    def unload(self, path: str) -> str:
+        """Forget a module and its factories; components already made stay.
+
+        Return where its file is, empty if there is none of that name and it was not loaded.
+        """
+        real = self._real(path)
+        gone = [self._modules.pop(key) for key in list(self._modules) if key[0] == real]
+        self._known = {asked: each for asked, each in self._known.items() if each.file != real}
+        self._imported.pop(real, None)
         kept = {profile.id for other in self._modules.values() for profile in other.types}
-        for profile in module.types:
+        for profile in (each for module in gone for each in module.types):
             if profile in self.factories.types and profile.id not in kept:
                 self.factories.unregister(profile)
+        return real
+
+    def _real(self, path: str) -> str:
+        """Return the file that a path means, also when it has been loaded and is there no more."""
+        for (asked, _), module in self._known.items():
+            if asked == path or module.file == path:
+                return module.file
+        try:
+            return self._search.read(path).real
+        except (NotFound, Refused):
+            return ""
 
     def make(self, create: CreateString, complete: Complete = _as_it_is) -> Component:
         """Make a component, loading the module of its type if nobody offers it yet.
@@ -147,10 +215,10 @@ class Loader:
         except NotFound as error:
             path = f"{create.implementation_id}{SUFFIX}"
             is_name = os.path.basename(path) == path  # a type's name must not lead elsewhere
-            may_search = self._is_search_allowed and is_name and path not in self._modules
+            may_search = self._is_search_allowed and is_name and (path, "") not in self._known
             if not may_search or not self._search.has(path):
                 raise NotFound(f"{error}{self._instead(create.implementation_id)}") from None
-        self.load(path)
+        self._found.append(self.load(path))
         return self.factories.find(create.implementation_id, *fields)
 
     def _instead(self, type_name: str) -> str:
@@ -163,6 +231,15 @@ class Loader:
 
     def _offers(self, type_name: str) -> bool:
         return any(profile.type_name == type_name for profile in self.factories.types)
+
+
+def _stamp(file: str) -> tuple[int, int, int]:
+    """Return what changes with a file."""
+    try:
+        status = os.stat(file)
+    except OSError:
+        return (0, 0, 0)
+    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def offer_neighbours(real: str) -> None:

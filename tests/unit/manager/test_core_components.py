@@ -21,7 +21,8 @@ from rtkit.manager.core.trial import TRIAL
 from rtkit.manager.fake import OWN, FakeShell, facts, module_of, wire
 from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import TypeProfile
+from rtkit.rtc.plain import encode
+from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
 
 @pytest.fixture
@@ -56,8 +57,11 @@ def test_a_module_is_tried_by_a_process_of_its_own_that_is_not_shown_and_ends(sh
     assert asked.result.value == "a.py"
     assert shell.state.modules["a.py"].types == (TypeProfile("Thing"),)
     assert shell.signals == [(key, signal.SIGTERM)]
-    again = shell.ask(Load("a.py", "aInit"))
-    assert again.result.value == "a.py"
+    for present, note in ((1, ""), (0, ""), (2, "a.py has changed since it was loaded")):
+        again = shell.ask(Load("a.py", "aInit"))
+        shell.reply(shell.next("fingerprint"), present)
+        assert again.result.value == "a.py"
+        assert again.result.note.partition(" (")[0] == note
 
 
 def test_slaves_are_handed_the_modules_of_what_they_make(shell):
@@ -198,7 +202,9 @@ def test_unloading_reaches_every_slave_also_a_stopped_one(shell):
     assert asked.result.ok
     assert not shell.state.modules
     assert shell.told == [(key, {"op": "unload", "path": "a.py"}) for key in (s, t)]
-    assert shell.ask(Unload("a.py")).result.kind == "not-found"
+    again = shell.ask(Unload("a.py"))
+    shell.reply(shell.next("unload"))
+    assert again.result.kind == "not-found"
 
 
 # where components are made
@@ -288,7 +294,7 @@ def test_a_pattern_travels_and_names_the_component(shell):
 
 def test_one_that_lives_is_returned_and_nothing_is_made(shell):
     shell.make("A", "s")
-    assert shell.ask(create("Other?instance_name=A&manager_name=t")).result.value == "A"
+    assert shell.ask(create("Thing?instance_name=A&manager_name=t")).result.value == "A"
     assert not shell.calls
     assert not shell.spawned
 
@@ -797,10 +803,8 @@ def test_what_is_there_as_it_was_asked_for_is_returned_without_a_word(shell):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("Other?instance_name=A", "as Thing"),
         ("Thing?instance_name=A&manager_name=t", "in s"),
         ("Thing?instance_name=A&manager=localhost:2811", "in s"),
-        ("Other?instance_name=A&manager_name=t", "as Thing in s"),
     ],
 )
 def test_what_is_there_otherwise_is_returned_with_a_note(shell, text, told):
@@ -808,6 +812,79 @@ def test_what_is_there_otherwise_is_returned_with_a_note(shell, text, told):
     result = shell.ask(create(text)).result
     note = f"A exists already, {told}: nothing was made"
     assert (result.ok, result.value, result.note) == (True, "A", note)
+
+
+def test_one_of_another_type_that_is_there_is_not_what_was_asked_for(shell):
+    shell.make("A", "s")
+    for text in ("Other?instance_name=A", "Other?instance_name=A&manager_name=t"):
+        result = shell.ask(create(text)).result
+        assert (result.kind, result.why) == ("refused", "A exists already, as Thing")
+    assert not shell.calls
+
+
+def loaded(shell, path, init, file, *types):
+    asked = shell.ask(Load(path, init))
+    shell.fork(TRIAL)
+    call = shell.next("load")
+    module = ModuleProfile(path, init, tuple(map(TypeProfile, types)), file)
+    shell.reply(call, {"module": encode(module), "fingerprint": 1})
+    shell.end(call.key, "exit status 0")
+    assert asked.result.value == path
+
+
+def listed(shell):
+    return [(each.path, each.init, each.aliases) for each in shell.state.snapshot().modules]
+
+
+def test_each_init_function_of_a_module_is_called(shell):
+    loaded(shell, "Two.py", "AInit", "/m/Two.py", "A")
+    loaded(shell, "Two.py", "BInit", "/m/Two.py", "B")
+    assert listed(shell) == [("Two.py", "AInit", ()), ("Two.py", "BInit", ())]
+    shell.ask(create("B?instance_name=B1"))
+    assert shell.next("create").message["modules"] == [["Two.py", "BInit"]]
+    asked = shell.ask(Load("Two.py", "CInit"))
+    shell.fork(TRIAL)
+    shell.refuse(shell.next("load"), NotFound("no init function CInit in module Two.py"))
+    assert asked.result.kind == "not-found"
+    assert dict(shell.state.kept.modules) == {"Two.py:AInit": "AInit", "Two.py:BInit": "BInit"}
+
+
+def test_a_module_is_the_same_by_whatever_path_it_is_named(shell):
+    loaded(shell, "Two.py", "AInit", "/m/Two.py", "A")
+    loaded(shell, "/l/Two.py", "AInit", "/m/Two.py", "A")  # by a link
+    assert listed(shell) == [("Two.py", "AInit", ("/l/Two.py",))]
+    for path in ("Two.py", "/l/Two.py", "/m/Two.py"):
+        asked = shell.ask(Load(path, "AInit"))
+        shell.reply(shell.next("fingerprint"), 1)
+        assert asked.result.ok
+    asked = shell.ask(Unload("./Two.py"))
+    shell.reply(shell.next("unload"), "/m/Two.py")
+    assert asked.result.ok
+    assert (listed(shell), dict(shell.state.kept.modules)) == ([], {})
+
+
+def test_a_module_that_a_process_found_by_itself_is_listed_and_can_be_forgotten(shell):
+    key = shell.make("A", "s")
+    made = ModuleProfile("Thing.py", "ThingInit", (TypeProfile("Thing"),), "/m/Thing.py")
+    module = {"module": encode(made), "fingerprint": 1}
+    shell.say(key, loaded=[module])
+    shell.say(OWN, loaded=[module])
+    assert listed(shell) == [("Thing.py", "ThingInit", ())]
+    assert not shell.state.kept.modules  # who needs it finds it again
+    asked = shell.ask(Unload("Thing.py"))
+    shell.reply(shell.next("unload"), "/m/Thing.py")
+    assert asked.result.ok
+    assert shell.told[-1] == (key, {"op": "unload", "path": "Thing.py"})
+
+
+def test_a_component_of_code_that_was_edited_since_is_made_with_a_note(shell):
+    shell.make("A", "s")
+    asked = shell.ask(create("Thing?instance_name=B&manager_name=s"))
+    call = shell.next("create")
+    shell.say(call.key, facts=facts("B"))
+    shell.reply(call, {"changed": "Thing.py"})
+    assert asked.result.value == "B"
+    assert asked.result.note.startswith("B is made of Thing.py as s had loaded it, which has chang")
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,60 @@ def make(loader, text):
     return loader.make(parse_create(f"{text}?instance_name=A"))
 
 
+TWO = """
+from rtkit.component import Component
+
+made = []
+
+class A(Component): pass
+
+class B(Component): pass
+
+def AInit(manager):
+    made.append(A)
+    manager.register_factory(A)
+
+def BInit(manager):
+    made.append(B)
+    manager.register_factory(B)
+"""
+
+
+def test_each_init_function_is_called_once_in_one_import(loader, folder):
+    (folder / "Two.py").write_text(TWO)
+    (folder / "link.py").symlink_to("Two.py")
+    first, second = loader.load("Two.py", "AInit"), loader.load("Two", "BInit")
+    assert [(each.path, each.init) for each in (first, second)] == [
+        ("Two.py", "AInit"),
+        ("Two", "BInit"),
+    ]
+    assert loader.load("link.py", "AInit") is loader.load(f"{folder}/Two.py", "AInit") is first
+    made = sys.modules[type(make(loader, "B")).__module__].made
+    assert [each.__name__ for each in made] == ["A", "B"]
+    assert make(loader, "A").type.type_name == "A"
+    with pytest.raises(NotFound, match="no init function CInit"):
+        loader.load("Two.py", "CInit")
+    assert loader.unload("link.py") == str(folder / "Two.py")
+    for name in "AB":
+        with pytest.raises(NotFound):
+            make(loader, name)
+
+
+def test_code_that_was_edited_is_told(loader, folder):
+    component = make(loader, "Thing")
+    assert [each.path for each in loader.found()] == ["Thing.py"]
+    assert (loader.found(), loader.changed(component.type)) == ([], "")
+    text = (folder / "Thing.py").read_text()
+    (folder / "Thing.py").write_text(text)
+    assert loader.changed(component.type) == ""  # written, but as it was
+    (folder / "Thing.py").write_text(text.replace("One", "Another"))
+    assert loader.changed(component.type) == "Thing.py"
+    with pytest.raises(Refused, match="has changed since it was loaded"):
+        loader.load("Thing.py", "OtherInit")
+    loader.unload("Thing.py")
+    assert make(loader, "Thing").type.description == "Another"
+
+
 @pytest.mark.parametrize("form", ["Thing", "Thing.py", "{folder}/Thing.py"])
 def test_a_module_is_found_by_name_or_path(loader, folder, form):
     path = form.format(folder=folder)

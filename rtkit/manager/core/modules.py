@@ -1,0 +1,84 @@
+"""Modules that are loaded, whatever path led to them: an entry for each init function of a file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.errors import NotFound
+from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.kept import MODULE, module_row
+from rtkit.manager.core.message import Message
+from rtkit.manager.core.state import State
+from rtkit.manager.core.trial import read, try_module
+from rtkit.manager.core.wishes import Ask, Procedure, Tell
+from rtkit.records import replace
+from rtkit.rtc.profiles import ModuleProfile
+
+
+def known(state: State, path: str, init: str) -> ModuleProfile | None:
+    """Return the module that a path means, loaded by an init function; by any if none is named."""
+    return next(
+        (each for each in state.modules.values() if each.is_at(path) and init in ("", each.init)),
+        None,
+    )
+
+
+def load(state: State, action: act.Load) -> Procedure:
+    """Load a module, or call another init function of it."""
+    path = action.path
+    module = known(state, path, action.init)
+    if module is None:
+        take(state, (yield from try_module(state, path, action.init)), path)
+        return Result(value=path)
+    message = {"op": "fingerprint", "path": module.file or module.path}
+    present: Any = yield Ask(state.processes[OWN_PROCESS], message)
+    is_changed = present and present != state.tried.get(module.path, present)
+    note = f"{path} has changed since it was loaded (rtmgr -u forgets what it was)"
+    return Result(value=path, note=note if is_changed else "")
+
+
+def take(state: State, module: ModuleProfile, path: str = "") -> None:
+    """Take in that a module was loaded, by a path that perhaps is another one for the same file."""
+    for key, each in state.modules.items():
+        if (each.file or each.path, each.init) == (module.file or module.path, module.init):
+            if path and not each.is_at(path):
+                state.modules[key] = replace(each, aliases=(*each.aliases, path))
+            return
+    is_second = module.path in state.modules
+    state.modules[f"{module.path}:{module.init}" if is_second else module.path] = module
+
+
+def take_all(state: State, told: object) -> None:
+    """Take in what a process says that it has loaded by itself.
+
+    Raises:
+        Malformed: It cannot be read.
+    """
+    for each in told if isinstance(told, list) else ():
+        module, fingerprint = read(each)
+        take(state, module)
+        state.tried.setdefault(module.path, fingerprint)
+
+
+def unload(state: State, action: act.Unload) -> Procedure:
+    """Forget a module, all its init functions; components already made stay."""
+    message: Message = {"op": "unload", "path": action.path}
+    file: Any = yield Ask(state.processes[OWN_PROCESS], message)
+    gone = {
+        key: each
+        for key, each in state.modules.items()
+        if each.is_at(action.path) or (file and each.file == file)
+    }
+    if not gone:
+        raise NotFound(f"module is not loaded: {action.path}")
+    for key, module in gone.items():
+        del state.modules[key]
+        for path in (module.path, module.file, *module.aliases):
+            for row in (path, module_row(path, module.init)):
+                state.kept.drop(MODULE, row)
+    for process in list(state.processes.values()):
+        if process.is_slave and process.is_ready:
+            yield Tell(process, message)
+    return Result()
