@@ -126,7 +126,7 @@ def _date(time_ns: int) -> str:
 def play(
     app: App,
     name: str,
-    form: str | None,
+    form: str,
     ports: Sequence[str],
     part: Part,
     pace: Pace,
@@ -142,10 +142,9 @@ def play(
     from rtkit.probe.probe import LOSSLESS, SURE, Probe
     from rtkit.rtc.enums import PortType
 
-    is_text = form == "text" or (form is None and name.endswith(".txt"))
     app.bound(pace.duration_s)
     streams = named_streams(app, ports, PortType.IN, lambda number, _: f"{_UNNAMED}{number}")
-    source = _TextSource(name) if is_text else _McapSource(name)
+    source = _TextSource(name) if form == "text" else _McapSource(name)
     chosen = _matched(app, streams, source.channels)
     warning = part.check(*source.extent)
     if warning:
@@ -295,10 +294,9 @@ class _TextSource:
 
     def __init__(self, name: str) -> None:
         from rtkit.recording.entries import Channel
-        from rtkit.recording.text_log import read_lines
+        from rtkit.recording.text_log import read_file
 
-        with open(name, encoding="utf-8") as file:
-            self._lines = list(read_lines(file, name))
+        self._lines = list(read_file(name))
         streams = dict.fromkeys(line.stream for line in self._lines)
         self.channels = tuple(Channel(stream, "") for stream in streams)
         self.counts: Mapping[str, int] = Counter(line.stream for line in self._lines)

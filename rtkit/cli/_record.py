@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from rtkit.rtc.profiles import PortRef
 
 _NS = 1_000_000_000
-_FLUSH_S = 0.5
+_FLUSH_S = 0.02
+"""How long a line of a text log waits for others, so that few are lost if it is killed [s]."""
 
 
 def record(
@@ -183,7 +184,7 @@ def _sink(
 
 
 class _TextSink:
-    """Writes a line for each value; none waits longer than `delay_s` [s]."""
+    """Writes a line for each value, at once or `delay_s` [s] after the line before."""
 
     def __init__(self, file: IO[bytes], types: Mapping[str, type], delay_s: float) -> None:
         from rtkit.component.codec import codec_for
@@ -193,6 +194,7 @@ class _TextSink:
         self._decode = {name: codec_for(cls).decode for name, cls in types.items()}
         self.count = 0
         self.flush_at: float | None = None
+        self._flushed_at = 0.0
 
     def write(self, entry: Entry) -> None:
         from rtkit.probe.text import plain
@@ -202,11 +204,11 @@ class _TextSink:
         self._file.write(f"{line_of(entry.channel, entry.time_ns, value)}\n".encode())
         self.count += 1
         if self.flush_at is None:
-            self.flush_at = time.monotonic() + self._delay_s
+            self.flush_at = self._flushed_at + self._delay_s
 
     def flush(self) -> None:
         self._file.flush()
-        self.flush_at = None
+        self.flush_at, self._flushed_at = None, time.monotonic()
 
 
 class _Limit:

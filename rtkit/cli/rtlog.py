@@ -125,8 +125,10 @@ def main(
         raise UsageProblem("only one of -p, -d and --export can be used")
     if (is_play or is_info or exported) and filename is None:
         raise Malformed("No log file specified.")
-    form_read = form or ("text" if str(filename).endswith(".txt") else "mcap")
-    if (is_info or exported) and form_read == "text":
+    if form is not None:
+        _check_form(form)
+    chosen = form or ("text" if str(filename).endswith(".txt") else "mcap")
+    if (is_info or exported) and chosen == "text":
         feature = "info" if is_info else "export"
         raise Refused(f'Log type "text" does not support feature "{feature}".')
     if is_by_index and start is None and end is None:
@@ -141,20 +143,18 @@ def main(
         export(app, str(filename), exported, part)
     elif is_play:
         pace = _play.Pace(rate or 1.0, is_untimed, exec_rate or 100.0, is_absolute, duration_s)
-        _play.play(app, str(filename), form, ports, part, pace, is_lossless=lossless)
+        _play.play(app, str(filename), chosen, ports, part, pace, is_lossless=lossless)
     else:
         _refuse_when_recording(start, is_untimed, rate)
         name = filename or f"rtlog_{int(time.time())}.{'txt' if form == 'text' else 'mcap'}"
-        _record.record(app, name, _form(form, name), ports, part, duration_s, is_lossless=lossless)
+        _record.record(app, name, chosen, ports, part, duration_s, is_lossless=lossless)
 
 
-def _form(form: str | None, name: str) -> str:
-    chosen = form or ("text" if name.endswith(".txt") else "mcap")
-    if chosen == "simpkl":
+def _check_form(form: str) -> None:
+    if form == "simpkl":
         raise Malformed("simpkl logs can execute code when they are read: use mcap")
-    if chosen not in FORMATS:
-        raise Malformed(f"Invalid logger type: {chosen} (one of {', '.join(FORMATS)})")
-    return chosen
+    if form not in FORMATS:
+        raise Malformed(f"Invalid logger type: {form} (one of {', '.join(FORMATS)})")
 
 
 def _refuse_when_recording(start: str | None, is_untimed: bool, rate: float | None) -> None:

@@ -51,10 +51,14 @@ def main(app: App, files: tuple[str, ...], live: bool) -> int:
 def _living(app: App) -> tuple[RtsProfile, dict[str, str]]:
     """Return what lives as a profile, and the colour of each component."""
     from rtkit.deployment.capture import Heading, capture
+    from rtkit.records import replace
 
     snapshot = shared.snapshot(app)
+    drawn = replace(
+        snapshot, components=tuple(replace(each, zombie="") for each in snapshot.components)
+    )  # a system that is saved has no zombies, a picture shows them
     heading = Heading("1970-01-01T00:00:00", _TITLE, "0", "rtkit", "")
-    profile = capture(snapshot, heading, takes_all=True)
+    profile = capture(drawn, heading, takes_all=True)
     fills = {
         each.instance: _ZOMBIE if each.zombie else _FILLS.get(each.state, "")
         for each in snapshot.components

@@ -70,7 +70,10 @@ class Configuration:
         kind = kind_of(default)
         self._kinds[name] = (kind, default)
         self.values[name] = default
-        self._sets[DEFAULT] = {name: kind.write(default), **self._sets[DEFAULT]}
+        present = self._sets[DEFAULT]
+        text = present.get(name, kind.write(default))
+        others = {each: present[each] for each in present if each != name}
+        self._sets[DEFAULT] = {**others, name: text}  # in the order of declaration
 
     def declare(self, set_id: str, values: Mapping[str, str]) -> None:
         """Give initial text to a set, which then is one of those that cannot be removed."""

@@ -65,6 +65,9 @@ def read_scxml(data: bytes, source: str = "<stdin>") -> StateChart:
     root = parse(data, source)
     problems: list[Note] = []
     notes: list[Note] = []
+    if root.tag == "scxml":
+        hint = f'the root is in no namespace: <scxml xmlns="{NAMESPACE}" …>'
+        raise InvalidProfile(source, [Note(root.sourceline, hint)])
     if root.tag != _tag("scxml"):
         raise InvalidProfile(source, [Note(root.sourceline, "the root is no scxml element")])
     paths: dict[str, str] = {}

@@ -18,6 +18,10 @@ from rtkit.recording.entries import NANOSECONDS
 _LINE = re.compile(r"(\d{1,12})\.(\d{9})\t\((?:'([^']*)'|\"([^\"]*)\"), (.*)\)")
 
 
+_MCAP = b"\x89MCAP"
+"""What an MCAP file begins with."""
+
+
 class TextEntry(NamedTuple):
     """One line; `value` is what JSON knows."""
 
@@ -30,6 +34,25 @@ def line_of(stream: str, time_ns: int, value: Any) -> str:
     """Return the line of a value that is made of what JSON knows."""
     seconds, nanoseconds = divmod(time_ns, NANOSECONDS)
     return f"{seconds}.{nanoseconds:09}\t({stream!r}, {json.dumps(value, ensure_ascii=False)})"
+
+
+def read_file(name: str) -> Iterator[TextEntry]:
+    """Yield the values of a text log.
+
+    Raises:
+        Malformed: The file is no text, or a line is none of a log; names it.
+        OSError: The file cannot be read.
+    """
+    with open(name, "rb") as file:
+        data = file.read()
+    if data.startswith(_MCAP):
+        raise Malformed(f"{name}: this is an MCAP file, no text log: -l mcap")
+    try:
+        text = data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise Malformed(f"{name}:{line}: no line of a text log: it is not UTF-8") from None
+    return read_lines(text.split("\n"), name)
 
 
 def read_lines(lines: Iterable[str], source: str) -> Iterator[TextEntry]:

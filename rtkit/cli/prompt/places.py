@@ -55,7 +55,8 @@ def paths(live: Live, typed: str, wanted: Wanted) -> list[Candidate]:
 
 
 def _ways(node: Node, above: str, wanted: Wanted) -> Iterator[Candidate]:
-    about = node.row.state if node.row is not None else node.kind.name.lower()
+    is_component = node.row is not None and node.kind is Kind.COMPONENT
+    about = node.row.state if node.row is not None and is_component else node.kind.name.lower()
     if not node.is_directory:
         if wanted.fits(node):
             yield Candidate(f"{above}{node.name}{':' * (wanted.has_port is True)}", about)

@@ -272,6 +272,7 @@ def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (["bash", "9", BREAKS, "rtcwd '/localhost/lo"], "nospace\n/localhost/local.host_cxt/\n"),
         (["bash", "63", BREAKS, "rtcwd /localhost/"], "nospace\nlocal.host_cxt/\nmanager.mgr/\n"),
         (["zsh", "rtls", "/localhost/Std"], "space\n/localhost/Std0.rtc\tInactive\n"),
+        (["zsh", "rtls", "/localhost/Zom"], "space\n/localhost/Zombie0.rtc\tzombie\n"),
         (["fish", "rtls", '"/localhost/Std'], "space\n/localhost/Std0.rtc\tInactive\n"),
         (["zsh", "rtstart", "x"], "files .xml .yaml .yml .json\n"),
         (["zsh", "rtbuild", "-o", "x"], "files /\n"),

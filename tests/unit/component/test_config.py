@@ -200,3 +200,15 @@ def test_hints_are_no_values_and_hold_as_they_are_now(bound):
     bound.set("__constraints__", {"gain": "x<=3"})
     with pytest.raises(Malformed, match="it is to be x<=3"):
         bound.set("default", {"gain": "4"})
+
+
+def test_parameters_are_listed_in_the_order_of_their_declaration():
+    configuration = Configuration(lambda text: None)
+    configuration.declare("default", {"second": "7"})
+    for name in ("first", "second", "third"):
+        configuration.bind(name, 0)
+    assert list(configuration.sets["default"].items()) == [
+        ("first", "0"),
+        ("second", "7"),
+        ("third", "0"),
+    ]

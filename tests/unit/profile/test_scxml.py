@@ -115,6 +115,11 @@ def test_documents_that_are_none(text):
         read_scxml(text)
 
 
+def test_a_document_without_namespace_is_told_which_one_it_needs():
+    with pytest.raises(InvalidProfile, match='no namespace: <scxml xmlns="http://www.w3.org/2005'):
+        read_scxml(b'<scxml initial="A"><state id="A"/></scxml>')
+
+
 PARTS = st.sampled_from(["A", "B", "Long name", "Zürich", "<&>"])
 PATHS = st.recursive(PARTS, lambda inner: st.tuples(inner, PARTS).map(".".join), max_leaves=3)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import is_dataclass
+from pathlib import Path
 
 import pytest
 
@@ -17,7 +19,7 @@ from rtkit.probe.stats import stamp_reader
 from rtkit.recording.entries import Entry, Part
 from rtkit.recording.schema import idl_of, name_of
 from rtkit.recording.shift import shifted
-from rtkit.recording.text_log import line_of, read_lines
+from rtkit.recording.text_log import line_of, read_file, read_lines
 
 FIVE = [Entry("a", 100 + number, 0, b"") for number in range(5)]
 
@@ -80,6 +82,20 @@ def test_lines_of_other_tools_are_read_and_not_executed() -> None:
 def test_what_is_no_line(line: str) -> None:
     with pytest.raises(Malformed, match=r"x\.txt:1"):
         list(read_lines([line], "x.txt"))
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        (b"1.000000000\t('a', 1)\n\xff\xfe\n", ":2: no line of a text log: it is not UTF-8"),
+        (b"\x89MCAP0\r\n", ": this is an MCAP file, no text log: -l mcap"),
+    ],
+)
+def test_a_file_that_is_no_text_log_is_named(tmp_path: Path, data: bytes, told: str) -> None:
+    file = tmp_path / "x.txt"
+    file.write_bytes(data)
+    with pytest.raises(Malformed, match=re.escape(f"{file}{told}")):
+        list(read_file(str(file)))
 
 
 def test_stamps_are_moved_and_nothing_else() -> None:
