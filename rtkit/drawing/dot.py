@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, End, Scene
 
-NO_FILLS: Mapping[str, str] = {}
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _RECORD = str.maketrans({c: f"\\{c}" for c in "{}|<> \\"})
 
 
-def dot_lines(scene: Scene, title: str = "", fills: Mapping[str, str] = NO_FILLS) -> Iterator[str]:
-    """Yield the lines of a digraph; service wires are dashed and end in a ring.
-
-    `fills` has the colours of boxes by their titles.
-    """
+def dot_lines(scene: Scene, title: str = "") -> Iterator[str]:
+    """Yield the lines of a digraph; service wires are dashed and end in a ring."""
     name = title if _NAME.fullmatch(title) else _quoted(title or "system")
     yield f"digraph {name} {{"
     yield "  rankdir=LR;"
     yield "  node [shape=record, fontname=sans];"
     for index, box in enumerate(scene.boxes):
-        fill = fills.get(box.title, "")
-        style = f", style=filled, fillcolor={fill}" if fill else ""
+        style = f", style=filled, fillcolor={box.fill}" if box.fill else ""
         yield f"  c{index} [label={_quoted(_record(box))}{style}];"
+    for number, frame in enumerate(scene.frames):
+        inside = "; ".join(f"c{index}" for index in (frame.box, *frame.members))
+        yield f"  subgraph cluster{number} {{ style=dashed; {inside}; }}"
     for wire in scene.wires:
         style = " [arrowhead=odot, style=dashed]" if wire.kind == SERVICE else ""
         yield f"  {_end(scene, wire.source)} -> {_end(scene, wire.target)}{style};"

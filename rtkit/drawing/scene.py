@@ -5,9 +5,12 @@ Lengths are pixels, x grows to the right and y downwards.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.drawing.text import text_width
+
+if TYPE_CHECKING:
+    from rtkit.drawing.layout import Layout
 
 LEFT, RIGHT = "left", "right"
 IN, OUT, DATA, EVENT, SERVICE = "in", "out", "data", "event", "service"
@@ -39,6 +42,8 @@ class Box(NamedTuple):
     Attributes:
         subtitle: Below the title, small.
         is_dashed: Whether it may be missing.
+        inside: What it holds, for a frame; see `rtkit.drawing.frames`.
+        fill: Name of a colour (CSS and X11) that stands for a state; empty for the usual one.
     """
 
     title: str
@@ -46,6 +51,8 @@ class Box(NamedTuple):
     ports: tuple[Port, ...] = ()
     tip: str = ""
     is_dashed: bool = False
+    inside: Inside | None = None
+    fill: str = ""
 
 
 class End(NamedTuple):
@@ -64,11 +71,27 @@ class Wire(NamedTuple):
     tip: str = ""
 
 
+class Frame(NamedTuple):
+    """A box that holds others: the composite of components. All are indices of boxes."""
+
+    box: int
+    members: tuple[int, ...]
+
+
 class Scene(NamedTuple):
     """A whole system."""
 
     boxes: tuple[Box, ...]
     wires: tuple[Wire, ...]
+    frames: tuple[Frame, ...] = ()
+
+
+class Inside(NamedTuple):
+    """What is drawn inside a box, and which of its ports lead on to which ports in there."""
+
+    scene: Scene
+    layout: Layout
+    links: tuple[tuple[int, End], ...] = ()
 
 
 class Size(NamedTuple):
@@ -89,6 +112,8 @@ def box_size(box: Box) -> Size:
     rows = max(map(len, sides))
     widest = [max((text_width(p.name, PORT_SIZE) for p in ports), default=0) for ports in sides]
     between = _BETWEEN_NAMES if all(widest) else 0
+    if box.inside is not None:
+        between = box.inside.layout.size.width + 2 * _BETWEEN_NAMES
     width = max(
         _LEAST_WIDTH,
         text_width(box.title, TITLE_SIZE, is_bold=True) + 2 * _PADDING,
@@ -96,7 +121,15 @@ def box_size(box: Box) -> Size:
         sum(widest) + between + 2 * _PADDING,
     )
     height = header_height(box) + rows * ROW + (8 if rows else 0)
+    if box.inside is not None:
+        height = max(height, inside_offset(box)[1] + box.inside.layout.size.height + _PADDING)
     return Size(round(width), height)
+
+
+def inside_offset(box: Box) -> tuple[int, int]:
+    """Return where what is inside a box begins, from its upper left corner."""
+    names = [text_width(p.name, PORT_SIZE) for p in box.ports if p.side == LEFT]
+    return round(max(names, default=0)) + _PADDING + _BETWEEN_NAMES, header_height(box) + _PADDING
 
 
 def port_offset(box: Box, port: int) -> int:

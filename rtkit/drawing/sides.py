@@ -21,7 +21,7 @@ def with_sides(scene: Scene) -> Scene:
             for end, sign in ((wire.source, 1), (wire.target, -1)):
                 votes[end] = votes.get(end, 0) + (sign if leads_right else -sign)
     boxes = tuple(_with_votes(index, box, votes) for index, box in enumerate(scene.boxes))
-    return Scene(boxes, wires)
+    return scene._replace(boxes=boxes, wires=wires)
 
 
 def _order(count: int, wires: Sequence[Wire]) -> list[int]:

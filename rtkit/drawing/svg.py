@@ -4,28 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rtkit.drawing.layout import Layout, Point
+from rtkit.drawing.frames import framed
+from rtkit.drawing.layout import Layout, Point, laid_out
 from rtkit.drawing.scene import (
     DATA,
     EVENT,
     LEFT,
+    PORT_SIZE,
     SERVICE,
     Box,
     End,
+    Inside,
     Port,
     Scene,
     Size,
     Wire,
     box_size,
     header_height,
+    inside_offset,
     port_offset,
 )
+from rtkit.drawing.text import text_width
 from rtkit.xmltext import without_bad_characters
 
 FONT = "font-family=\"'Noto Sans', 'DejaVu Sans', 'Helvetica Neue', Arial, sans-serif\""
 _MARGIN = 24
 _RADIUS = 6
 _TITLE = 34
+_TURN = 8
 STYLE = """
 .rt-box{fill:#ffffff;stroke:#4a5568;stroke-width:1.2}
 .rt-head{fill:#e8eef6}
@@ -40,6 +46,7 @@ STYLE = """
 .rt-wire{fill:none;stroke:#2b6cb0;stroke-width:1.5}
 .rt-wire.rt-w-service{stroke:#2f855a;stroke-dasharray:6 3}
 .rt-wire.rt-w-event{stroke:#b7791f}
+.rt-wire.rt-lead{stroke:#718096;stroke-width:1.2;stroke-dasharray:2 3}
 .rt-halo{fill:none;stroke:#ffffff;stroke-width:5}
 .rt-hit{fill:none;stroke:#000000;stroke-opacity:0;stroke-width:9}
 .rt-link:hover .rt-wire{stroke-width:3}
@@ -57,12 +64,24 @@ def escaped(text: str) -> str:
     return without_bad_characters(text).translate(_ESCAPES)
 
 
+def picture(scene: Scene, title: str = "") -> str:
+    """Return the picture of a system as SVG: members inside their composites, a title above."""
+    whole = framed(scene)
+    return scene_svg(whole, laid_out(whole), title)
+
+
 def scene_svg(scene: Scene, layout: Layout, title: str = "") -> str:
-    """Return the picture of a scene; the title stands above it."""
+    """Return the picture of a scene as it is laid out; the title stands above it."""
     top = _MARGIN + (_TITLE if title else 0)
     width = layout.size.width + 2 * _MARGIN
     size = Size(max(width, 200), layout.size.height + top + _MARGIN)
     lines = [*opening(size, title), f'<g transform="translate({_MARGIN} {top})">']
+    return "\n".join([*lines, *_scene_lines(scene, layout), "</g>", "</svg>"]) + "\n"
+
+
+def _scene_lines(scene: Scene, layout: Layout) -> list[str]:
+    """Return the wires of a scene, and before them its boxes."""
+    lines: list[str] = []
     for group in _groups(scene):
         # Those that join are drawn together, so that none of them seems to cross the others.
         drawn = [(scene.wires[index], rounded(layout.paths[index])) for index in group]
@@ -72,8 +91,7 @@ def scene_svg(scene: Scene, layout: Layout, title: str = "") -> str:
     lines += [f'<circle class="rt-joint" cx="{x}" cy="{y}" r="3"/>' for x, y in layout.joints]
     for box, place in zip(scene.boxes, layout.places, strict=True):
         lines += box_lines(box, place)
-    lines += ["</g>", "</svg>"]
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def opening(size: Size, title: str, extra_style: str = "") -> Iterator[str]:
@@ -101,7 +119,8 @@ def box_lines(box: Box, place: Point) -> Iterator[str]:
         yield f"<title>{escaped(box.tip)}</title>"
     frame = f'x="{x}" y="{y}" width="{size.width}"'
     yield f'<rect class="rt-box{dashed}" {frame} height="{size.height}" rx="4"/>'
-    yield f'<path class="rt-head" d="{_header(x + 1, y + 1, size.width - 2, head - 3)}"/>'
+    colour = f' style="fill:{box.fill}"' if box.fill else ""
+    yield f'<path class="rt-head"{colour} d="{_header(x + 1, y + 1, size.width - 2, head - 3)}"/>'
     middle = x + size.width / 2
     yield f'<text class="rt-title" x="{middle:g}" y="{y + 18}">{escaped(box.title)}</text>'
     if box.subtitle:
@@ -109,6 +128,31 @@ def box_lines(box: Box, place: Point) -> Iterator[str]:
     for index, port in enumerate(box.ports):
         left = x if port.side == LEFT else x + size.width
         yield from _port(port, left, y + port_offset(box, index))
+    if box.inside is not None:
+        yield from _inside(box, box.inside, place)
+    yield "</g>"
+
+
+def _inside(box: Box, inside: Inside, place: Point) -> Iterator[str]:
+    """Yield what a frame holds, with lines from its own ports to those inside."""
+    left, top = inside_offset(box)
+    x, y = place[0] + left, place[1] + top
+    yield f'<g transform="translate({x} {y})">'
+    for port, end in inside.links:
+        is_left = box.ports[port].side == LEFT
+        edge = -left if is_left else box_size(box).width - left
+        name = round(text_width(box.ports[port].name, PORT_SIZE)) + 14
+        start = (edge + (name if is_left else -name), port_offset(box, port) - top)
+        inner, (inner_x, inner_y) = inside.scene.boxes[end.box], inside.layout.places[end.box]
+        is_inner_left = inner.ports[end.port].side == LEFT
+        stop = (
+            inner_x + (0 if is_inner_left else box_size(inner).width),
+            inner_y + port_offset(inner, end.port),
+        )
+        turn = start[0] + (_TURN if is_left else -_TURN)
+        path = rounded((start, (turn, start[1]), (turn, stop[1]), stop))
+        yield f'<path class="rt-wire rt-lead" d="{path}"/>'
+    yield from _scene_lines(inside.scene, inside.layout)
     yield "</g>"
 
 

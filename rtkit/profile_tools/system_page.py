@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.drawing.layout import laid_out
-from rtkit.drawing.svg import scene_svg
+from rtkit.drawing.svg import picture
 from rtkit.profile.rts_model import Component, RtsProfile
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import normal_data_type
@@ -35,7 +34,7 @@ def system_page(profile: RtsProfile) -> Page:
         system_name(profile),
         one_line(profile.abstract),
         present(facts),
-        scene_svg(scene, laid_out(scene)) if scene.boxes else "",
+        picture(scene) if scene.boxes else "",
         f"The components and connectors of {system_name(profile)}",
         tuple(each for each in found if each is not None),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from rtkit.drawing import scene as s
 from rtkit.drawing.sides import with_sides
@@ -40,7 +40,18 @@ def system_scene(profile: RtsProfile) -> s.Scene:
         *(_wire(each, _DATA, ends) for each in profile.data_port_connectors),
         *(_wire(each, _SERVICE, ends) for each in profile.service_port_connectors),
     ]
-    return with_sides(s.Scene(tuple(boxes), tuple(wire for wire in wires if wire is not None)))
+    drawn = tuple(wire for wire in wires if wire is not None)
+    return with_sides(s.Scene(tuple(boxes), drawn, tuple(_frames(profile))))
+
+
+def _frames(profile: RtsProfile) -> Iterator[s.Frame]:
+    """Yield the composites whose members are in the profile."""
+    places = {each.instance_name: place for place, each in enumerate(profile.components)}
+    for place, component in enumerate(profile.components):
+        names = [each.instance_name for each in component.participants]
+        members = tuple(places[name] for name in names if name in places)
+        if component.composite_type not in (None, "None") and members:
+            yield s.Frame(place, members)
 
 
 _Listed = list[tuple[tuple[str, str, str, str], s.Port]]

@@ -15,6 +15,7 @@ from lxml import etree
 from rtkit.drawing.channels import Net, joints, routes
 from rtkit.drawing.component import Interface, Pin, component_svg
 from rtkit.drawing.dot import dot_lines
+from rtkit.drawing.frames import framed
 from rtkit.drawing.layout import Layout, laid_out
 from rtkit.drawing.order import Link, count_crossings, ordered
 from rtkit.drawing.ranks import backward_edges, ranks
@@ -28,12 +29,13 @@ from rtkit.drawing.scene import (
     SERVICE,
     Box,
     End,
+    Frame,
     Port,
     Scene,
     Wire,
     box_size,
 )
-from rtkit.drawing.svg import rounded, scene_svg
+from rtkit.drawing.svg import picture, rounded, scene_svg
 from rtkit.drawing.text import shortened, text_width
 from rtkit.profile.read import read_file
 from rtkit.profile.rts_model import RtsProfile
@@ -97,7 +99,7 @@ def checked(svg: str) -> Any:
 def test_every_system_has_its_picture(file: str) -> None:
     profile = system(file)
     scene = system_scene(profile)
-    root = checked(scene_svg(scene, laid_out(scene), profile.id))
+    root = checked(picture(scene, profile.id))
     texts = [element.text for element in root.iter(f"{SVG}text")]
     assert texts[0] == profile.id
     for component in profile.components:
@@ -111,7 +113,7 @@ def test_the_picture_of_the_readme_is_up_to_date() -> None:
     scene = system_scene(system(os.path.join(SHIPPED, "sensor-controller-motor.xml")))
     file = os.path.join(ROOT, "docs", "pictures", "sensor-controller-motor.svg")
     with open(file, encoding="utf-8") as stream:
-        assert stream.read() == scene_svg(scene, laid_out(scene))
+        assert stream.read() == picture(scene)
 
 
 def test_few_wires_of_real_systems_cross() -> None:
@@ -268,3 +270,47 @@ def test_wires_join_where_three_pieces_meet() -> None:
     assert joints(Net((10,), (10, 40))) == [10]
     assert joints(Net((10,), (40, 70))) == [40]
     assert joints(Net((10,), (40,))) == []
+
+
+def framed_boxes(*frames: Frame) -> Scene:
+    """Return four boxes in a row, each with an in and an out port; the last can be a frame."""
+    ports = (Port("in", LEFT, IN), Port("out", RIGHT, OUT))
+    shown = (Port("B.in", LEFT, IN),)
+    boxes = (*(Box(name, "T", ports) for name in "ABC"), Box("F", "T", shown), Box("G", "T"))
+    wires = (Wire(End(0, 1), End(3, 0)), Wire(End(1, 1), End(2, 0)), Wire(End(2, 1), End(0, 0)))
+    return Scene(boxes, wires, frames)
+
+
+def test_members_are_inside_their_frame_and_its_ports_lead_to_theirs() -> None:
+    scene = framed(framed_boxes(Frame(3, (1, 2))))
+    assert [box.title for box in scene.boxes] == ["A", "F", "G"]
+    inside = scene.boxes[1].inside
+    assert inside is not None
+    assert [box.title for box in inside.scene.boxes] == ["B", "C"]
+    assert inside.scene.wires == (Wire(End(0, 1), End(1, 0)),)
+    assert inside.links == ((0, End(0, 0)), (1, End(1, 1)))
+    # The wire from C to A leaves the frame, at a port of the frame that is named after C's.
+    assert [port.name for port in scene.boxes[1].ports] == ["B.in", "C.out"]
+    assert scene.wires == (Wire(End(0, 1), End(1, 0)), Wire(End(1, 1), End(0, 0)))
+
+
+def test_a_frame_in_a_frame() -> None:
+    scene = framed(framed_boxes(Frame(3, (1,)), Frame(4, (3, 2))))
+    assert [box.title for box in scene.boxes] == ["A", "G"]
+    outer = scene.boxes[1].inside
+    assert outer is not None
+    assert [box.title for box in outer.scene.boxes] == ["C", "F"]
+    assert [port.name for port in scene.boxes[1].ports] == ["F.B.in", "C.out"]
+    text = picture(framed_boxes(Frame(3, (1,)), Frame(4, (3, 2))))
+    assert text.count('class="rt-box') == 5
+    etree.fromstring(text.encode())
+
+
+def test_what_would_be_inside_itself_is_in_no_frame() -> None:
+    scene = framed(framed_boxes(Frame(3, (3, 4)), Frame(4, (3, 1))))
+    assert [box.title for box in scene.boxes] == ["A", "C", "F"]
+
+
+def test_frames_of_the_dot_form_are_clusters() -> None:
+    lines = list(dot_lines(framed_boxes(Frame(3, (1, 2)))))
+    assert "  subgraph cluster0 { style=dashed; c3; c1; c2; }" in lines

@@ -1,0 +1,111 @@
+"""Frames: the boxes of composites become large enough to hold the boxes of their members.
+
+A wire that leaves a frame does so at a port of the frame, which leads on to the port inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtkit.drawing.layout import laid_out
+from rtkit.drawing.scene import Box, End, Inside, Port, Scene, Wire
+from rtkit.drawing.sides import with_sides
+
+
+def framed(scene: Scene) -> Scene:
+    """Return a scene in which what is inside a frame is drawn inside it."""
+    return _Nesting(scene).scene(None)
+
+
+class _Nesting:
+    """Divides a flat scene into one for each frame, and one for what is in none."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._boxes = [list(box.ports) for box in scene.boxes]
+        self._flat = scene
+        self._parents = _parents(scene)
+        self._wires: dict[int | None, list[Wire]] = {}
+        self._links: dict[int, dict[End, int]] = {}
+        for box, parent in self._parents.items():
+            for place, port in enumerate(scene.boxes[box].ports):
+                self._link_shown(parent, End(box, place), port)
+        for wire in scene.wires:
+            self._route(wire)
+
+    def scene(self, frame: int | None) -> Scene:
+        """Return what is directly inside a frame, or in none."""
+        members = [i for i in range(len(self._boxes)) if self._parents.get(i) == frame]
+        places = {box: place for place, box in enumerate(members)}
+        wires = tuple(_moved(wire, places) for wire in self._wires.get(frame, ()))
+        return with_sides(Scene(tuple(map(self._box, members)), wires))
+
+    def _box(self, index: int) -> Box:
+        box = self._flat.boxes[index]._replace(ports=tuple(self._boxes[index]))
+        members = sorted(i for i, parent in self._parents.items() if parent == index)
+        if not members:
+            return box
+        places = {box: place for place, box in enumerate(members)}
+        links = self._links.get(index, {}).items()
+        inner = self.scene(index)
+        ends = tuple((port, End(places[end.box], end.port)) for end, port in links)
+        return box._replace(inside=Inside(inner, laid_out(inner), ends))
+
+    def _link_shown(self, frame: int, end: End, port: Port) -> None:
+        """Link a port of a member to the one by which its composite shows it."""
+        name = self._name(end, port)
+        for place, shown in enumerate(self._boxes[frame]):
+            if shown.name == name:
+                self._links.setdefault(frame, {})[end] = place
+
+    def _name(self, end: End, port: Port) -> str:
+        return f"{self._flat.boxes[end.box].title}.{port.name}"
+
+    def _route(self, wire: Wire) -> None:
+        """Lead both ends of a wire out to where they are in one frame, or in none."""
+        source, target = wire.source, wire.target
+        around = list(self._around(target.box))
+        while self._parents.get(source.box) not in around:
+            source = self._led_out(source)
+        common = self._parents.get(source.box)
+        while self._parents.get(target.box) != common:
+            target = self._led_out(target)
+        within = self._wires.setdefault(common, [])
+        within.append(wire._replace(source=source, target=target))
+
+    def _around(self, box: int) -> Iterator[int | None]:
+        """Yield the frames that a box is in, the innermost first, and None."""
+        parent = self._parents.get(box)
+        while parent is not None:
+            yield parent
+            parent = self._parents.get(parent)
+        yield None
+
+    def _led_out(self, end: End) -> End:
+        frame = self._parents[end.box]
+        links = self._links.setdefault(frame, {})
+        if end not in links:
+            port = self._boxes[end.box][end.port]
+            links[end] = len(self._boxes[frame])
+            self._boxes[frame].append(port._replace(name=self._name(end, port)))
+        return End(frame, links[end])
+
+
+def _parents(scene: Scene) -> dict[int, int]:
+    """Return in which frame each box is; what would be inside itself is in none."""
+    parents: dict[int, int] = {}
+    for frame in scene.frames:
+        for member in frame.members:
+            above: int | None = frame.box
+            while above is not None and above != member:
+                above = parents.get(above)
+            if above is None:
+                parents.setdefault(member, frame.box)
+    return parents
+
+
+def _moved(wire: Wire, places: dict[int, int]) -> Wire:
+    source, target = wire.source, wire.target
+    return wire._replace(
+        source=source._replace(box=places[source.box]),
+        target=target._replace(box=places[target.box]),
+    )
