@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from rtkit.component.buffer import Sink
 from rtkit.component.codegen import compile_decoder, compile_encoder
 from rtkit.component.layout import complaint, layout_of
 from rtkit.errors import Malformed
@@ -52,21 +51,6 @@ def codec_for(cls: type) -> Codec:
     if known is None:
         known = _codecs[cls] = Codec(_encoder(cls), _decoder(cls))
     return known
-
-
-def bridge(written: type, read: type, sink: Sink[Any]) -> Sink[Any]:
-    """Return a sink for values of type `written` before one that takes type `read`.
-
-    Between two ports of one process values pass as they are, unless one side has a type and the
-    other carries bytes.
-    """
-    if written is read or bytes not in (written, read):
-        return sink
-    if read is bytes:
-        encode = codec_for(written).encode
-        return lambda value: sink(encode(value))
-    decode = codec_for(read).decode
-    return lambda value: sink(decode(value))
 
 
 def _encoder(cls: type) -> Callable[[Any], bytes]:

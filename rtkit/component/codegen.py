@@ -24,6 +24,9 @@ from rtkit.component.layout import (
     Octets,
     Struct,
     Text,
+    as_items,
+    as_octets,
+    as_truth,
 )
 from rtkit.errors import Malformed
 
@@ -114,6 +117,7 @@ class _Encoder(_Source):
             self.write_struct(layout, value)
         elif isinstance(layout, Array):
             names = [self.name() for _ in layout.items]
+            self.take_items(value)
             self.add(f"{', '.join(names)}, = {value}")
             for name, item in zip(names, layout.items, strict=True):
                 self.write(item, name)
@@ -139,7 +143,8 @@ class _Encoder(_Source):
         if isinstance(layout, Number):
             return layout.code, value
         if isinstance(layout, Bool):
-            return "?", value
+            self.scope["_as_truth"] = as_truth
+            return "?", f"_as_truth({value})"
         if isinstance(layout, Char) and layout.is_wide:
             self.scope["_unit"] = _unit
             return "H", f"_unit(ord({value}))"
@@ -152,8 +157,8 @@ class _Encoder(_Source):
     def write_text(self, layout: Text | Octets, value: str) -> None:
         data = self.name()
         if isinstance(layout, Octets):
-            # A view refuses a str, which has a length too but must not pass for bytes.
-            self.add(f"{data} = memoryview({value}).cast('B')")
+            self.scope["_as_octets"] = as_octets
+            self.add(f"{data} = _as_octets({value})")
         elif layout.is_wide:
             self.add(f"{data} = {value}.encode('utf-16-le')")
         else:
@@ -163,7 +168,13 @@ class _Encoder(_Source):
         self.count(f"len({data})")
         self.append(data)
 
+    def take_items(self, value: str) -> None:
+        """Emit what makes an array a list, and refuses what is no sequence."""
+        self.scope["_as_items"] = as_items
+        self.add(f"if {value}.__class__ is not tuple: {value} = _as_items({value})")
+
     def write_items(self, layout: Items, value: str) -> None:
+        self.take_items(value)
         self.count(f"len({value})")
         item = layout.item
         if isinstance(item, (Number, Bool, Char, Enumeration)):
@@ -347,7 +358,7 @@ def _is_plain_record(layout: Struct) -> bool:
         and "__init__" in vars(cls)
         and cls.__new__ is object.__new__
         and not hasattr(cls, "__post_init__")
-        and all(isinstance(getattr(cls, name), MemberDescriptorType) for name, _ in layout.fields)
+        and all(isinstance(vars(cls).get(name), MemberDescriptorType) for name, _ in layout.fields)
     )
 
 

@@ -5,7 +5,7 @@ The codec, JSON literals and zero values all walk this tree.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin, get_type_hints
@@ -36,6 +36,14 @@ class Number(NamedTuple):
     def is_float(self) -> bool:
         """Whether it is a floating-point number."""
         return self.code in "fd"
+
+    @property
+    def bounds(self) -> tuple[int, int]:
+        """The least and the greatest value of an integer."""
+        bits = int(self.name.lstrip("uint"))
+        return (
+            (0, 2**bits - 1) if self.name[0] == "u" else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+        )
 
 
 class Bool(NamedTuple):
@@ -226,6 +234,46 @@ def zero(layout: Layout) -> Any:
     return False if isinstance(layout, Bool) else "\0"
 
 
+def as_items(value: Any) -> Sequence[Any]:
+    """Return the items of a sequence or an array of one dimension or more.
+
+    Raises:
+        TypeError: It is neither; a text, a set and a mapping are neither.
+    """
+    listed = getattr(value, "tolist", None)
+    items = value if listed is None else listed()
+    if isinstance(items, Sequence) and not isinstance(items, str):
+        return items
+    raise TypeError(f"{type(value).__name__} is no sequence")
+
+
+def as_octets(value: Any) -> bytes:
+    """Return the bytes of what holds octets: bytes, a bytearray, an array of ``uint8``.
+
+    Raises:
+        TypeError: It holds none, or numbers of another width.
+    """
+    if value.__class__ is bytes:
+        return bytes(value)
+    view = memoryview(value)
+    if view.format.lstrip("@=<>!") not in ("B", "c"):
+        raise TypeError(f"{type(value).__name__} holds no octets")
+    return view.tobytes()
+
+
+def as_truth(value: Any) -> bool:
+    """Return a truth value; 0 and 1 are some.
+
+    Raises:
+        ValueError: It is none.
+    """
+    if value is True or value is False:
+        return bool(value)
+    if value in (0, 1):
+        return bool(value)
+    raise ValueError("no truth value")
+
+
 def complaint(layout: Layout, value: Any, where: str) -> str:
     """Return what keeps `value` from being carried, naming the field; "" when nothing does."""
     if isinstance(layout, Struct):
@@ -244,18 +292,21 @@ def complaint(layout: Layout, value: Any, where: str) -> str:
 
 
 def _complaint_of_items(layout: Items | Array, value: Any, where: str) -> str:
-    if isinstance(value, str) or not hasattr(value, "__len__"):
-        return f"{where}: {_short(value)} is not a value of type {layout.name}"
+    wrong = f"{where}: {_short(value)} is not a value of type {layout.name}"
+    try:
+        found = as_items(value)
+    except TypeError:
+        return wrong
     if isinstance(layout, Array):
-        if len(value) != len(layout.items):
-            return f"{where}: {len(value)} items, wanted {len(layout.items)}"
+        if len(found) != len(layout.items):
+            return f"{where}: {len(found)} items, wanted {len(layout.items)}"
         items = layout.items
     else:
-        items = (layout.item,) * len(value)
-    for index, (item, one) in enumerate(zip(items, value, strict=False)):
-        found = complaint(item, one, f"{where}[{index}]")
-        if found:
-            return found
+        items = (layout.item,) * len(found)
+    for index, (item, one) in enumerate(zip(items, found, strict=False)):
+        told = complaint(item, one, f"{where}[{index}]")
+        if told:
+            return wrong if hasattr(value, "dtype") else told
     return ""
 
 
@@ -266,12 +317,20 @@ def _is_carried(layout: Layout, value: Any) -> bool:
         return isinstance(value, layout.cls)
     if isinstance(layout, Char):
         return isinstance(value, str) and len(value) == 1 and _is_unit(ord(value), layout.is_wide)
-    if isinstance(layout, Octets):
-        return isinstance(value, (bytes, bytearray, memoryview))
+    if isinstance(layout, (Octets, Bool)):
+        return _can_be(as_octets if isinstance(layout, Octets) else as_truth, value)
     if isinstance(layout, Text):
         if not isinstance(value, str) or any("\ud800" <= char <= "\udfff" for char in value):
             return False
         return layout.is_wide or "\0" not in value
+    return True
+
+
+def _can_be(read: Callable[[Any], object], value: Any) -> bool:
+    try:
+        read(value)
+    except (TypeError, ValueError):
+        return False
     return True
 
 
@@ -285,11 +344,8 @@ def _fits(layout: Number, value: Any) -> bool:
         number = value.__index__()
     except (TypeError, ValueError, OverflowError, AttributeError):
         return False
-    bits = int(layout.name.lstrip("uint"))
-    low, high = (
-        (0, 2**bits) if layout.name.startswith("u") else (-(2 ** (bits - 1)), 2 ** (bits - 1))
-    )
-    return bool(low <= number < high)
+    low, high = layout.bounds
+    return bool(low <= number <= high)
 
 
 def _is_unit(number: int, is_wide: bool) -> bool:
@@ -297,5 +353,7 @@ def _is_unit(number: int, is_wide: bool) -> bool:
 
 
 def _short(value: Any) -> str:
+    if hasattr(value, "dtype") and hasattr(value, "shape"):
+        return f"array of {value.dtype} and shape {value.shape}"
     text = repr(value)
     return text if len(text) <= 60 else text[:59] + "…"

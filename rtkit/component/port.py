@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from threading import Lock
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 from rtkit.component.buffer import Buffer, GuardedRing, Pulled, Ring, Sink, Source, make_ring
 from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, parse_options
@@ -20,6 +20,7 @@ from rtkit.rtc.profiles import ConnectorProfile, PortProfile
 T = TypeVar("T")
 P = TypeVar("P", bound="Port")
 _UNLIMITED = -1
+_OK = PortStatus.OK  # looking a member up in its enumeration would be a tenth of a write
 Renew = Callable[[Sink[T]], object]
 """Told which sink to use from now on."""
 Listener = Callable[[], None]
@@ -311,6 +312,7 @@ class OutPort(DataPort[T]):
         doc: str = "",
     ) -> None:
         super().__init__(data_type, name, properties, doc=doc)
+        self._may_pass: Callable[[T], bool] = self._begin
         self._sinks: tuple[Sink[T], ...] = ()
         self._by_id: dict[str, Sink[T]] = {}
         self._pulled: dict[str, Buffer[T]] = {}
@@ -319,27 +321,47 @@ class OutPort(DataPort[T]):
     def write(self, value: T) -> PortStatus:
         """Send a value to all connectors; return the last outcome that is not OK, else OK.
 
+        What the writer could change later (arrays, lists, bytearrays) is copied.
+
         Raises:
-            Malformed: The value is not of the port's type.
+            Malformed: The value is not of the port's type, or a field of it holds what does not
+                fit; names the field.
         """
-        if value.__class__ is not self.data_type and not isinstance(value, self.data_type):
-            raise Malformed(
-                f"port {self.name} carries {self.data_type.__name__}, not {type(value).__name__}"
-            )
-        status = PortStatus.OK
+        may_pass = self._may_pass
+        if not may_pass(value):
+            value = self._carried(value)
+        status = _OK
         failure: Exception | None = None
         for sink in self._sinks:
             try:
                 refused = sink(value)
-            except Exception as error:
-                failure = error
-            else:
                 if refused is not None:
                     status = refused
+            except Exception as error:
+                failure = error
         self.written += 1
         if failure is not None:
             raise failure
         return status
+
+    def _begin(self, value: T) -> bool:
+        """Have a test of values of this type made: at first use, most ports of a host have none."""
+        from rtkit.component.carried import test_of
+
+        self._may_pass = test_of(self.data_type)
+        return self._may_pass(value)
+
+    def _carried(self, value: T) -> T:
+        if not isinstance(value, self.data_type):
+            raise Malformed(
+                f"port {self.name} carries {self.data_type.__name__}, not {type(value).__name__}"
+            )
+        from rtkit.component.carried import carried
+
+        try:
+            return cast(T, carried(self.data_type, value))
+        except Malformed as error:
+            raise Malformed(f"port {self.name}: {error}") from None
 
     def attach(self, connector_id: str, sink: Sink[T]) -> None:
         """Open a push connector: each value written is given to `sink`.

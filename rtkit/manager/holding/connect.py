@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Protocol
 
-from rtkit.component.buffer import Sink, make_ring
-from rtkit.component.codec import bridge, codec_for
+from rtkit.component.buffer import Sink, Source, make_ring
+from rtkit.component.carried import passage
+from rtkit.component.codec import codec_for
 from rtkit.component.options import (
     ConnectorOptions,
     FullPolicy,
@@ -53,23 +54,23 @@ class Wires:
         self._ends: dict[str, list[_End]] = {}
 
     def join(self, wire: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
-        """Connect two ports of this process; the values themselves are handed over."""
+        """Connect two ports of this process; values that nobody can change are handed over."""
         options = parse_options(wire.properties)
+        change = passage(out.data_type, into.data_type_for(wire))
         if options.dataflow == "pull":
             source = out.open_pull(wire)
             with _undone(lambda: out.detach(wire.connector_id)):
-                into.open_pull(wire, source)
+                into.open_pull(wire, _changed(source, change))
             return
         id = wire.connector_id
-        written, read = out.data_type, into.data_type_for(wire)
         if _is_wrapped(options):
             sink = _present_sink(into, wire)
             with _undone(lambda: into.close(id)):
-                self._attach(wire, out, bridge(written, read, sink), options)
+                self._attach(wire, out, _changing(sink, change, id), options)
             return
-        sink = into.open(wire, lambda sink: out.replace(id, bridge(written, read, sink)))
+        sink = into.open(wire, lambda sink: out.replace(id, _changing(sink, change, id)))
         with _undone(lambda: into.close(id)):
-            out.attach(id, bridge(written, read, sink))
+            out.attach(id, _changing(sink, change, id))
         into.renew(id)
 
     def receive(self, wire: ConnectorProfile, into: InPort[Any]) -> str:
@@ -77,12 +78,7 @@ class Wires:
         sink = _present_sink(into, wire)
         decode = codec_for(into.data_type_for(wire)).decode
 
-        def deliver(payload: bytes) -> None:
-            try:
-                sink(decode(payload))
-            except Malformed as error:
-                _log().warning("%s: value dropped: %s", wire.connector_id, error)
-
+        deliver = _changing(sink, decode, wire.connector_id)
         with _undone(lambda: into.close(wire.connector_id)):
             endpoint, inlet = self._streams.receive(self._key(wire), deliver)
         self.keep(wire, inlet)
@@ -90,13 +86,7 @@ class Wires:
 
     def serve(self, wire: ConnectorProfile, out: OutPort[Any]) -> str:
         """Open the end of a pull connector that is asked, and return its endpoint."""
-        source = out.open_pull(wire)
-        encode = codec_for(out.data_type).encode
-
-        def next_value() -> bytes | None:
-            value = source()
-            return None if value is None else encode(value)
-
+        next_value = _changed(out.open_pull(wire), codec_for(out.data_type).encode)
         with _undone(lambda: out.detach(wire.connector_id)):
             endpoint, inlet = self._streams.answer(self._key(wire), next_value)
         self.keep(wire, inlet)
@@ -134,11 +124,7 @@ class Wires:
         decode = codec_for(into.data_type_for(wire)).decode
         bound_s = options.inport.read_timeout + options.outport.read_timeout
 
-        def source() -> Any:
-            payload = fetcher.fetch(bound_s)
-            return None if payload is None else decode(payload)
-
-        into.open_pull(wire, source)
+        into.open_pull(wire, _changed(lambda: fetcher.fetch(bound_s), decode))
         self.keep(wire, fetcher)
 
     def serve_calls(
@@ -219,6 +205,37 @@ def _is_wrapped(options: ConnectorOptions) -> bool:
     """Whether something stands between a port and the sink that it writes to."""
     skips = options.push_policy is PushPolicy.SKIP and options.skip_count > 0
     return skips or options.subscription == "periodic"
+
+
+def _changing(sink: Sink[Any], change: Callable[[Any], Any] | None, name: str) -> Sink[Any]:
+    """Return a sink that gives on what `change` makes of a value, if it is a value of the reader's.
+
+    No writer is told of the others: it wrote a value of its own type.
+    """
+    if change is None:
+        return sink
+
+    def write(value: Any) -> PortStatus | None:
+        try:
+            changed = change(value)
+        except Malformed as error:
+            _log().warning("%s: value dropped: %s", name, error)
+            return None
+        return sink(changed)
+
+    return write
+
+
+def _changed(source: Source[Any], change: Callable[[Any], Any] | None) -> Source[Any]:
+    """Return a source of what `change` makes of each value."""
+    if change is None:
+        return source
+
+    def take() -> Any:
+        value = source()
+        return None if value is None else change(value)
+
+    return take
 
 
 def _present_sink(into: InPort[Any], wire: ConnectorProfile) -> Sink[Any]:

@@ -20,7 +20,7 @@ from rtkit.component import (
     sensors,
     types,
 )
-from rtkit.component.codec import BYTES, bridge, codec_for
+from rtkit.component.codec import BYTES, codec_for
 from rtkit.component.layout import (
     Array,
     Bool,
@@ -324,16 +324,6 @@ def test_bytes_pass_unchanged():
     assert codec_for(bytes) is BYTES
     with pytest.raises(Malformed):
         BYTES.encode("text")
-
-
-def test_a_bridge_converts_between_typed_and_bytes():
-    got = []
-    value = TimedLong(data=4)
-    bridge(TimedLong, TimedLong, got.append)(value)
-    bridge(TimedLong, bytes, got.append)(value)
-    bridge(bytes, TimedLong, got.append)(got[1])
-    assert got == [value, codec_for(TimedLong).encode(value), value]
-    assert got[0] is value
 
 
 def test_a_constructor_that_checks_is_run():

@@ -7,7 +7,8 @@ from typing import ClassVar
 import pytest
 
 from rtkit.component import FsmComponent, OutPort, TimedLong, TimedString
-from rtkit.component.codec import bridge, codec_for
+from rtkit.component.carried import passage
+from rtkit.component.codec import codec_for
 from rtkit.component.describe import describe
 from rtkit.component.options import PortStatus
 from rtkit.errors import Malformed, NotFound, Refused
@@ -204,7 +205,8 @@ def test_an_event_of_any_type_is_bytes(door):
     kick = wire("kick", "kick")
     out = OutPort(TimedLong, "kick")
     sink = door.event_in.open(kick)
-    out.attach("kick", bridge(out.data_type, door.event_in.data_type_for(kick), sink))
+    change = passage(out.data_type, door.event_in.data_type_for(kick))
+    out.attach("kick", lambda value: sink(change(value)))
     out.write(TimedLong(data=7))
     _, value = door.event_in.take()
     assert codec_for(TimedLong).decode(value).data == 7

@@ -1,0 +1,227 @@
+"""Values as readers get them: the same from a writer in their own process as from another one.
+
+What the codec would hand over is handed over: values that do not fit are refused where they are
+written, and what the writer could still change (arrays, lists, bytearrays) is copied. A value that
+would come out of the codec as it went in, and that nobody can change, is passed as it is; each type
+has a generated test for that, so that small values cost a fraction of a microsecond.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from enum import Flag
+from typing import Any
+
+from rtkit.component.codec import codec_for
+from rtkit.component.layout import (
+    Array,
+    Bool,
+    Char,
+    Enumeration,
+    Items,
+    Layout,
+    Number,
+    Octets,
+    Struct,
+    Text,
+    layout_of,
+)
+
+Test = Callable[[Any], bool]
+"""Tells whether a value is such that readers may get it as it is."""
+
+_FLOAT32 = struct.Struct("f")
+_tests: dict[type, Test] = {}
+
+
+def test_of(cls: type) -> Test:
+    """Return the test for values of a dataclass, or of bytes.
+
+    Raises:
+        Malformed: The type has a field that cannot be carried.
+    """
+    known = _tests.get(cls)
+    if known is None:
+        known = _tests[cls] = _is_bytes if cls is bytes else compile_test(layout_of(cls))
+    return known
+
+
+def carried(cls: type, value: Any) -> Any:
+    """Return what a reader gets of a value.
+
+    Raises:
+        Malformed: It is no value of the type; names field and type.
+    """
+    if test_of(cls)(value):
+        return value
+    codec = codec_for(cls)
+    return codec.decode(codec.encode(value))
+
+
+def passage(written: type, read: type) -> Callable[[Any], Any] | None:
+    """Return what makes a value written in this process the one that a port here reads.
+
+    None where that is the value itself: both ports have one type, whose values nobody can change.
+    """
+    if written is read and (written is bytes or not is_changeable(layout_of(written))):
+        return None
+    encode, decode = codec_for(written).encode, codec_for(read).decode
+    return lambda value: decode(encode(value))
+
+
+def is_changeable(layout: Layout) -> bool:
+    """Whether readers could change values, so that each has to get one of its own."""
+    if isinstance(layout, Struct):
+        return not _is_frozen(layout.cls) or any(is_changeable(item) for _, item in layout.fields)
+    if isinstance(layout, Array):
+        return any(map(is_changeable, layout.items))
+    return isinstance(layout, Items) and (layout.make is list or is_changeable(layout.item))
+
+
+def compile_test(layout: Layout) -> Test:
+    """Return the test for values of a layout."""
+    if is_changeable(layout):
+        return _never
+    return _Writer().compile(layout)
+
+
+def _is_frozen(cls: Any) -> bool:
+    return bool(cls.__dataclass_params__.frozen)
+
+
+def _is_bytes(value: Any) -> bool:
+    return value.__class__ is bytes
+
+
+def _never(value: Any) -> bool:
+    return False
+
+
+class _Writer:
+    """Writes a test as one expression; each of its parts evaluates its source once."""
+
+    def __init__(self) -> None:
+        self._scope: dict[str, Any] = {}
+        self._count = 0
+
+    def compile(self, layout: Layout) -> Test:
+        code = f"def test(value):\n    return {self._of(layout, 'value')}"
+        exec(code, self._scope)
+        test: Test = self._scope["test"]
+        return test
+
+    def _of(self, layout: Layout, source: str) -> str:
+        if isinstance(layout, Struct):
+            name = self._name()
+            head = f"({name} := {source}).__class__ is {self._named(layout.cls)}"
+            return self._all(
+                head, *(self._of(item, f"{name}.{field}") for field, item in layout.fields)
+            )
+        if isinstance(layout, Array):
+            name = self._name()
+            head = f"({name} := {source}).__class__ is tuple and len({name}) == {len(layout.items)}"
+            items = (self._of(item, f"{name}[{at}]") for at, item in enumerate(layout.items))
+            return self._all(head, *items)
+        if isinstance(layout, Items):
+            name = self._name()
+            return self._all(f"({name} := {source}).__class__ is tuple", self._each(layout, name))
+        return self._scalar(layout, source)
+
+    def _each(self, layout: Items, name: str) -> str:
+        """Return what tests the items of a tuple without a step of Python for each, if it can."""
+        item = layout.item
+        if isinstance(item, (Struct, Array, Items)):
+            return f"all(map({self._named(compile_test(item))}, {name}))"
+        kind = self._named(_kind(item))
+        are_all = f"(not {name} or set(map(type, {name})) == {{{kind}}}"
+        if isinstance(item, Number) and not item.is_float:
+            low, high = item.bounds
+            return f"{are_all} and {low} <= min({name}) and max({name}) <= {high})"
+        if isinstance(item, Bool) or (isinstance(item, Number) and item.code == "d"):
+            return f"{are_all})"
+        return f"{are_all} and all(map({self._named(_leaf(item))}, {name})))"
+
+    def _scalar(self, layout: Layout, source: str) -> str:
+        name = self._name()
+        head = f"({name} := {source}).__class__ is {self._named(_kind(layout))}"
+        if isinstance(layout, Number) and not layout.is_float:
+            low, high = layout.bounds
+            return f"{head} and {low} <= {name} <= {high}"
+        if isinstance(layout, (Bool, Octets)) or (
+            isinstance(layout, Number) and layout.code == "d"
+        ):
+            return f"{source}.__class__ is {self._named(_kind(layout))}"
+        if isinstance(layout, Enumeration) and not issubclass(layout.cls, Flag):
+            return f"{source}.__class__ is {self._named(layout.cls)}"
+        return f"{head} and {self._named(_leaf(layout))}({name})"
+
+    def _all(self, *tests: str) -> str:
+        return " and ".join(tests)
+
+    def _named(self, value: Any) -> str:
+        name = self._name()
+        self._scope[name] = value
+        return name
+
+    def _name(self) -> str:
+        self._count += 1
+        return f"v{self._count}"
+
+
+def _kind(layout: Layout) -> type:
+    """Return the class that a scalar has after it was carried."""
+    if isinstance(layout, Number):
+        return float if layout.is_float else int
+    if isinstance(layout, Enumeration):
+        return layout.cls
+    if isinstance(layout, Bool):
+        return bool
+    return bytes if isinstance(layout, Octets) else str
+
+
+def _leaf(layout: Layout) -> Test:
+    """Return the test for a scalar that has the right class already."""
+    if isinstance(layout, Number):
+        return _is_float32
+    if isinstance(layout, Enumeration):
+        return layout.numbers.__contains__
+    if isinstance(layout, Char):
+        return _is_wide_char if layout.is_wide else _is_char
+    if isinstance(layout, Text):
+        return _is_wide_text if layout.is_wide else _is_text
+    return _always
+
+
+def _always(value: Any) -> bool:
+    return True
+
+
+def _is_float32(value: float) -> bool:
+    try:
+        rounded: float = _FLOAT32.unpack(_FLOAT32.pack(value))[0]
+    except OverflowError:
+        return False
+    return rounded == value
+
+
+def _is_char(value: str) -> bool:
+    return len(value) == 1 and value < "\u0100"
+
+
+def _is_wide_char(value: str) -> bool:
+    return len(value) == 1 and (value < "\ud800" or "\ue000" <= value <= "\uffff")
+
+
+def _is_text(value: str) -> bool:
+    return "\0" not in value and _is_wide_text(value)
+
+
+def _is_wide_text(value: str) -> bool:
+    if value.isascii():
+        return True
+    try:
+        value.encode()
+    except UnicodeEncodeError:  # half of a surrogate pair
+        return False
+    return True
