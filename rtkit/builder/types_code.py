@@ -44,7 +44,9 @@ class TypesCode:
 
     def __init__(self, definitions: Definitions, wanted: Iterable[Path]) -> None:
         self._definitions = definitions
-        self._order = closure(definitions, wanted)
+        # What a method declares to raise has to be there before it, and is often declared inside.
+        needed = closure(definitions, wanted)
+        self._order = sorted(needed, key=lambda p: isinstance(definitions.by_path[p], Interface))
         self._types = Annotations(definitions, self._order)
         self._methods: dict[Path, list[Method]] = {}
         self._blocks = [block for path in self._order for block in self._emit(path)]
@@ -182,9 +184,20 @@ class TypesCode:
         lines = [f"class {name}({', '.join([*bases, 'Protocol'])}):"]
         lines += docstring(f"Interface {name}.", declared.doc, indent=INDENT)
         for method in methods:
-            lines += ["", *signature(method, "", INDENT)]
+            lines += ["", *self._raises(method), *signature(method, "", INDENT)]
             lines += documentation(method, self.name, INDENT * 2)
         return lines
+
+    def _raises(self, method: Method) -> list[str]:
+        """Return the line that declares what a method raises, if it does."""
+        if not method.raises:
+            return []
+        self._types.uses.add("rt")
+        names = [self.name(path) for path in method.raises]
+        line = f"{INDENT}@rt.raises({', '.join(names)})"
+        if len(line) <= WIDTH:
+            return [line]
+        return [f"{INDENT}@rt.raises(", *(f"{INDENT * 2}{name}," for name in names), f"{INDENT})"]
 
 
 def _attributes(fields: Iterable[tuple[str, Field]]) -> list[str]:

@@ -87,6 +87,7 @@ if TYPE_CHECKING:
     from rtkit.component.geometry import Vector3D as Vector3D
     from rtkit.component.geometry import Velocity2D as Velocity2D
     from rtkit.component.geometry import Velocity3D as Velocity3D
+    from rtkit.component.interface import raises as raises
     from rtkit.component.navigation import Features as Features
     from rtkit.component.navigation import Hypotheses2D as Hypotheses2D
     from rtkit.component.navigation import Hypotheses3D as Hypotheses3D
@@ -168,6 +169,7 @@ if TYPE_CHECKING:
 _HOME = {
     "base": ("Component", "Manager"),
     "fsm": ("EventPort", "FsmComponent"),
+    "interface": ("raises",),
     "parameter": ("Parameter",),
     "port": ("InPort", "OutPort"),
     "service": ("RequiredPort", "ServicePort"),

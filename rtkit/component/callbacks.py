@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import TracebackType
+from types import CoroutineType, TracebackType
 from typing import Any
 
 from rtkit.rtc.enums import ReturnCode
 
 _MAX_TEXT = 300
+CO_GENERATOR, CO_COROUTINE, CO_ASYNC_GENERATOR = 0x20, 0x80, 0x200
+"""Flags of code objects, as `inspect` has them, which takes long to import."""
 
 
 class Callbacks:
@@ -57,10 +59,28 @@ class Callbacks:
         """React to a new rate of the execution context. A failure leads to Error."""
 
 
+CALLBACKS = tuple(name for name in vars(Callbacks) if name.startswith("on_"))
+
+
 def overrides(component: Callbacks, name: str) -> bool:
     """Whether `component` has a callback of its own for `name`."""
     callback = getattr(component, name)
     return getattr(callback, "__func__", callback) is not getattr(Callbacks, name)
+
+
+def unfit_kind(function: object) -> str:
+    """Return what keeps a function from being called and being done with; empty when nothing does.
+
+    Calling a coroutine function only makes a coroutine, which nothing awaits, and of a generator
+    nothing runs before somebody asks it for a value.
+    """
+    code = getattr(getattr(function, "__func__", function), "__code__", None)
+    flags = getattr(code, "co_flags", 0)
+    if flags & (CO_COROUTINE | CO_ASYNC_GENERATOR):
+        return "a coroutine function, which nothing awaits: write def instead of async def"
+    if flags & CO_GENERATOR:
+        return "a generator function, of which nothing runs: write it without yield"
+    return ""
 
 
 class Failure(str):
@@ -90,6 +110,9 @@ def attempt(callback: Callable[..., Any], *arguments: str) -> Failure:
         code = callback(*arguments)
         if code is None or code == ReturnCode.OK:
             return Failure()
+        if isinstance(code, CoroutineType):
+            code.close()  # else Python warns that nobody awaited it
+            return Failure(f"returned a coroutine, which nothing awaits ({_place(None, callback)})")
         return Failure(f"returned {code} ({_place(None, callback)})")
     except BaseException as error:
         return Failure(describe_failure(error, callback), error)

@@ -358,7 +358,9 @@ def _is_plain_record(layout: Struct) -> bool:
         and "__init__" in vars(cls)
         and cls.__new__ is object.__new__
         and not hasattr(cls, "__post_init__")
-        and all(isinstance(vars(cls).get(name), MemberDescriptorType) for name, _ in layout.fields)
+        and all(
+            isinstance(getattr(cls, name, None), MemberDescriptorType) for name, _ in layout.fields
+        )
     )
 
 

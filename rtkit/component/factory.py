@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Mapping, Sequence
 
 from rtkit.component.base import Component
-from rtkit.component.callbacks import describe_failure
+from rtkit.component.callbacks import CALLBACKS, describe_failure, unfit_kind
 from rtkit.component.standin import stand_in
 from rtkit.errors import NotFound, Refused, RtkitError
 from rtkit.rtc.create import CreateString
@@ -39,7 +39,7 @@ class Factories:
         """Make component classes available, all or none; return their identities.
 
         Raises:
-            Refused: One is no component class.
+            Refused: One is no component class, or has a callback that cannot be called.
         """
         profiles = [_identity(maker) for maker in makers]
         return tuple(map(self._register, profiles, makers))
@@ -129,6 +129,10 @@ class Factories:
 def _identity(maker: object) -> TypeProfile:
     if not (isinstance(maker, type) and issubclass(maker, Component)):
         raise Refused(f"not a component class: {maker!r}")
+    for name in CALLBACKS:
+        kind = unfit_kind(getattr(maker, name))
+        if kind:
+            raise Refused(f"{maker.__name__}.{name} is {kind}")
     return maker.type_profile()
 
 

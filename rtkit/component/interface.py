@@ -1,23 +1,56 @@
 """Service interfaces: a protocol class read into methods whose arguments can be carried.
 
 Arguments and results are of the kinds that data types have (`rtkit.component.types`), told by the
-annotations; ``-> None`` tells that nothing comes back.
+annotations; ``-> None`` tells that nothing comes back. An exception that a method declares
+(`raises`) arrives as itself, with the arguments of its constructor.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import make_dataclass
 from functools import cached_property
-from typing import Any, Protocol, get_type_hints
+from typing import Any, Protocol, TypeVar, get_type_hints
 
+from rtkit.component.carried import Test, compile_test
 from rtkit.component.codec import Codec, codec_for
-from rtkit.component.layout import Layout, layout_of_hint
-from rtkit.errors import Malformed
+from rtkit.component.layout import Array, Layout, layout_of_hint
+from rtkit.errors import Malformed, Refused
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 _PLAIN = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
 _BUILT_IN = ("object", "Protocol", "Generic", "ABC")
+
+
+def raises(*exceptions: type[Exception]) -> Callable[[F], F]:
+    """Declare which exceptions of a method arrive at its caller as themselves.
+
+    ::
+
+        class Gripper(Protocol):
+            @raises(Busy)
+            def close(self, force: float) -> None: ...
+
+    What their constructors take is annotated, and kept under the same names; one without a
+    constructor of its own carries its text. Any other exception arrives as `Refused` with its text.
+    """
+
+    def declare(method: F) -> F:
+        method.__raises__ = exceptions  # type: ignore[attr-defined]
+        return method
+
+    return declare
+
+
+class Raised(Refused):
+    """What a provider raised, with what rebuilds it where it is declared."""
+
+    def __init__(self, text: str, name: str, data: bytes) -> None:
+        super().__init__(text)
+        self.name = name
+        self.data = data
 
 
 class Method:
@@ -31,6 +64,10 @@ class Method:
     def __init__(self, owner: str, name: str, function: Callable[..., Any]) -> None:
         self.name = name
         self.label = f"{owner}.{name}"
+        self._likes: dict[Method, bool] = {}
+        self._raises = {
+            cls.__name__: _Exception(cls, self.label) for cls in getattr(function, "__raises__", ())
+        }
         self._shape = _without_self(inspect.signature(function))
         self._hints = _hints(function, self.label)
         given = [f"{n}:{self._layout(n).name}" for n in self._shape.parameters]
@@ -47,7 +84,9 @@ class Method:
         Raises:
             Malformed: They do not fit the parameters.
         """
-        bound = self.bind(arguments, named)
+        return self._encode(self.bind(arguments, named))
+
+    def _encode(self, bound: tuple[Any, ...]) -> bytes:
         return self._arguments.encode(self._record(*bound)) if bound else b""
 
     def decode_arguments(self, data: bytes) -> tuple[Any, ...]:
@@ -91,6 +130,67 @@ class Method:
             Malformed: They are no result of this method.
         """
         return None if self.returns_nothing else self._result[0].decode(data).result
+
+    def encode_exception(self, error: BaseException) -> tuple[str, bytes] | None:
+        """Return the name and the bytes of an exception that is declared, None for any other.
+
+        One of a derived class counts as the first one declared that it derives from.
+        """
+        for name, each in self._raises.items():
+            if isinstance(error, each.cls):
+                try:
+                    return name, each.encode(error)
+                except BaseException:  # what a property of it, or its text, raises
+                    return None
+        return None
+
+    def decode_exception(self, name: str, data: bytes) -> BaseException | None:
+        """Return the exception that the bytes stand for, None where it is not declared so here."""
+        known = self._raises.get(name)
+        if known is None:
+            return None
+        try:
+            return known.decode(data)
+        except Malformed:
+            return None
+
+    def pass_arguments(
+        self, arguments: Sequence[Any], named: Mapping[str, Any], other: Method
+    ) -> tuple[Any, ...]:
+        """Return what a method of a provider in this process gets of arguments.
+
+        Raises:
+            Malformed: They do not fit the parameters.
+        """
+        bound = self.bind(arguments, named)
+        if self._is_like(other) and self._may_pass(bound):
+            return bound
+        return other.decode_arguments(self._encode(bound))
+
+    def pass_result(self, value: Any, other: Method) -> Any:
+        """Return what a method of a caller in this process gets of a result.
+
+        Raises:
+            Malformed: It is not of the type that the method promises.
+        """
+        if self._is_like(other) and self._may_return(value):
+            return value
+        return other.decode_result(self.encode_result(value))
+
+    def _is_like(self, other: Method) -> bool:
+        """Whether it has the very classes of another one of the same signature."""
+        if other not in self._likes:
+            self._likes[other] = self._hints == other._hints
+        return self._likes[other]
+
+    @cached_property
+    def _may_pass(self) -> Test:
+        items = tuple(self._layout(name) for name in self._shape.parameters)
+        return compile_test(Array(items, "arguments"))
+
+    @cached_property
+    def _may_return(self) -> Test:
+        return is_none if self.returns_nothing else compile_test(self._layout("return"))
 
     def bind(self, arguments: Sequence[Any], named: Mapping[str, Any]) -> tuple[Any, ...]:
         """Return the arguments in the order of the parameters, defaults filled in.
@@ -205,6 +305,68 @@ class Interface:
     def missing_in(self, implementation: object) -> list[str]:
         """Return the methods that an implementation lacks."""
         return [n for n in self.methods if not callable(getattr(implementation, n, None))]
+
+
+class _Exception:
+    """An exception that a method declares."""
+
+    def __init__(self, cls: type[BaseException], label: str) -> None:
+        if not (isinstance(cls, type) and issubclass(cls, Exception)):
+            raise Malformed(f"{label} raises what is no exception: {cls!r}")
+        self.cls = cls
+        hints: dict[str, Any] = {"text": str}
+        self._is_plain = "__init__" not in {n for each in _own_bases(cls) for n in vars(each)}
+        if not self._is_plain:
+            function: Any = cls.__init__
+            shape = _without_self(inspect.signature(function)).parameters
+            told = _hints(function, cls.__name__)
+            hints = {name: told.get(name) for name in shape}
+        for name, hint in hints.items():
+            layout_of_hint(hint, f"{label}: {cls.__name__}.{name}")
+        self._names = tuple(hints)
+        self._record = make_dataclass(cls.__name__, hints.items(), frozen=True, slots=True)
+
+    def encode(self, error: BaseException) -> bytes:
+        """Return what its constructor takes as bytes.
+
+        Raises:
+            Malformed: It does not have that, or of another type.
+        """
+        if self._is_plain:
+            told = error.args[0] if len(error.args) == 1 else str(error)
+            return codec_for(self._record).encode(self._record(str(told)))
+        if not self._names:
+            return b""
+        try:
+            values = [getattr(error, name) for name in self._names]
+        except AttributeError as missing:
+            raise Malformed(f"{self.cls.__name__}: {missing}") from None
+        return codec_for(self._record).encode(self._record(*values))
+
+    def decode(self, data: bytes) -> BaseException:
+        """Return the exception.
+
+        Raises:
+            Malformed: They are no bytes of it, or its constructor fails.
+        """
+        record = codec_for(self._record).decode(data) if self._names else None
+        values = {name: getattr(record, name) for name in self._names}
+        try:
+            if self._is_plain:
+                return self.cls(values["text"]) if values["text"] else self.cls()
+            return self.cls(**values)
+        except Exception as error:
+            raise Malformed(f"{self.cls.__name__} cannot be made: {error}") from None
+
+
+def _own_bases(cls: type) -> Iterator[type]:
+    """Yield a class of exceptions and those it derives from that are written in Python."""
+    yield from (each for each in cls.__mro__ if each.__module__ != "builtins")
+
+
+def is_none(value: Any) -> bool:
+    """Whether it is None."""
+    return value is None
 
 
 def _without_self(signature: inspect.Signature) -> inspect.Signature:

@@ -1,7 +1,8 @@
 """A call of a service in bytes: what the caller sends, what the provider answers.
 
 A request is one line (deadline, interface, method) and the arguments as CDR; a reply is the kind
-of its outcome on one line and the result as CDR, or the reason as text. The deadline is in
+of its outcome on one line and the result as CDR, or the reason as text. For a declared exception
+the line has its name and the reason, too, and its arguments follow as CDR. The deadline is in
 nanoseconds of the monotonic clock, which all processes of one host share.
 """
 
@@ -12,13 +13,14 @@ from typing import Any, NamedTuple, Protocol
 
 from rtkit.component.callbacks import describe_failure
 from rtkit.component.crossing import Crossings, Run
-from rtkit.component.interface import Interface, Method
+from rtkit.component.interface import Interface, Method, Raised
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable, from_kind
 
 NANOSECONDS = 1_000_000_000
 Send = Callable[[bytes, float], bytes]
 """Takes a request and a time-out [s], returns the reply or raises `Unreachable`."""
 _OK = "ok"
+_RAISED = "raised\t"
 
 
 class Target(Protocol):
@@ -57,14 +59,16 @@ class Served(NamedTuple):
         """Call the implementation on this thread; nothing but an `RtkitError` gets out.
 
         Raises:
-            Refused: It raised an exception.
+            Refused: It raised an exception; `Raised` when that is declared.
         """
         function = getattr(self.implementation, method.name)
         try:
             return method.call(function, arguments)
         except BaseException as error:
             why = describe_failure(error, function)
-            raise Refused(f"{self.label}: {method.label} failed: {why}") from error
+            text = f"{self.label}: {method.label} failed: {why}"
+            declared = method.encode_exception(error)
+            raise (Raised(text, *declared) if declared else Refused(text)) from error
         finally:
             self.called()
 
@@ -105,15 +109,27 @@ class Direct:
         own = self._served.interface.by_signature.get(method.signature)
         if own is None:
             raise _differs(self._served, method.signature)
-        bound = method.bind(arguments, named)
+        passed = method.pass_arguments(arguments, named, own)
+        try:
+            result = self._invoke(method, own, passed, timeout_s)
+        except Raised as raised:
+            raise _rebuilt(method, raised) from raised.__cause__
+        try:
+            return own.pass_result(result, method)
+        except Malformed as malformed:
+            raise Malformed(f"{self._served.label}: {malformed}") from None
+
+    def _invoke(
+        self, method: Method, own: Method, arguments: tuple[Any, ...], timeout_s: float
+    ) -> Any:
         passage = self._passage
         if passage is None:
-            return self._served.invoke(own, bound)
+            return self._served.invoke(own, arguments)
         call, circle = passage.crossings.enter(passage.caller, passage.provider)
         try:
             if not circle:
-                return self._served.invoke(own, bound)
-            return passage.run(lambda: self._served.invoke(own, bound), timeout_s)
+                return self._served.invoke(own, arguments)
+            return passage.run(lambda: self._served.invoke(own, arguments), timeout_s)
         except TimeoutError as error:
             late = str(error) or f"no answer within {timeout_s:g} s"
             raise Unreachable(
@@ -143,21 +159,34 @@ class Remote:
         """See `Target.call`."""
         body = method.encode_arguments(arguments, named)
         deadline = self._clock() + int(timeout_s * NANOSECONDS)
-        head = f"{deadline}\t{self._type_name}\t{method.signature}\n"
+        call = f"{deadline}\t{self._type_name}\t{method.signature}\n"
         try:
-            reply = self._send(head.encode() + body, timeout_s)
+            reply = self._send(call.encode() + body, timeout_s)
         except Unreachable as error:
             raise Unreachable(f"{self._label}: {method.label}: {error}") from None
-        kind, _, tail = reply.partition(b"\n")
-        if kind != _OK.encode():
-            raise from_kind(kind.decode(), tail.decode())
+        head, _, tail = reply.partition(b"\n")
+        kind = head.decode()
+        if kind.startswith(_RAISED):
+            _, name, text = kind.split("\t", 2)
+            raise _rebuilt(method, Raised(text, name, tail))
+        if kind != _OK:
+            raise from_kind(kind, tail.decode())
         return method.decode_result(tail)
+
+
+def _rebuilt(method: Method, raised: Raised) -> BaseException:
+    """Return what the caller catches: its own exception, or a refusal where it declares none."""
+    error = method.decode_exception(raised.name, raised.data)
+    return Refused(str(raised)) if error is None else error
 
 
 def answer(request: bytes, served: Sequence[Served], now_ns: int) -> bytes:
     """Serve one request and return the reply, whatever arrived."""
     try:
         return _OK.encode() + b"\n" + _serve(request, served, now_ns)
+    except Raised as raised:
+        text = str(raised).replace("\n", " ")
+        return f"{_RAISED}{raised.name}\t{text}\n".encode(errors="replace") + raised.data
     except RtkitError as error:
         return f"{error.kind}\n{error}".encode()
 

@@ -17,10 +17,10 @@
         def on_execute(self, context):
             self.service.client.echo("hi")
 
-A provider in the same process is called directly, on the caller's thread, with the objects
-themselves. One in another process is called on a thread of the connector there; arguments and
-result travel as CDR, and the caller waits at most for the time-out. Several callers may be inside
-a provider at once.
+A provider in the same process is called directly, on the caller's thread. One in another process is
+called on a thread of the connector there; arguments and result travel as CDR, and the caller waits
+at most for the time-out. Both check what is passed, and pass exceptions, alike. Several callers may
+be inside a provider at once.
 
 Components of one process that call each other could wait for each other for ever: the call that
 closes such a circle runs on a thread of its own and is bounded by the time-out, too.
@@ -34,6 +34,7 @@ from copy import copy
 from threading import Lock
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
+from rtkit.component.callbacks import unfit_kind
 from rtkit.component.interface import Interface, Method
 from rtkit.component.invocation import Served, Target
 from rtkit.component.kinds import read_float
@@ -301,6 +302,12 @@ class ServicePort(Port):
                 f"{owner.instance}.{self.name}: {type(done_by).__name__} does not implement"
                 f" {use.interface.name}: it lacks {', '.join(missing)}"
             )
+        for name in use.interface.methods:
+            kind = unfit_kind(getattr(done_by, name))
+            if kind:
+                raise Refused(
+                    f"{owner.instance}.{self.name}: {type(done_by).__name__}.{name} is {kind}"
+                )
         return use._replace(implementation=done_by)
 
 

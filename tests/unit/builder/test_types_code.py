@@ -117,6 +117,19 @@ def test_constants_enumerations_and_exceptions(load, builder):
     assert issubclass(module.Busy, Exception)
 
 
+def test_what_an_operation_raises_arrives_as_itself_also_when_it_is_declared_inside(load):
+    text = (
+        "interface I { exception Odd { string why; long code; }; exception Plain {};"
+        " void f() raises (Odd, Plain); };"
+    )
+    module = load(read(text))
+    method = Interface(module.I).methods["f"]
+    found = method.decode_exception(*method.encode_exception(module.Odd("why", 3)))
+    assert (type(found), found.why, found.code) == (module.Odd, "why", 3)
+    assert type(method.decode_exception(*method.encode_exception(module.Plain()))) is module.Plain
+    assert "    @rt.raises(Odd, Plain)\n    def f(self) -> None:" in module.text
+
+
 def test_names_that_python_keeps_for_itself(load):
     module = load(
         read(
