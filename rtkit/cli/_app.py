@@ -44,6 +44,7 @@ class App:
         name: What the user typed to get here, the prefix of every message.
         timeout_s: Bound on every call [s].
         is_verbose: Tell progress on stderr, and tracebacks.
+        is_strict: Take warnings for errors.
         form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
         command: The word of a command that is run, once that is known.
         write_error: Writes one line on stderr.
@@ -53,6 +54,7 @@ class App:
         self.name = name
         self.timeout_s = DEFAULT_TIMEOUT_S
         self.is_verbose = False
+        self.is_strict = False
         self.form: str | None = None
         self.has_exit_detail = os.environ.get("RTKIT_EXIT_DETAIL", "") not in ("", "0")
         self.command: click.Command | None = None
@@ -195,6 +197,18 @@ class App:
         """Write one line on stderr behind the command's name."""
         self.write_error(printable(f"{self.name}: {text}"))
 
+    def warn(self, texts: Iterable[str]) -> None:
+        """Write warnings about what was asked for, before it is done.
+
+        Raises:
+            Malformed: There are any, and they are to be taken for errors.
+        """
+        found = list(texts)
+        if found and self.is_strict:
+            raise Malformed("; ".join(found))
+        for text in found:
+            self.fail(f"warning: {text}")
+
     def tell(self, text: str) -> None:
         """Write progress on stderr when asked to be verbose."""
         if self.is_verbose:
@@ -304,6 +318,18 @@ def _is_repeatable(parameter: click.Parameter) -> TypeGuard[click.Option]:
     """Whether an option may be given several times, and does not say so itself."""
     is_option = isinstance(parameter, click.Option) and not parameter.is_flag
     return is_option and parameter.multiple and "repeatable" not in (parameter.help or "")
+
+
+def strict_option(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the option that takes warnings for errors, so that nothing is done."""
+    option = click.option(
+        "--strict",
+        is_flag=True,
+        expose_value=False,
+        callback=_set("is_strict"),
+        help="Take warnings for errors.",
+    )
+    return option(function)
 
 
 def common_options(*, is_local: bool = False) -> list[click.Option]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli._app import App, command
+from rtkit.cli._app import App, command, strict_option
 from rtkit.errors import Malformed, Refused, UsageProblem, from_kind
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     "-p", "--property", "texts", multiple=True, metavar="KEY=VALUE", help="Connector property."
 )
 @click.option("-d", "--no-duplicates", is_flag=True, help="Fail if such a connection exists.")
+@strict_option
 @click.option("--force", is_flag=True, help="Connect ports of different data types.")
 @click.argument("paths", nargs=-1, metavar="PORT PORT...")
 def main(
@@ -40,12 +41,14 @@ def main(
     A port is COMPONENT:NAME; which of a data connection's ports is the out port does not matter.
     A connector joins two ports: with three ports or more there is one for each port after the
     first, and the id given with -i gets the suffix -2 for the second of them, and so on. Either
-    all are made or none.
+    all are made or none. Properties, and values of them, that nothing here knows are warned of.
     """
     from rtkit.component.check import ANY_DATA_TYPE
+    from rtkit.component.options import remarks
     from rtkit.tree.wiring import find_ends, make_connector
 
     given = _properties(app, texts) | ({ANY_DATA_TYPE: "YES"} if force else {})
+    app.warn(remarks(given))
     ports = _port_paths(app, paths)
     snapshot, (first, *others) = find_ends(app.tree, ports)
     if no_duplicates and connector_id:

@@ -1,6 +1,7 @@
 """The properties of a data connector, read into options.
 
-Values compare without regard to case; keys and values that nobody here knows are left to others.
+Values compare without regard to case; numbers and policies that make no sense are refused. Keys
+and words that nobody here knows are kept for others, and told by `remarks`.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from rtkit.rtc.interface_types import (
     USUAL_DATAFLOW,
     interface_name,
 )
+from rtkit.rtc.nearest import CLOSE, did_you_mean
 
 DEFAULT_LENGTH = 8
 MIN_LENGTH = 2
@@ -99,6 +101,42 @@ class ConnectorOptions:
     inport: BufferOptions = BufferOptions()
 
 
+_ENDIAN = "dataport.serializer.cdr.endian"
+_OURS = "dataport."
+_OTHERS = ("dataport.corba_cdr.", "dataport.data_service.", "dataport.direct.", "rtkit.", "port.")
+"""So begin object references of other middleware, and what is judged elsewhere."""
+_BUFFER = (
+    "length",
+    "write.full_policy",
+    "write.timeout",
+    "read.empty_policy",
+    "read.timeout",
+)
+_KEYS = (
+    "dataport.data_type",
+    "dataport.inport.data_type",
+    "dataport.outport.data_type",
+    INTERFACE_TYPE,
+    DATAFLOW_TYPE,
+    "dataport.subscription_type",
+    "dataport.publisher.push_policy",
+    "dataport.publisher.skip_count",
+    "dataport.publisher.push_rate",
+    "dataport.push_rate",
+    "dataport.push_interval",
+    *(f"dataport.{side}buffer.{tail}" for side in ("", "outport.", "inport.") for tail in _BUFFER),
+    _ENDIAN,
+    "dataport.fan_in",
+    "dataport.fan_out",
+)
+_WORDS = {
+    INTERFACE_TYPE: (
+        "zenoh", "direct", "shm", "corba_cdr", "data_service", "shared_memory", "csp_channel",
+    ),
+    DATAFLOW_TYPE: ("push", "pull", "duplex"),
+    "dataport.subscription_type": ("new", "flush", "periodic", "block", "nonblock"),
+}  # fmt: skip
+"""Words that are known, here or in OpenRTM."""
 _SUBSCRIPTIONS = ("flush", "new", "periodic")
 P = TypeVar("P", bound=StrEnum)
 
@@ -109,6 +147,9 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
     Raises:
         Malformed: A number or a policy that cannot be read; names the key.
     """
+    for word in properties.get(_ENDIAN, "").split(","):
+        if word.strip().lower() not in ("", "little", "big"):
+            raise _bad(properties, _ENDIAN, "one of little, big")
     subscription = _word(properties, "dataport.subscription_type", "new")
     policy = _choice(PushPolicy, properties, "dataport.publisher.push_policy", PushPolicy.NEW)
     skip_count = _integer(properties, "dataport.publisher.skip_count", 0)
@@ -126,6 +167,29 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
         outport=_buffer(properties, "outport", skip_count + 1 if policy == "skip" else 0),
         inport=_buffer(properties, "inport", 0),
     )
+
+
+def remarks(properties: Mapping[str, str]) -> list[str]:
+    """Return what of the properties of a data connector means nothing here, a line each."""
+    stated = (key for key, value in properties.items() if value.strip())
+    unknown = (key for key in stated if key not in _KEYS and not key.startswith(_OTHERS))
+    hints = {key: _hint(key) for key in unknown}
+    found = [
+        f"unknown connector property: {key}{hint}"
+        for key, hint in hints.items()
+        if key.startswith(_OURS) or hint
+    ]
+    for key, words in _WORDS.items():
+        word = _word(properties, key, "")
+        if word and word not in words:
+            hint = did_you_mean(word, words, 1) or f" (one of {', '.join(words)})"
+            found.append(f"unknown value of {key}: {word}{hint}")
+    return found
+
+
+def _hint(key: str) -> str:
+    tails = [each.removeprefix(_OURS) for each in _KEYS]
+    return did_you_mean(key.removeprefix(_OURS), tails, 1, lambda tail: _OURS + tail, CLOSE)
 
 
 def _word(properties: Mapping[str, str], key: str, default: str) -> str:
@@ -148,8 +212,8 @@ def _buffer(properties: Mapping[str, str], side: str, least: int) -> BufferOptio
         return own if own in properties else f"dataport.buffer.{tail}"
 
     length = _integer(properties, key("length"), DEFAULT_LENGTH)
-    if length > MAX_LENGTH:
-        raise _bad(properties, key("length"), f"at most {MAX_LENGTH}")
+    if not 1 <= length <= MAX_LENGTH:
+        raise _bad(properties, key("length"), f"1 to {MAX_LENGTH}")
     return BufferOptions(
         length=max(length, least, MIN_LENGTH),
         full_policy=_choice(FullPolicy, properties, key("write.full_policy"), FullPolicy.OVERWRITE),

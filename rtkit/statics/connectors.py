@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.component.check import ANY_DATA_TYPE
+from rtkit.component.options import parse_options, remarks
+from rtkit.errors import Malformed
 from rtkit.profile.rts_model import DataPortConnector
 from rtkit.profile.words import property_value
 from rtkit.report.finding import ERROR, NOTE, WARNING
@@ -31,9 +33,27 @@ def connector_remarks(view: View) -> Iterator[Remark]:
         yield from wrong
         if all(each.severity == NOTE for each in wrong):
             yield from _types(connector, place, source, target)
+        yield from _properties(connector, place)
         for key in OFFERS:
             if key != SUBSCRIPTION or _is_pushed(connector):
                 yield from _offers(connector, place, key, (source, target))
+
+
+def _properties(connector: DataPortConnector, place: Place) -> Iterator[Remark]:
+    """Yield properties that are not known, and values that are refused when it is made."""
+    for each in connector.properties:
+        stated = {each.name: each.value or ""}
+        odd = [text for text in remarks(stated) if text.startswith("unknown connector property")]
+        severity = WARNING
+        try:
+            parse_options(stated)
+        except Malformed as error:
+            odd, severity = [str(error)], ERROR
+        found = property_place(place, connector.properties, each.name)
+        for text in odd:
+            where = place if found is None else found[0]
+            told = f"connector {connector.connector_id}: {text}"
+            yield Remark(severity, "connector-property", told, where, each.value or "", "")
 
 
 def _directions(

@@ -6,6 +6,7 @@ RULES: dict[str, str] = {
     "condition-circle": "Conditions wait for each other in a circle",
     "condition-target": "A condition names an execution context that is not there, or a bad time",
     "connector-direction": "A data connector joins two out ports, or two in ports",
+    "connector-property": "A property of a data connector is not known, or makes no sense",
     "connector-reversed": "A data connector names its in port first",
     "context-kind": "An execution context is of another kind than the type's",
     "context-rate": "A rate is none, or another than the type's",

@@ -74,6 +74,7 @@ def read_document(app: App, files: tuple[str, ...], *, strict: bool) -> Document
         source, data = files[0], read.read_bytes(files[0])
     else:
         source, data = read.STDIN, sys.stdin.buffer.read(MAX_BYTES + 1)
+    app.is_strict = strict
     reading = read.read_rts(data, source, form=app.form, strict=strict)
     for note in reading.notes:
         app.tell(f"{source}:{note.line}: {note.text}")

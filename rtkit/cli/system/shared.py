@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.system import KnownType, System
     from rtkit.deployment.turns import StartPlan
     from rtkit.profile.rts_model import RtsProfile
+    from rtkit.rtc.profiles import ConnectorProfile
     from rtkit.tree.apply import Count, Runner
 
 
@@ -35,7 +36,9 @@ def document_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options and the argument that name a system profile."""
     decorators: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
         form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml"),
-        click.option("--strict", is_flag=True, help="Refuse a profile that would need repair."),
+        click.option(
+            "--strict", is_flag=True, help="Refuse a profile that needs repair, or has warnings."
+        ),
         click.option(
             "--map",
             "mapped",
@@ -119,7 +122,22 @@ def wanted_system(
         )
     for note in system.notes:
         app.tell(note)
+    for wire in system.connectors:
+        if wire.is_data:
+            found = _odd(wire.profile)
+            app.warn(f"connector {wire.profile.connector_id}: {text}" for text in found)
     return system
+
+
+def _odd(wire: ConnectorProfile) -> list[str]:
+    """Return what in the properties of a connector makes no sense, or is not known."""
+    from rtkit.component.options import parse_options, remarks
+
+    try:
+        parse_options(wire.properties)
+    except Malformed as error:
+        return [str(error)]
+    return remarks(wire.properties)
 
 
 def snapshot(app: App) -> Snapshot:

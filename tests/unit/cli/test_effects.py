@@ -431,3 +431,12 @@ def test_what_was_there_otherwise_is_told(
     monkeypatch.setattr(tree, "apply", lambda actions: (Result(value="Std0", note=note),))
     assert rtmgr(["-c", "Std?instance_name=Std0", "--print", "/localhost/manager.mgr"], tree) == 0
     assert capsys.readouterr() == ("/localhost/Std0.rtc\n", f"rtmgr: note: {note}\n")
+
+
+def test_properties_of_connections_that_are_not_known_are_warned_of(run: Run, world: World) -> None:
+    odd = "unknown connector property: dataport.bufer.length (did you mean dataport.buffer.length?)"
+    line = f"-p dataport.bufer.length=3 -i id {STD}:in {OUTPUT}:out"
+    assert run(f"rtcon --strict {line}") == (1, "", f"rtcon: {odd}\n")
+    assert not world.connectors
+    assert run(f"rtcon {line}") == (0, "", f"rtcon: warning: {odd}\n")
+    assert set(world.connectors) == {"id"}

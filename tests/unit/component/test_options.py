@@ -11,6 +11,7 @@ from rtkit.component.options import (
     FullPolicy,
     PushPolicy,
     parse_options,
+    remarks,
 )
 from rtkit.errors import Malformed
 from rtkit.rtc.interface_types import differing
@@ -45,9 +46,46 @@ def test_values_do_not_care_about_case():
     assert options.outport.full_policy is FullPolicy.OVERWRITE
 
 
-@pytest.mark.parametrize(("text", "length"), [("1", 2), ("-3", 2), ("0", 2), ("2", 2), ("+9", 9)])
+@pytest.mark.parametrize(("text", "length"), [("1", 2), ("2", 2), ("+9", 9)])
 def test_lengths(text, length):
     assert parse_options({IN + "length": text}).inport.length == length
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "wanted"),
+    [
+        (IN + "length", "0", "1 to 1000000"),
+        (IN + "length", "-1", "1 to 1000000"),
+        ("dataport.serializer.cdr.endian", "middle", "one of little, big"),
+        ("dataport.serializer.cdr.endian", "little,middle", "one of little, big"),
+    ],
+)
+def test_values_that_make_no_sense_are_refused(key, value, wanted):
+    with pytest.raises(Malformed, match=f"{key}={value}: not {wanted}"):
+        parse_options({key: value})
+
+
+def test_what_is_not_known_is_told_with_what_is_nearest():
+    assert remarks(
+        {
+            "dataport.inport.bufer.length": "3",
+            "buffer.length": "3",
+            "dataport.zz": "1",
+            "dataport.subscription_type": "periodc",
+            "dataport.interface_type": "CORBA_CDR",
+            "dataport.serializer.cdr.endian": "little,big",
+            "dataport.corba_cdr.inport_ior": "IOR:1",
+            "dataport.inport": "",
+            "rtkit.any_data_type": "YES",
+            "description": "mine",
+        }
+    ) == [
+        "unknown connector property: dataport.inport.bufer.length"
+        " (did you mean dataport.inport.buffer.length?)",
+        "unknown connector property: buffer.length (did you mean dataport.buffer.length?)",
+        "unknown connector property: dataport.zz",
+        "unknown value of dataport.subscription_type: periodc (did you mean periodic?)",
+    ]
 
 
 def test_a_side_may_be_left_open():
