@@ -12,6 +12,7 @@ from threading import Condition
 from typing import Generic, Protocol, TypeVar
 
 from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
+from rtkit.component.waiting import waiting
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -106,10 +107,11 @@ class GuardedRing(Generic[T]):
     def wait(self) -> T | None:
         """Remove and return the oldest value, after waiting for one if the policy is block."""
         with self._changed:
-            if self._options.empty_policy is EmptyPolicy.BLOCK:
-                self._changed.wait_for(
-                    lambda: self._items or self._is_closed, self._options.read_timeout
-                )
+            if self._options.empty_policy is EmptyPolicy.BLOCK and not self._items:
+                with waiting(self._options.read_timeout):
+                    self._changed.wait_for(
+                        lambda: self._items or self._is_closed, self._options.read_timeout
+                    )
             return self._pop()
 
     def close(self) -> None:
@@ -133,10 +135,11 @@ class GuardedRing(Generic[T]):
             return None
         if policy is FullPolicy.DO_NOTHING:
             return PortStatus.FULL
-        has_room = self._changed.wait_for(
-            lambda: len(self._items) < self._options.length or self._is_closed,
-            self._options.write_timeout,
-        )
+        with waiting(self._options.write_timeout):
+            has_room = self._changed.wait_for(
+                lambda: len(self._items) < self._options.length or self._is_closed,
+                self._options.write_timeout,
+            )
         return None if has_room else PortStatus.TIMEOUT
 
 

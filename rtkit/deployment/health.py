@@ -1,9 +1,10 @@
 """Rules of health: what a component must do to count as well, judged from figures; plain code.
 
-``rtkit.health.stuck`` tells of callbacks that do not come back, ``rtkit.health.overrun`` of cycles
-that take longer than so many seconds, ``rtkit.health.rate.PORT`` of ports that carry less or more
-than ``MIN-MAX`` values a second, ``rtkit.health.value.PARAMETER`` of a parameter that is not as
-told (``<5``, ``>=0``, ``=on``). Each has as its value, after a colon, what is done about it.
+``rtkit.health.stuck`` tells of callbacks that do not come back, within a second if it says no
+other number of seconds, ``rtkit.health.overrun`` of cycles that take longer than so many seconds,
+``rtkit.health.rate.PORT`` of ports that carry less or more than ``MIN-MAX`` values a second,
+``rtkit.health.value.PARAMETER`` of a parameter that is not as told (``<5``, ``>=0``, ``=on``). Each
+has as its value, after a colon, what is done about it.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from rtkit.deployment.extension import HEALTH
 from rtkit.deployment.figures import ComponentFigures
 from rtkit.errors import Malformed
 from rtkit.records import dataclass
+
+STUCK = f"{HEALTH}stuck"
 
 _COMPARE: Mapping[str, Callable[[float, float], bool]] = {
     "<=": operator.le,
@@ -44,7 +47,7 @@ class Rule(NamedTuple):
         kind: ``stuck``, ``overrun``, ``rate`` or ``value``.
         name: Of the port or parameter; empty for the others.
         least: Lowest rate [Hz].
-        most: Highest rate [Hz], or the longest cycle [s].
+        most: Highest rate [Hz], the longest cycle, or the deadline of a callback [s].
         condition: What a parameter must be: an operator and a value.
     """
 
@@ -92,7 +95,8 @@ def _read(told: tuple[tuple[str, str], ...]) -> tuple[Rule, ...]:
 def _parts(key: str, text: str) -> tuple[str, Reaction]:
     said, colon, word = text.rpartition(":")
     if not colon:
-        said, word = ("", text) if key == f"{HEALTH}stuck" else (text, Reaction.LOG)
+        is_word = key == STUCK and not _is_number(text)
+        said, word = ("", text) if is_word else (text, Reaction.LOG)
     try:
         return said.strip(), Reaction(word.strip().lower())
     except ValueError:
@@ -101,8 +105,11 @@ def _parts(key: str, text: str) -> tuple[str, Reaction]:
 
 def _rule(key: str, said: str, reaction: Reaction) -> Rule:
     kind, _, name = key.removeprefix(HEALTH).partition(".")
-    if kind == "stuck" and not name and not said:
-        return Rule(kind, reaction)
+    if key == STUCK:
+        rule = Rule(kind, reaction, most=_number(key, said, "s")) if said else Rule(kind, reaction)
+        if not rule.most:
+            raise Malformed(f"{key}: a callback cannot come back within 0 s")
+        return rule
     if kind == "overrun" and not name:
         return Rule(kind, reaction, most=_number(key, said, "s"))
     if kind == "rate" and name:

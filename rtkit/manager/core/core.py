@@ -97,8 +97,8 @@ class Core:
         self._keeping = Keeping(state, self._out, self._tasks)
         self._supervisor = Supervisor(state, self._tasks)
         self._announcer = Announcer(state, self._out)
-        wellbeing = Wellbeing(state, self._supervisor, self._tasks)
-        self._survey = Survey(state, self._out, self._announcer.run_id, wellbeing)
+        self._wellbeing = Wellbeing(state, self._supervisor, self._tasks)
+        self._survey = Survey(state, self._out, self._announcer.run_id, self._wellbeing)
         self._is_stopping = False
         self._now = 0.0
         self._is_restoring = False
@@ -142,8 +142,8 @@ class Core:
                 self.state.barred = why
             case SlaveHalted(key, is_halted):
                 self._halted(key, is_halted)
-            case CallbackStuck(key, instance, text):
-                self._stuck(key, instance, text)
+            case CallbackStuck():
+                self._stuck(event)
             case ProcessInspected(key):
                 self._tasks.inspected(key)
             case Remembered():
@@ -458,17 +458,18 @@ class Core:
         why = f"slave {process.name} was stopped before it was ready, and is ended"
         self._tasks.give_up_on(process, Unreachable(why))
 
-    def _stuck(self, key: int, instance: str, text: str) -> None:
-        process = self.state.processes.get(key)
+    def _stuck(self, event: CallbackStuck) -> None:
+        process, instance = self.state.processes.get(event.key), event.instance
         if process is None or not process.is_alive:
             return
-        if text:
-            process.stuck[instance] = text
+        if event.text:
+            process.stuck[instance] = event.text
         else:
             process.stuck.pop(instance, None)
-        if self.state.holders.get(instance) == key:
+        if self.state.holders.get(instance) == event.key:
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
             self._supervisor.heard(self.state.components[instance], self._now)
+            self._wellbeing.stuck(instance, self._now, is_all_told=event.is_all)
 
     # the end
 

@@ -187,11 +187,15 @@ class CallbackStuck:
     """A callback of a component exceeds its deadline; or, with no text, it goes on again.
 
     `instance` may also be one that is being made, or a module that is being imported.
+
+    Attributes:
+        is_all: No more can be told: at which line it is, is known, or cannot be had.
     """
 
     key: int
     instance: str
     text: str
+    is_all: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,10 @@ TERM_S = 2.0
 """Grace between TERM and KILL, and after KILL [s]."""
 
 
+HANGING_S = 0.1
+"""The same for one in which something hangs: the rest of it has time to finalise [s]."""
+
+
 def retire(state: State, process: Process) -> Procedure:
     """End a slave that holds nothing any more (``manager.shutdown_on_nortcs``)."""
     may_end = state.settings.flag("manager.shutdown_on_nortcs")

@@ -16,17 +16,18 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.supervision import WINDOW_S, Policy, Restart, at_end, at_health
 from rtkit.errors import Refused, RtkitError, Unreachable
-from rtkit.manager.core.deletion import FORCE_S
+from rtkit.manager.core.deletion import FORCE_S, remedy
 from rtkit.manager.core.kept import WATCHED
 from rtkit.manager.core.noting import note
 from rtkit.manager.core.policies import policy_of
 from rtkit.manager.core.procedures import procedure_for
-from rtkit.manager.core.restoring import lives, revive
+from rtkit.manager.core.restoring import Failed, lives, revive
 from rtkit.manager.core.state import State
-from rtkit.manager.core.stopping import end_slaves, grace_s
+from rtkit.manager.core.stopping import HANGING_S, end_slaves
 from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.wishes import Ask, Clock, Pause, Procedure
 from rtkit.manager.core.wishes import Wish as Yielded
+from rtkit.records import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 _log = logging.getLogger(__name__)
@@ -200,6 +201,7 @@ class Supervisor:
     def _give_up(self, instance: str, policy: Policy, why: str) -> None:
         state = self._state
         text = f"given up after {policy.limit} restarts within {WINDOW_S:g} s"
+        text = state.watched(instance).given_up or text
         _log.error("%s is %s: %s", instance, text, why)
         state.watch(instance, given_up=text)
         if instance in state.components and not lives(state, instance):
@@ -238,7 +240,8 @@ class Supervisor:
             still = [each for each in self._of_this(dues) if self._is_missed(each)]
             for instance in still:
                 if lives(state, instance):
-                    yield from _take_down(state, instance)
+                    yield from _take_down(state, instance, why, failed)
+            still = [each for each in still if not lives(state, each)]
             yield from revive(state, still, failed)
             yield Pause(_BREATH_S)
         finally:
@@ -293,19 +296,27 @@ def _is_in_error(facts: ComponentFacts) -> bool:
     return any(context.state is LifeCycleState.ERROR for context in facts.contexts)
 
 
-def _take_down(state: State, instance: str) -> Generator[Yielded, Any, None]:
-    """End a component that is in Error, its process where that does not work; its wish stays."""
+def _take_down(
+    state: State, instance: str, why: str, failed: Failed
+) -> Generator[Yielded, Any, None]:
+    """End a component that is bad, its process where that does not work; its wish stays."""
     process = state.process_of(instance)
     if process is None:
         return
     state.ending.add(instance)
     try:
-        yield Ask(process, {"op": "delete", "instance": instance}, FORCE_S, is_lasting=True)
+        yield Ask(process, {"op": "delete", "instance": instance}, FORCE_S)
         state.forget(instance)
     except Unreachable as error:
         if process.is_slave and process.is_alive:
-            process.verdict = f"ended, since {instance} was in Error and did not end: {error}"
-            yield from end_slaves([process], grace_s(state))
+            process.verdict = f"{instance} did not end by itself ({why}): {error}"
+            yield from end_slaves([process], HANGING_S)
+        elif process.is_alive:
+            text = f"{error}; {remedy(state, process, instance)}"
+            failed(f"end {instance}", Unreachable(text))
+            ledger = replace(state.watched(instance).ledger, is_given_up=True)
+            text = f"it cannot be ended: {text}"
+            state.watch(instance, pending="", ledger=ledger, given_up=text)
     finally:
         state.ending.discard(instance)
 

@@ -24,6 +24,7 @@ from rtkit.component.options import (
 from rtkit.component.period import Period
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.publisher import select
+from rtkit.component.waiting import waiting
 from rtkit.errors import Malformed
 from rtkit.link import keys
 from rtkit.link.ends import Caller, Fetcher, Inlet, Outlet
@@ -124,7 +125,11 @@ class Wires:
         decode = codec_for(into.data_type_for(wire)).decode
         bound_s = options.inport.read_timeout + options.outport.read_timeout
 
-        into.open_pull(wire, _changed(lambda: fetcher.fetch(bound_s), decode))
+        def fetch() -> bytes | None:
+            with waiting(bound_s):
+                return fetcher.fetch(bound_s)
+
+        into.open_pull(wire, _changed(fetch, decode))
         self.keep(wire, fetcher)
 
     def serve_calls(

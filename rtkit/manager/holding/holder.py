@@ -260,9 +260,10 @@ class Holder:
 
     def _drive(self, component: Component, context: ExecutionContext) -> None:
         key = (component.instance, context.id)
-        self._pacers[key] = Pacer(context, f"{component.instance}/{context.id}")
-        context.changed = self._changed
         slot = self._beats.slot() if self._beats is not None else None
+        grant = slot.grant if slot is not None else None
+        self._pacers[key] = Pacer(context, f"{component.instance}/{context.id}", grant)
+        context.changed = self._changed
         if slot is not None:
             self._slots[key] = slot
             context.watch = slot.watch

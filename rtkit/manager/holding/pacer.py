@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 from rtkit.component.context import ExecutionContext
 from rtkit.component.contexts import CPU_AFFINITY
 from rtkit.component.period import Period
+from rtkit.component.waiting import grant_by
 from rtkit.link.threads import start_thread
 from rtkit.manager.holding import processors
 
@@ -26,11 +28,20 @@ class Work(NamedTuple):
 
 
 class Pacer:
-    """Drives one execution context; `name` is what its thread is called."""
+    """Drives one execution context.
 
-    def __init__(self, context: ExecutionContext, name: str) -> None:
+    Args:
+        context: The one that is driven.
+        name: What its thread is called.
+        grant: Grants the callback that is under way more time [ns].
+    """
+
+    def __init__(
+        self, context: ExecutionContext, name: str, grant: Callable[[int], object] | None = None
+    ) -> None:
         self._context = context
         self._name = name
+        self._grant = grant
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
         self._alarm = threading.Event()
@@ -78,6 +89,7 @@ class Pacer:
         return not thread.is_alive()
 
     def _run(self) -> None:
+        grant_by(self._grant)
         processors.begin(self._context.properties.get(CPU_AFFINITY, ""))
         try:
             if self._context.is_periodic:
@@ -86,6 +98,7 @@ class Pacer:
                 self._run_when_due()
         finally:
             processors.end()
+            grant_by(None)
 
     def _run_when_due(self) -> None:
         context, alarm = self._context, self._alarm

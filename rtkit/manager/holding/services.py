@@ -11,6 +11,7 @@ from typing import Any
 from rtkit.component.crossing import Crossings
 from rtkit.component.invocation import Direct, Passage, Remote, Served, Target, answer
 from rtkit.component.service import ServicePort
+from rtkit.component.waiting import waiting
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
 from rtkit.link.ends import Caller
 from rtkit.link.threads import start_thread
@@ -109,7 +110,7 @@ class Services:
             needed = [i for i in port.interfaces if i.polarity is Polarity.REQUIRED]
             label = f"{wire.ports[end]}: {peer}"
             targets = {
-                each.type_name: Remote(each.type_name, label, caller.call, time.monotonic_ns)
+                each.type_name: Remote(each.type_name, label, _patient(caller), time.monotonic_ns)
                 for each in needed
             }
             self._attach(wire, port, targets)
@@ -142,6 +143,16 @@ class Services:
         return port
 
 
+def _patient(caller: Caller) -> Callable[[bytes, float], bytes]:
+    """Return how to call so that the callback that does may wait for the answer."""
+
+    def call(request: bytes, timeout_s: float) -> bytes:
+        with waiting(timeout_s):
+            return caller.call(request, timeout_s)
+
+    return call
+
+
 def run_aside(work: Callable[[], Any], timeout_s: float) -> Any:
     """Do something on a thread of its own; return its result or raise its error.
 
@@ -166,7 +177,8 @@ def run_aside(work: Callable[[], Any], timeout_s: float) -> Any:
         _aside.release()
         raise
     try:
-        value, error = outcome.get(timeout=timeout_s)
+        with waiting(timeout_s):
+            value, error = outcome.get(timeout=timeout_s)
     except queue.Empty:
         raise TimeoutError from None
     if error is not None:

@@ -9,7 +9,10 @@ import contextlib
 import os
 import time
 from collections.abc import Callable, Iterator
+from functools import lru_cache
+from math import inf
 
+from rtkit.deployment.health import STUCK, read_rules
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
 from rtkit.manager.holding.beats import Beat, BeatReader, beats_path
 from rtkit.manager.processes.stacks import forget_stacks, place_of, read_stacks
@@ -36,14 +39,24 @@ DEADLINE_S = 1.0
 
 
 def callback_deadline_s(create: str) -> float:
-    """Return the deadline that a create string sets, ``exec_cxt.callback_deadline`` [s]."""
-    if DEADLINE_KEY not in create:
-        return DEADLINE_S
+    """Return the deadline of callbacks that a create string sets [s].
+
+    ``rtkit.health.stuck`` takes precedence over ``exec_cxt.callback_deadline``.
+    """
+    return _deadline_s(create) if DEADLINE_KEY in create or STUCK in create else DEADLINE_S
+
+
+@lru_cache(maxsize=256)
+def _deadline_s(create: str) -> float:
+    options = parse_create(create).options
     try:
-        deadline = float(parse_create(create).options.get(DEADLINE_KEY, ""))
+        rules = read_rules(options)
+        deadline = next((rule.most for rule in rules if rule.kind == "stuck"), inf)
+        if deadline == inf:
+            deadline = float(options.get(DEADLINE_KEY, ""))
     except ValueError:
         return DEADLINE_S
-    return deadline if deadline > 0 else DEADLINE_S
+    return deadline if 0 < deadline < inf else DEADLINE_S
 
 
 def remove_traces(pattern: str, pid: int) -> None:
@@ -199,7 +212,7 @@ class Watchman:
             self._ask_for_stack(key, True)
         if not watched.stack_polls:
             for instance, beat in watched.stuck.items():
-                yield CallbackStuck(key, instance, _text(beat, now_ns, places[instance]))
+                yield CallbackStuck(key, instance, _text(beat, now_ns, places[instance]), True)
 
 
 def _text(beat: Beat, now_ns: int, place: str) -> str:

@@ -25,6 +25,7 @@ BEFORE = sample(10.0, 100)
     [
         ("stuck", "restart", sample(11.0, stuck="stuck in f"), "stuck in f"),
         ("stuck", "log", sample(11.0), ""),
+        ("stuck", "0.2:restart", sample(11.0, stuck="stuck in f"), "stuck in f"),
         (
             "overrun",
             "0.1:log",

@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from rtkit.component.buffer import GuardedRing
+from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
+from rtkit.component.waiting import grant_by
 from rtkit.manager.holding.beats import CALLBACKS, BeatReader, Beats
 from rtkit.manager.processes.stacks import place_of
 from rtkit.manager.processes.watchman import DEADLINE_S, callback_deadline_s
@@ -101,7 +104,43 @@ def test_without_a_line_of_the_author_the_innermost_is_told() -> None:
         ("Arm?exec_cxt.callback_deadline=0.2", 0.2),
         ("Arm?exec_cxt.callback_deadline=soon", DEADLINE_S),
         ("Arm?exec_cxt.callback_deadline=-1", DEADLINE_S),
+        ("Arm?rtkit.health.stuck=restart", DEADLINE_S),
+        ("Arm?rtkit.health.stuck=restart&exec_cxt.callback_deadline=0.3", 0.3),
+        ("Arm?rtkit.health.stuck=0.2:restart&exec_cxt.callback_deadline=0.3", 0.2),
     ],
 )
 def test_the_deadline_is_an_option(create: str, deadline_s: float) -> None:
     assert callback_deadline_s(create) == deadline_s
+
+
+@pytest.mark.parametrize("is_reader", [True, False])
+def test_a_wait_that_a_connector_allows_does_not_make_a_callback_late(
+    pair: tuple[Beats, BeatReader], monkeypatch: pytest.MonkeyPatch, is_reader: bool
+) -> None:
+    beats, reader = pair
+    slot = beats.slot()
+    assert slot is not None
+    ring = GuardedRing[int](BufferOptions(2, FullPolicy.BLOCK, 3.0, EmptyPolicy.BLOCK, 2.0))
+    entered: list[int] = []
+
+    def wait_for(_: object, bound_s: float) -> bool:
+        entered.append(reader.inside()[0].since_ns)
+        assert entered[1] - entered[0] == pytest.approx(bound_s * 1e9)
+        return False
+
+    monkeypatch.setattr(ring._changed, "wait_for", wait_for)
+    grant_by(slot.grant)
+    try:
+        slot.watch("A", "on_execute")
+        entered.append(reader.inside()[0].since_ns)
+        if is_reader:
+            assert ring.wait() is None
+        else:
+            assert [ring.write(each) for each in range(3)][-1] is PortStatus.TIMEOUT
+    finally:
+        grant_by(None)
+    (beat,) = reader.inside()  # from now on it counts again
+    assert entered[0] <= beat.since_ns <= time.monotonic_ns()
+    slot.watch("", "")
+    slot.grant(1)
+    assert reader.inside() == []

@@ -9,8 +9,11 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.supervision import HEALTHY_S
 from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
+from rtkit.manager.core.stopping import HANGING_S
 from rtkit.manager.fake import FakeShell, facts, wire
 from rtkit.rtc.enums import LifeCycleState, Transition
+
+STUCK = "stuck in on_execute since 12:00:00 (a.py:7)"
 
 
 @pytest.mark.parametrize(
@@ -254,6 +257,64 @@ def test_one_in_error_that_does_not_end_takes_its_slave_along() -> None:
     come_back(shell)
     told = shell.state.components
     assert [told[each].zombie for each in "AB"] == ["", ""]
+
+
+def test_one_whose_callback_hangs_is_ended_at_once_and_comes_back() -> None:
+    shell = FakeShell()
+    key = make(shell, "A", **{"health.stuck": "0.2:restart"})
+    make(shell, "B")
+    began = shell.now
+    shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
+    assert not shell.signals
+    shell.feed(ev.CallbackStuck(key, "A", STUCK, True))
+    assert shell.signals == [(key, 15)]
+    assert not shell.calls  # it would not answer
+    shell.wait(HANGING_S)
+    assert shell.killed() == [key]
+    shell.end(key)
+    told = shell.state.components
+    assert [told[each].zombie for each in "AB"] == [f"A was {STUCK}"] * 2
+    assert shell.state.processes[key].reason == f"A was {STUCK}"
+    assert come_back(shell, 1.0) == ["create"]
+    assert shell.now - began < 0.25
+    assert [bool(told[each].zombie) for each in "AB"] == [False, True]
+    shell.wait(60.0)
+    assert told["A"].upkeep.restarts == 1
+    again = shell.state.holders["A"]
+    shell.feed(ev.CallbackStuck(again, "A", STUCK, True))
+    shell.wait(HANGING_S)
+    assert shell.killed() == [key, again]
+
+
+def test_one_of_which_nobody_says_where_it_hangs_is_ended_soon() -> None:
+    shell = FakeShell()
+    key = make(shell, "A", **{"health.stuck": "restart"})
+    shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
+    shell.wait(0.15)
+    assert shell.signals == [(key, 15)]
+
+
+def test_one_that_goes_on_meanwhile_is_let_be() -> None:
+    shell = FakeShell()
+    key = make(shell, "A", **{"health.stuck": "restart"})
+    shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
+    shell.feed(ev.CallbackStuck(key, "A", ""))
+    shell.wait(0.5)
+    assert not shell.signals
+
+
+def test_one_that_cannot_be_ended_is_not_said_to_be_back() -> None:
+    shell = FakeShell()
+    shell.ask(act.Create("Thing?instance_name=A&rtkit.health.stuck=restart"))
+    shell.serve()
+    shell.feed(ev.CallbackStuck(ev.OWN_PROCESS, "A", STUCK, True))
+    pass_time(shell, 1.0)
+    assert shell.next("delete").message["instance"] == "A"
+    shell.wait(2.0)
+    upkeep = shell.state.components["A"].upkeep
+    assert (upkeep.restarts, upkeep.returning) == (0, "")
+    assert upkeep.given_up.startswith("it cannot be ended: no answer from manager in time: A is ")
+    assert not shell.state.returning
 
 
 def test_one_that_is_given_up_in_error_says_so_until_it_is_reset() -> None:
