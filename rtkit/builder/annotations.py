@@ -68,7 +68,7 @@ class Annotations:
 
     def __init__(self, definitions: Definitions, order: Sequence[Path]) -> None:
         self._definitions = definitions
-        self._taken = Taken([*_IMPORTED, "field", "images", "register", "rt"])
+        self._taken = Taken([*_IMPORTED, "field", "images", "rt", "shared"])
         self._arrays: dict[str, str] = {}
         self.names = {path: self._name(path) for path in order}
         self.uses: set[str] = set()

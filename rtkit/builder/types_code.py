@@ -11,6 +11,7 @@ from rtkit.builder.layout import assigned, constant
 from rtkit.builder.methods import Method, documentation, methods_of, signature
 from rtkit.builder.names import Taken
 from rtkit.builder.text import INDENT, WIDTH, docstring, one_line, wrapped
+from rtkit.builder.versions import version_of
 from rtkit.idl.model import (
     Constant,
     Declaration,
@@ -73,18 +74,12 @@ class TypesCode:
 
     def text(self, made_of: Sequence[str], mark: Sequence[str] = ()) -> str:
         """Return the source; `mark` are lines that stand before the imports."""
-        registered = [
-            f'register({self.name(path)}, "{"::".join(path)}")'
-            for path in self._order
-            if isinstance(each := self._definitions.by_path[path], Struct) and not each.is_exception
-        ]
         doc = docstring("What interface definitions say.", "", [f"Made of {', '.join(made_of)}."])
         lines = [*doc, "", *mark, "from __future__ import annotations"]
-        lines += self._imports(has_register=bool(registered))
-        lines += _laid_out(self._blocks)
-        return "\n".join([*lines, *(["", "", *registered] if registered else []), ""])
+        lines += self._imports()
+        return "\n".join([*lines, *_laid_out(self._blocks), ""])
 
-    def _imports(self, *, has_register: bool) -> list[str]:
+    def _imports(self) -> list[str]:
         uses = self._types.uses
         modules: dict[str, list[str]] = {}
         for use in _IMPORTS:
@@ -93,7 +88,7 @@ class TypesCode:
         standard = [f"from {m} import {', '.join(names)}" for m, names in modules.items()]
         ours = ["from rtkit import component as rt"] if "rt" in uses else []
         ours += [standard_types.IMAGES] if "images" in uses else []
-        ours += ["from rtkit.component.typenames import register"] if has_register else []
+        ours += ["from rtkit.component.typenames import shared"] if "shared" in uses else []
         return [line for block in (standard, ours) if block for line in ["", *block]]
 
     def _emit(self, path: Path) -> Iterator[list[str]]:
@@ -135,7 +130,12 @@ class TypesCode:
                 self._types.uses.add("field")
             lines.append(f"{INDENT}{own}: {self._plain(each.type)} = {default}")
         head = ["@dataclass(frozen=True, slots=True)", f"class {name}:"]
-        return [*head, *doc, "", *lines]
+        return [self._shared(declared), *head, *doc, "", *lines]
+
+    def _shared(self, declared: Declaration) -> str:
+        """Return the line that makes it one class for all that know the type."""
+        self._types.uses.add("shared")
+        return f'@shared("{declared.name}", "{version_of(self._definitions, declared.path)}")'
 
     def _fields(self, declared: Struct) -> list[tuple[str, Field]]:
         taken = Taken(self._types.all)
@@ -146,7 +146,7 @@ class TypesCode:
         doc = docstring(
             f"Exception {name}.", declared.doc, indent=INDENT, sections=_attributes(fields)
         )
-        lines = [f"class {name}(Exception):", *doc]
+        lines = [self._shared(declared), f"class {name}(Exception):", *doc]
         if not fields:
             return lines
         given = [f"{own}: {self._types.of_any(each.type).replace(OWN, '')}" for own, each in fields]
@@ -166,7 +166,7 @@ class TypesCode:
             f"{INDENT}{member} = {number}" for number, member in enumerate(member_names(declared))
         ]
         doc = docstring(f"Enumeration {name}.", declared.doc, indent=INDENT)
-        return [f"class {name}(Enum):", *doc, "", *members]
+        return [self._shared(declared), f"class {name}(Enum):", *doc, "", *members]
 
     def _constant(self, declared: Constant, name: str) -> list[str]:
         if isinstance(declared.value, EnumValue):

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
 from importlib import import_module
+from typing import TypeVar, get_type_hints
 
 from rtkit.component.standard import HOMES
 from rtkit.errors import Malformed
 from rtkit.records import is_record
 from rtkit.rtc.data_types import ANY, scoped_name
 
+C = TypeVar("C", bound=type)
 _by_name: dict[str, type] = {}
 _by_class: dict[type, str] = {bytes: ANY}
+_by_version: dict[tuple[str, str], type] = {}
 
 
 def register(cls: type, name: str) -> None:
@@ -22,6 +25,30 @@ def register(cls: type, name: str) -> None:
         raise Malformed(f"a data type needs a name: {name!r}")
     _by_name[scoped] = cls
     _by_class[cls] = f"IDL:{scoped.replace('::', '/')}:1.0"
+
+
+def shared(name: str, version: str) -> Callable[[C], C]:
+    """Have all modules of this process that define a type of an IDL use one class for it.
+
+    It is what the first of them defines. Generated code has this for each structure, enumeration
+    and exception, so that components which know a type from modules of their own can compare
+    values of it.
+
+    Args:
+        name: Of the type, ``Robot::Mode``.
+        version: Stands for what the type consists of: another one makes another class.
+    """
+
+    def choose(cls: C) -> C:
+        one: C = _by_version.setdefault((scoped_name(name), version), cls)  # type: ignore[assignment]
+        if one is cls and hasattr(cls, "__dataclass_fields__"):
+            # It may outlive its module, in which its annotations would be looked up later.
+            cls.__annotations__ = get_type_hints(cls, include_extras=True)
+        if not issubclass(one, BaseException):
+            register(one, name)
+        return one
+
+    return choose
 
 
 def register_all(names: Mapping[str, object], scope: str) -> None:

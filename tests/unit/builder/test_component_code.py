@@ -367,7 +367,7 @@ def test_types_of_idl_files(builder):
     types = built.files["Foo_idl.py"].text
     assert "class Point:" in types
     assert "class Status:" not in types
-    assert 'register(Point, "Robot::Arm::Point")' in types
+    assert '@shared("Robot::Arm::Point", "' in types
 
 
 @pytest.mark.parametrize(

@@ -130,6 +130,32 @@ def test_what_an_operation_raises_arrives_as_itself_also_when_it_is_declared_ins
     assert "    @rt.raises(Odd, Plain)\n    def f(self) -> None:" in module.text
 
 
+TWO = (
+    "module M { enum Mode { IDLE, %s }; struct Pose { double x; }; typedef sequence<Pose> Poses;"
+    " struct Way { Mode mode; Poses poses; }; exception Lost { Mode mode; };"
+    " interface I { Way go() raises (Lost); }; };"
+)
+
+
+def test_modules_of_one_interface_definition_share_its_types(load):
+    one, other = load(read(TWO % "DRIVING")), load(read("// again\n" + TWO % "DRIVING"))
+    assert one.I is not other.I
+    for name in ("Mode", "Pose", "Way", "Lost"):
+        assert getattr(one, name) is getattr(other, name)
+    assert type_by_name("IDL:M/Way:1.0") is one.Way
+    way = other.Way(other.Mode.DRIVING, (one.Pose(1.0),))
+    assert codec_for(one.Way).decode(codec_for(other.Way).encode(way)).mode is one.Mode.DRIVING
+
+
+def test_a_type_that_changed_is_another_and_so_is_what_has_it_inside(load):
+    one, other = load(read(TWO % "DRIVING")), load(read(TWO % "PARKED"))
+    assert [getattr(one, n) is getattr(other, n) for n in ("Mode", "Pose", "Way", "Lost")] == [
+        *(False, True, False, False)
+    ]
+    assert one.Way().mode is one.Mode.IDLE
+    assert other.Way().mode is other.Mode.IDLE
+
+
 def test_names_that_python_keeps_for_itself(load):
     module = load(
         read(
