@@ -85,7 +85,7 @@ def _from_file(path: str) -> ModuleType:
 def _given(arguments: Sequence[str]) -> tuple[list[object], dict[str, object]]:
     """Return arguments by place and by name, as objects of Python."""
     from rtkit.property.codes import PropertyError
-    from rtkit.property.conversion import from_value
+    from rtkit.property.fitting import from_value
     from rtkit.property.reading import read
 
     given: list[object] = []

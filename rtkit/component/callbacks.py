@@ -6,9 +6,9 @@ from collections.abc import Callable
 from types import CoroutineType, TracebackType
 from typing import Any
 
+from rtkit.guard import kind_and_text
 from rtkit.rtc.enums import ReturnCode
 
-_MAX_TEXT = 300
 CO_GENERATOR, CO_COROUTINE, CO_ASYNC_GENERATOR = 0x20, 0x80, 0x200
 """Flags of code objects, as `inspect` has them, which takes long to import."""
 
@@ -125,14 +125,7 @@ def describe_failure(error: BaseException, callback: Callable[..., Any]) -> str:
     a call to a library is shown where its author can mend it.
     """
     place = _place(error.__traceback__, callback)
-    try:
-        text = " ".join(str(error).split())
-    except BaseException:
-        text = "(its text cannot be shown)"
-    if len(text) > _MAX_TEXT:
-        text = text[: _MAX_TEXT - 1] + "…"
-    kind = type(error).__name__
-    return f"{kind}: {text} ({place})" if text else f"{kind} ({place})"
+    return f"{kind_and_text(error)} ({place})"
 
 
 def _place(traceback: TracebackType | None, callback: Callable[..., Any]) -> str:

@@ -113,9 +113,11 @@ def type_of(hint: Any) -> Type:
     if items is None:
         return parse_type("any")
     is_numeric = bool(items) and all(bare(each) in (int, float) for each in items)
-    if not is_numeric:
-        return parse_type("list")
     is_sized = origin is tuple and get_args(hint)[-1] is not Ellipsis
+    if not is_numeric:
+        item = type_of(bare(items[0])) if len(items) == 1 and not is_sized else None
+        is_told = item is not None and item.base not in ("any", "bytes")
+        return parse_type(f"list<{item.name}>" if item is not None and is_told else "list")
     return parse_type(f"vector[{len(items)}]" if is_sized else "vector")
 
 

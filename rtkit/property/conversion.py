@@ -78,59 +78,16 @@ def is_array(thing: object) -> bool:
     return module.partition(".")[0] == "numpy" and hasattr(thing, "tolist")
 
 
-def from_value(value: Content, hint: Any, present: object) -> Any:
-    """Return the object that a value stands for, like the annotation or what is there now.
-
-    Raises:
-        PropertyError: ``bad-value``: none of them fits.
-    """
-    if isinstance(hint, type) and issubclass(hint, Enum):
-        return _member(hint, value)
-    if hint is None and isinstance(present, Enum):
-        return _member(type(present), value)
-    if is_array(present):
-        return _array(present, value)
-    if hint is float and isinstance(value, int):
-        return float(value)
-    if isinstance(value, tuple):
-        return _sequence(value, present)
-    return str(value) if isinstance(value, Word) else value
+_BUILTIN = frozenset({int, float, bool, str, bytes, bytearray, type(None), Word})
 
 
-def _member(kind: type[Enum], value: Content) -> Enum:
-    for member in kind:
-        if isinstance(value, str) and member.name == str(value):
-            return member
-    told = " ".join(member.name for member in kind)
-    raise PropertyError("bad-value", f"expected one of {told}")
-
-
-def _array(present: Any, value: Content) -> Any:
-    from importlib import import_module
-
-    made = import_module("numpy").asarray(_plain(value), dtype=present.dtype)
-    shape = getattr(present, "shape", ())
-    if made.shape != shape:
-        raise PropertyError("bad-value", f"expected the shape {shape}, found {made.shape}")
-    return made if shape else made[()]
-
-
-def _sequence(value: tuple[Value, ...], present: object) -> Any:
-    if not value and present is None:
-        return None
-    plain = _plain(value)
-    if isinstance(present, dict):
-        if not all(isinstance(pair, list) and len(pair) == 2 for pair in plain):
-            raise PropertyError("bad-value", "expected a list of (name value)")
-        return {pair[0]: pair[1] for pair in plain}
-    for kind in (tuple, set, frozenset):
-        if isinstance(present, kind):
-            return kind(plain)
-    return plain
-
-
-def _plain(value: Content) -> Any:
-    """Return nested lists and plain texts for a value; elements stay what they are."""
-    if isinstance(value, tuple):
-        return [_plain(each) for each in value]
-    return str(value) if isinstance(value, Word) else value
+def is_builtin(thing: object) -> bool:
+    """Whether no code of a user is called to make a value of an object."""
+    kind = type(thing)
+    if kind in _BUILTIN or isinstance(thing, Enum):
+        return True
+    if kind in (list, tuple, set, frozenset):
+        return all(map(is_builtin, thing))  # type: ignore[call-overload]
+    if kind is dict:
+        return all(is_builtin(key) and is_builtin(each) for key, each in thing.items())  # type: ignore[attr-defined]
+    return is_array(thing) and getattr(getattr(thing, "dtype", None), "kind", "O") != "O"

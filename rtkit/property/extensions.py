@@ -36,8 +36,7 @@ def get_extension(
     """
     parameters.pop("timeout", None)
     if place.extension == "properties":
-        if service.on_names is not None:
-            service.on_names()
+        service.names_now()
         return _names(service, place, parameters, caller)
     if place.extension == "history":
         return _history(place, parameters)
@@ -123,9 +122,12 @@ def _told(service: Service, prefix: str, name: str, caller: Caller) -> Value:
     node = service.registry.nodes.get(prefix + name)
     if node is None or not caller.may("GET", prefix + name):
         return (as_value(name),)
-    described = meta(service, node)
+    described = meta(service, node, calls_user_code=False)
+    if node.calls_user_code and node.value is None:
+        return (as_value(name), described)  # a list of names calls nothing, a GET of one does
     try:
-        value = _item(service.get(prefix + name))
+        known = node.reader is not None and node.calls_user_code
+        value = _item(node.payload if known else service.get(prefix + name))
     except PropertyError as error:
         return (as_value(name), described, Element("error", {"code": error.code}, (), str(error)))
     return (as_value(name), described, value)
@@ -134,7 +136,8 @@ def _told(service: Service, prefix: str, name: str, caller: Caller) -> Value:
 def _parts(service: Service, place: Place) -> list[str]:
     assert place.node is not None
     if place.node.function is not None:
-        return ["state", "stop"] if not place.path else []
+        told = [each.name for each in place.node.function.describe().children]
+        return ["state", "stop", *told] if not place.path else []
     value = service.value_of(place.node)
     if isinstance(value, bytes):
         return []

@@ -6,47 +6,33 @@ the owner of the service, so state is touched by one thread only.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
-from typing import Protocol
+from collections.abc import AsyncGenerator, Callable, Generator
+from functools import partial
 
+from rtkit.guard import kind_and_text
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import failed
 from rtkit.property.spec import Parameter
 from rtkit.property.types import Content, check
+from rtkit.property.user_code import AT_ONCE, Finished, UserCode, Work, is_coroutine
 from rtkit.property.values import Element, Value, Word
 
-Work = Callable[[], object]
-Finished = Callable[[object, BaseException | None], None]
-
-
-class Run(Protocol):
-    """Runs some work; has the owner of the service call `finished` with what came of it."""
-
-    def __call__(self, work: Work, finished: Finished) -> None:
-        """Begin."""
-        ...
-
-
-def run_at_once(work: Work, finished: Finished) -> None:
-    """Run some work before returning."""
-    try:
-        result = work()
-    except Exception as error:
-        finished(None, error)
-    else:
-        finished(result, None)
+Tell = Callable[[object], object]
+Run = Callable[[Work, Finished], None]
+"""Runs some work; has the owner of the service take what came of it."""
 
 
 class Function:
     """An action with its arguments.
 
-    What is called and yields can be stopped whenever it yields; what it yields is how far it is.
+    What is called and yields can be stopped whenever it yields; what it yields is how far it is. A
+    coroutine can be stopped whenever it waits.
 
     Args:
         function: What is called.
         parameters: Its arguments, in order.
         convert: Makes a value of what it returns.
-        run: Who calls it.
+        run: Who calls it; None for whom the service has for it.
         is_open: It takes any arguments, by place only.
 
     Attributes:
@@ -58,7 +44,7 @@ class Function:
         function: Callable[..., object],
         parameters: tuple[Parameter, ...] = (),
         convert: Callable[[object], Content] = lambda result: result,  # type: ignore[assignment,return-value]
-        run: Run = run_at_once,
+        run: Run | None = None,
         *,
         is_open: bool = False,
     ) -> None:
@@ -71,11 +57,18 @@ class Function:
         self._result: Content | None = None
         self._error: tuple[str, str] | None = None
         self._is_to_stop = False
-        self._can_stop = False
+        self._stop: Callable[[], object] | None = None
+        self._progress: Content | None = None
+        self._is_telling = False
 
     def describe(self) -> Element:
-        """Return how it stands: ``<call state="done"><result>…</result></call>``."""
+        """Return how it stands: ``<call state="done"><result>…</result></call>``.
+
+        What it yielded last is its ``progress``.
+        """
         children: list[Element] = []
+        if self._progress is not None and not isinstance(self._progress, bytes):
+            children.append(Element("progress", {}, (), self._progress))
         if self._error is not None:
             children.append(Element("error", {"code": self._error[0]}, (), self._error[1]))
         elif self._result is not None and not isinstance(self._result, bytes):
@@ -109,6 +102,8 @@ class Function:
     @staticmethod
     def _only(parameter: Parameter, value: tuple[Value, ...]) -> tuple[Value, ...]:
         """Tell a group that is the only argument from a group that holds it."""
+        if parameter.type.base == "any" and len(value) > 1:
+            return (value,)
         if parameter.type.base in ("vector", "list") and not (
             len(value) == 1 and isinstance(value[0], tuple)
         ):
@@ -130,47 +125,86 @@ class Function:
         self,
         arguments: tuple[tuple[Value, ...], dict[str, Value]],
         changed: Callable[[], None],
+        user_code: UserCode = AT_ONCE,
     ) -> None:
         """Begin; `changed` is called whenever it stands otherwise.
 
         Raises:
-            PropertyError: ``busy``: it runs already.
+            PropertyError: ``busy``: it runs already, or very much else does.
         """
         if self.state == "running":
             raise PropertyError("busy", "it is running")
-        self.state, self._result, self._error = "running", None, None
-        self._is_to_stop = self._can_stop = False
-        changed()
+        before = self.state, self._result, self._error, self._progress
+        self.state, self._result, self._error, self._progress = "running", None, None, None
+        self._is_to_stop, self._stop = False, None
 
         def finished(result: object, error: BaseException | None) -> None:
-            if error is None:
-                try:
-                    self._result = None if result is None else self._convert(result)
-                except PropertyError as refused:
-                    error = refused
-            if error is not None:
-                answer = failed(error)
-                bad = isinstance(error, ValueError | TypeError)
-                self._error = ("bad-value" if bad else answer.error, str(answer.payload))
-            self.state = "failed" if error else "stopped" if self._is_to_stop else "done"
+            self._end(result, error)
             changed()
 
-        self._run(lambda: self._work(arguments), finished)
+        work = partial(self._work, arguments, user_code, changed)
+        try:
+            (self._run or user_code.start)(work, finished)
+        except PropertyError:
+            self.state, self._result, self._error, self._progress = before
+            raise
+        if self.state == "running":
+            changed()
 
-    def _work(self, arguments: tuple[tuple[Value, ...], dict[str, Value]]) -> object:
+    def _end(self, result: object, error: BaseException | None) -> None:
+        self._result = result  # type: ignore[assignment]
+        if error is not None:
+            answer = failed(error)
+            bad = isinstance(error, ValueError | TypeError)
+            text = kind_and_text(error) if bad else str(answer.payload)
+            self._error = ("bad-value" if bad else answer.error, text)
+        self.state = "failed" if error else "stopped" if self._is_to_stop else "done"
+
+    def _work(
+        self,
+        arguments: tuple[tuple[Value, ...], dict[str, Value]],
+        user_code: UserCode,
+        changed: Callable[[], None],
+    ) -> Content | None:
+        """Call it, to its end; on the thread that is for it."""
         outcome = self._function(*arguments[0], **arguments[1])
-        if not isinstance(outcome, Generator):
-            return outcome
-        self._can_stop = True
+        tell = partial(self._tell, user_code, changed)
+        if isinstance(outcome, Generator):
+            outcome = self._through(outcome, tell)
+        elif is_coroutine(outcome):
+            outcome = user_code.awaited(outcome, self._cancellable)
+        elif isinstance(outcome, AsyncGenerator):
+            outcome = user_code.awaited(_through(outcome, tell), self._cancellable)
+        return None if outcome is None else self._convert(outcome)
+
+    def _through(self, steps: Generator[object, object, object], tell: Tell) -> object:
+        self._stop = lambda: None
         while True:
             if self._is_to_stop:
-                outcome.close()
+                steps.close()
                 return None
             try:
-                next(outcome)
+                tell(next(steps))
             except StopIteration as end:
-                self._can_stop = False
+                self._stop = None
                 return end.value
+
+    def _cancellable(self, cancel: Callable[[], object]) -> None:
+        self._stop = cancel
+
+    def _tell(self, user_code: UserCode, changed: Callable[[], None], step: object) -> None:
+        """Have what was yielded told; of what comes faster than it is told, the latest."""
+        if step is None:
+            return
+        self._progress = self._convert(step)
+        if not self._is_telling:
+            self._is_telling = True
+            user_code.post(partial(self._progressed, changed))
+
+    def _progressed(self, changed: Callable[[], None]) -> None:
+        self._is_telling = False
+        if self.state == "running":
+            changed()
 
     def stop(self) -> None:
         """Have it end at its next step; what does not run stays as it is.
@@ -180,6 +214,12 @@ class Function:
         """
         if self.state != "running":
             return
-        if not self._can_stop:
+        if self._stop is None:
             raise PropertyError("conflict", "it cannot be stopped")
         self._is_to_stop = True
+        self._stop()
+
+
+async def _through(steps: AsyncGenerator[object, object], tell: Tell) -> None:
+    async for step in steps:
+        tell(step)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.listening import Listener, Wish
-from rtkit.property.messages import Caller, Event
+from rtkit.property.messages import Answer, Caller, Event
 from rtkit.property.node import Node
 from rtkit.property.registry import Place, as_value
 from rtkit.property.types import Content
+from rtkit.property.user_code import Unfolded
 from rtkit.property.values import Value, Word
 from rtkit.property.writing import write
 
@@ -32,6 +35,7 @@ class Listeners:
         self._all: dict[tuple[Caller, str, tuple[str, ...]], Listener] = {}
         self.of_names: dict[str, list[Listener]] = {}
         self._revision_of_names = 1
+        self._polled: set[Node] = set()
 
     @property
     def is_any(self) -> bool:
@@ -76,7 +80,8 @@ class Listeners:
         node = place.node
         assert node is not None
         if node.function is None:
-            self._service.value_of(node)
+            if listener.wish.has_initial or node.value is None:
+                self._service.value_of(node)
         elif node.value is None:
             node.put(node.function.describe(), self._service.wall())
         made = _event(node, listener)
@@ -185,12 +190,28 @@ class Listeners:
         """Read anew what is computed and listened to, or remembered."""
         remembered = self._service.remembered.values()
         for node in dict.fromkeys([*self.computed(), *remembered]):
-            try:
-                self._service.value_of(node)
-            except PropertyError:
-                if node.quality != "bad" and node.value is not None:
-                    node.put(node.value, self._service.wall(), "bad")
-                    self.changed(node, True)
+            if not node.calls_user_code:
+                self._poll(node)
+            elif node not in self._polled:
+                self._polled.add(node)
+                work, late = partial(self._poll, node), partial(self._mark_bad, node)
+                self._service.user_code.later(node.name, work, late, 0.0)
+
+    def _poll(self, node: Node) -> None:
+        try:
+            self._service.value_of(node)
+        except PropertyError:
+            self._mark_bad(node)
+        except Unfolded:
+            with suppress(PropertyError):
+                self._service.names_now()
+        self._polled.discard(node)
+
+    def _mark_bad(self, node: Node, _why: Answer | None = None) -> None:
+        """Tell who listens that a value cannot be had."""
+        if node.quality != "bad" and node.value is not None:
+            node.put(node.value, self._service.wall(), "bad")
+            self.changed(node, True)
 
 
 def _property_of(listener: Listener) -> str:

@@ -10,15 +10,16 @@ import dataclasses
 import inspect
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, MutableMapping
 from enum import Enum
-from types import ModuleType
+from types import MappingProxyType, MemberDescriptorType, ModuleType
 from typing import Any, NamedTuple
 
 from rtkit.property.annotations import bare, hints_of, is_final, returned, taken
 from rtkit.property.conversion import is_array
 
 _ACCESSOR = re.compile(r"(get|set)(?:_(.+)|([A-Z].*))")
+_PLAIN_MAPPINGS = (dict, MappingProxyType)
 _PLAIN = (bool, int, float, str, bytes, bytearray, Enum, type(None), list, tuple, set, frozenset)
 
 
@@ -29,6 +30,7 @@ class Member(NamedTuple):
         kind: ``attribute``, ``accessors`` or ``method``.
         getter: The name of the method that reads it, of accessors.
         setter: The name of the method that writes it, of accessors.
+        is_plain: Reading it takes no user code.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Member(NamedTuple):
     doc: str = ""
     getter: str = ""
     setter: str = ""
+    is_plain: bool = False
 
 
 def members(thing: object, hidden: frozenset[str] = frozenset()) -> list[Member]:
@@ -45,7 +48,9 @@ def members(thing: object, hidden: frozenset[str] = frozenset()) -> list[Member]
     cls = type(thing)
     if isinstance(thing, Mapping):
         keys = [key for key in thing if isinstance(key, str) and is_public(key, hidden)]
-        return [Member(key, "attribute") for key in keys]
+        access = "rw" if isinstance(thing, MutableMapping) else "r"
+        is_plain = type(thing) in _PLAIN_MAPPINGS
+        return [Member(key, "attribute", access, is_plain=is_plain) for key in keys]
     hints, docs = hints_of(cls), _documented(cls)
     found: dict[str, Member] = {}
     accessors: dict[str, dict[str, str]] = {}
@@ -64,7 +69,9 @@ def members(thing: object, hidden: frozenset[str] = frozenset()) -> list[Member]
                 found[name] = Member(name, "method", doc=_first_line(doc))
         elif _is_shown(static):
             hint, access, doc = _declared(cls, name, static, hints)
-            found[name] = Member(name, "attribute", access, hint, doc or docs.get(name, ""))
+            is_plain = _is_plain(thing, name, static)
+            doc = doc or docs.get(name, "")
+            found[name] = Member(name, "attribute", access, hint, doc, is_plain=is_plain)
     for name, pair in accessors.items():
         if name not in found and is_public(name, hidden):
             found[name] = _with_accessors(cls, name, pair)
@@ -93,6 +100,16 @@ def _is_method(static: object) -> bool:
     return inspect.isroutine(static) and not inspect.isdatadescriptor(static)
 
 
+def _is_plain(thing: object, name: str, static: object) -> bool:
+    """Whether an attribute can be read without a call of what its class defines."""
+    if type(thing).__getattribute__ is not object.__getattribute__:
+        return False
+    if inspect.isdatadescriptor(static):
+        return isinstance(static, MemberDescriptorType) or _is_read_only(static)
+    is_own = name in getattr(thing, "__dict__", ())
+    return is_own or not hasattr(type(static), "__get__")
+
+
 def _is_shown(static: object) -> bool:
     return not (inspect.isclass(static) or isinstance(static, ModuleType)) and not (
         callable(static) and not hasattr(type(static), "__get__")
@@ -105,6 +122,8 @@ def _accessor(cls: type, name: str, static: object) -> tuple[str, str] | None:
     if match is None:
         return None
     function = static.__func__ if isinstance(static, staticmethod | classmethod) else static
+    if _of_library(function):
+        return None  # get_nowait of a queue takes something out of it
     own = 0 if isinstance(static, staticmethod) else 1
     try:
         parameters = list(inspect.signature(function).parameters.values())[own:]  # type: ignore[arg-type]
@@ -115,6 +134,12 @@ def _accessor(cls: type, name: str, static: object) -> tuple[str, str] | None:
     if len(needed) != (match[1] == "set"):
         return None
     return match[1], match[2] or match[3][0].lower() + match[3][1:]
+
+
+def _of_library(function: object) -> bool:
+    """Whether a function comes with Python: its names follow no convention of getters."""
+    module = getattr(function, "__module__", None) or "builtins"
+    return module.partition(".")[0] in sys.stdlib_module_names
 
 
 def _with_accessors(cls: type, name: str, pair: dict[str, str]) -> Member:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, NamedTuple
 
+from rtkit.guard import kind_and_text, text_of
 from rtkit.property.access import Access
 from rtkit.property.codes import code_of, rebuilt
 
@@ -40,10 +41,7 @@ DONE = Answer("")
 def failed(error: BaseException) -> Answer:
     """Return the answer that stands for an error; no trace, no class of ours in it."""
     code = code_of(error)
-    text = str(error)
-    if code == "internal":
-        text = f"{type(error).__name__}: {text}"
-    return Answer(" ".join(text.split()), code)
+    return Answer(kind_and_text(error) if code == "internal" else text_of(error), code)
 
 
 class Caller:

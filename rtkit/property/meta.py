@@ -15,8 +15,16 @@ if TYPE_CHECKING:
     from rtkit.property.service import Service
 
 
-def meta(service: Service, node: Node, path: tuple[str, ...] = ()) -> Element:
+def meta(
+    service: Service, node: Node, path: tuple[str, ...] = (), *, calls_user_code: bool = True
+) -> Element:
     """Return the element; of a part of a value it tells the type of that part.
+
+    Args:
+        service: Whose property it is.
+        node: The property.
+        path: Of the part.
+        calls_user_code: It is read anew even where that takes user code.
 
     Raises:
         PropertyError: ``unknown``: there is no such part.
@@ -26,7 +34,8 @@ def meta(service: Service, node: Node, path: tuple[str, ...] = ()) -> Element:
     if node.function is not None:
         kind = "element"
     elif "r" in spec.access:
-        _look(service, node)
+        if calls_user_code or not node.calls_user_code:
+            _look(service, node)
         if path:
             kind = _kind_of_part(node, path)
     fields: dict[str, Value | None] = {

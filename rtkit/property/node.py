@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import deque
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Payload
 from rtkit.property.spec import Reader, Spec, Writer
 from rtkit.property.types import Content, to_payload
-from rtkit.property.values import Value
 from rtkit.property.writing import as_item
 
 if TYPE_CHECKING:
@@ -29,11 +29,12 @@ class Node:
         time: When the value came into force [s since 1970].
         reader: Computes the value; None where it is kept here.
         history: The last values as (time, quality, payload), where that is switched on.
+        is_quick: Whether reading and writing call no user code just now; None for never.
     """
 
     __slots__ = (
-        "_line", "_pair", "_payload", "function", "history", "listeners", "name", "quality",
-        "reader", "revision", "spec", "time", "value", "writer",
+        "_line", "_pair", "_payload", "function", "history", "is_quick", "listeners", "name",
+        "quality", "reader", "revision", "spec", "time", "value", "writer",
     )  # fmt: skip
 
     def __init__(self, name: str, spec: Spec, value: Content | None, time: float) -> None:
@@ -45,6 +46,7 @@ class Node:
         self.revision = 1
         self.reader: Reader | None = None
         self.writer: Writer | None = None
+        self.is_quick: Callable[[], bool] | None = None
         self.function: Function | None = None
         self.listeners: list[Listener] | None = None
         self.history: deque[tuple[float, str, Payload]] | None = None
@@ -110,17 +112,9 @@ class Node:
             self.history.append((time, quality, self.payload))
         return has_changed
 
-    def compute(self, parameters: dict[str, Value]) -> Content:
-        """Return what the reader says.
-
-        Raises:
-            PropertyError: ``internal``, or what the reader raised of that kind.
-        """
-        assert self.reader is not None
-        try:
-            value = self.reader(parameters)
-        except PropertyError:
-            raise
-        except Exception as error:
-            raise PropertyError("internal", f"{type(error).__name__}: {error}") from error
-        return value  # type: ignore[return-value]
+    @property
+    def calls_user_code(self) -> bool:
+        """Whether getting or setting it calls user code, which may take any time."""
+        if self.reader is None and self.writer is None:
+            return False
+        return self.is_quick is None or not self.is_quick()

@@ -9,165 +9,256 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from rtkit.property.annotations import bare, choices_of, spec_of, type_of
 from rtkit.property.codes import PropertyError
-from rtkit.property.conversion import from_value, to_value
-from rtkit.property.functional import Function, Run, run_at_once
+from rtkit.property.conversion import is_builtin, to_value
+from rtkit.property.fitting import from_value
+from rtkit.property.functional import Function
 from rtkit.property.members import Member, is_data, is_nested, members
 from rtkit.property.naming import segment_of
 from rtkit.property.service import Service
 from rtkit.property.spec import Parameter, Spec
 from rtkit.property.types import Content, parse_type
+from rtkit.property.user_code import Unfolded, is_coroutine, result_of
 from rtkit.property.values import Value
 
+_PLAIN_SETS: tuple[object, ...] = (object.__setattr__, dict.__setattr__)
 DEEPEST = 4
 """Levels of nested objects that are shown."""
 
 _UNSET = object()
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+class _Found(NamedTuple):
+    """A member of the object, or of one that it holds.
+
+    Attributes:
+        holder: Returns the object whose member it is.
+        present: Its value, `_UNSET` where that takes user code.
+        is_plain: Neither it nor what holds it takes user code to read.
+        method: The bound method, of a method.
+        takes: Arguments of getter and setter, with their hints, by their names.
+    """
+
+    holder: Callable[[], Any]
+    member: Member
+    present: object = _UNSET
+    is_plain: bool = False
+    method: object = None
+    takes: Mapping[str, tuple[tuple[Parameter, ...], dict[str, Any]]] = MappingProxyType({})
 
 
 class Exported:
     """An object as properties of a service.
 
+    Names are listed without a call of its getters: what is nested in an object that only a getter
+    tells is known when somebody has asked for it.
+
     Args:
-        service: Gets the properties.
+        service: Gets the properties, calls user code.
         thing: The object; it is never changed but by a SET.
         hidden: Names that are not to be seen, at any depth.
-        run: Runs the calls of methods.
+
+    Raises:
+        PropertyError: ``internal``: it cannot be looked at.
     """
 
-    def __init__(
-        self, service: Service, thing: object, hidden: Iterable[str] = (), run: Run = run_at_once
-    ) -> None:
+    def __init__(self, service: Service, thing: object, hidden: Iterable[str] = ()) -> None:
         self._service = service
         self._thing = thing
         self._hidden = frozenset(hidden)
-        self._run = run
         self._names: dict[str, object] = {}
+        self._unfolded: dict[str, object] = {}
+        self._looks = self._seen = 0
         self.refresh()
         service.on_names = self.refresh
 
     def refresh(self) -> None:
-        """Look which members there are now; tell what came and what went."""
-        found: dict[str, tuple[Callable[[], Any], Member, object]] = {}
-        self._scan(lambda: self._thing, "", (), found)
+        """Look which members there are now; tell what came and what went.
+
+        Raises:
+            PropertyError: ``internal``: it cannot be looked at.
+        """
+        self._looks += 1
+        look = self._looks
+        found: dict[str, _Found] = {}
+        scan = lambda: self._scan(lambda: self._thing, self._thing, "", (), found, is_plain=True)  # noqa: E731
+        result_of(self._service.user_code.call(scan))
+        if look < self._seen:
+            return  # who has looked later was ready sooner
+        self._seen = look
         for name in [each for each in self._names if each not in found]:
             del self._names[name]
             if name in self._service.registry.nodes:
                 self._service.remove(name)
-        for name, (holder, member, present) in found.items():
+        for name, each in found.items():
             if name not in self._names:
-                self._names[name] = member
-                self._add(name, holder, member, present)
+                self._names[name] = each.member
+                self._add(name, each)
 
     def _scan(
         self,
         holder: Callable[[], Any],
+        thing: object,
         prefix: str,
         seen: tuple[int, ...],
-        found: dict[str, tuple[Callable[[], Any], Member, object]],
+        found: dict[str, _Found],
+        *,
+        is_plain: bool,
     ) -> None:
         """Note all members below an object; no deeper than `DEEPEST`, so this may call itself."""
-        thing = holder()
         seen = (*seen, id(thing))
         for member in members(thing, self._hidden):
             name = prefix + segment_of(member.name)
             if member.kind == "method":
-                found[name] = (holder, member, _UNSET)
+                found[name] = _Found(holder, member, method=getattr(thing, member.name))
                 continue
-            present = _UNSET if member.access == "w" else _tried(thing, member)
-            if is_nested(present) and present is not _UNSET:
+            is_known = is_plain and member.is_plain
+            present = self._unfolded.get(name, _UNSET)
+            if is_known:
+                present = _present(thing, member)
+            if present is not _UNSET and is_nested(present):
                 if len(seen) < DEEPEST + 1 and id(present) not in seen:
-                    self._scan(_nested(holder, member), f"{name}.", seen, found)
+                    below = self._nested(holder, member, name, is_known=is_known)
+                    self._scan(below, present, f"{name}.", seen, found, is_plain=is_known)
             elif present is _UNSET or is_data(present):
-                found[name] = (holder, member, present)
+                takes = _taken(thing, member)
+                found[name] = _Found(holder, member, present, is_known, takes=takes)
 
-    def _add(self, name: str, holder: Callable[[], Any], member: Member, present: object) -> None:
+    def _nested(
+        self, holder: Callable[[], Any], member: Member, name: str, *, is_known: bool
+    ) -> Callable[[], Any]:
+        def held() -> Any:
+            present = self._read(holder(), member)
+            if not is_known:
+                self._unfolded[name] = present
+            return present
+
+        return held
+
+    def _read(self, thing: Any, member: Member, named: Mapping[str, Any] = _NOTHING) -> Any:
+        """Return what a member holds now; awaited where it is told by a coroutine function.
+
+        Raises:
+            BaseException: As the code of the user did.
+        """
+        present = _present(thing, member, named)
+        if is_coroutine(present):
+            return self._service.user_code.awaited(present, lambda cancel: None)
+        return present
+
+    def _add(self, name: str, found: _Found) -> None:
+        holder, member = found.holder, found.member
         if member.kind == "method":
-            function = self._function(holder, member)
+            function = self._function(found)
             spec = Spec(parse_type("element"), doc=member.doc, is_functional=True)
             self._service.add(name, spec=spec, function=function)
             return
-        known = None if present is _UNSET else present
-        spec = spec_of(member.hint, known, member.access, member.doc)
-        if known is None or spec.type.base == "bytes" or isinstance(known, bytes | bytearray):
-            base = "bytes" if isinstance(known, bytes | bytearray) else spec.type.name
-            kind = parse_type("any" if known is None and not member.hint else base)
-            spec = _retyped(spec, kind)
-
-        takes = _taken(holder(), member)
-        if takes:
-            declared = {each.key: each for of in takes.values() for each in of[0]}
+        spec = _spec(member, found.present)
+        if found.takes:
+            declared = {each.key: each for of in found.takes.values() for each in of[0]}
             spec = replace(spec, parameters=tuple(declared.values()))
+        is_unknown = member.hint is None and found.present is _UNSET
+        is_told = member.kind == "attribute" and found.is_plain
 
         def given_to(accessor: str, given: dict[str, Value]) -> dict[str, Any]:
-            known, hints = takes.get(accessor, ((), {}))
+            known, hints = found.takes.get(accessor, ((), {}))
             for key in given:
                 if all(each.key != key for each in known):
                     raise PropertyError("bad-parameter", f"{accessor} has no parameter {key}")
             return {key: from_value(each, hints.get(key), None) for key, each in given.items()}
 
         def read(given: dict[str, Value]) -> Content:
-            if given:
-                named = given_to(member.getter, given)
-                return to_value(getattr(holder(), member.getter)(**named))
-            value = _present(holder(), member)
-            if value is _UNSET:
+            named = given_to(member.getter, given) if given else {}
+            present = self._read(holder(), member, named)
+            if present is _UNSET:
                 raise PropertyError("unknown", f"not set yet: {name}")
-            return to_value(value)
+            if not is_told and is_nested(present):
+                self._unfold(name, present)
+            if is_unknown and not named:
+                self._learn(name, member, present)
+            return to_value(present)
 
-        def write(value: Content, given: dict[str, Value]) -> None:
+        def write(value: Content, given: dict[str, Value]) -> Any:
             thing = holder()
             named = given_to(member.setter, given) if given else {}
-            before = None if member.access == "w" else _present(thing, member)
-            wanted = from_value(value, bare(member.hint), None if before is _UNSET else before)
-            _assign(thing, member, wanted, named)
+            before = None if member.access == "w" else self._read(thing, member)
+            if is_unknown and self._learn(name, member, before):
+                raise Unfolded(name)  # the value is to be read as what it is now known to be
+            wanted = from_value(value, member.hint, None if before is _UNSET else before)
+            return _assign(thing, member, wanted, named)
 
-        self._service.add(name, spec=spec, read=read, write=write)
+        node = self._service.add(name, spec=spec, read=read, write=write)
+        if is_told:
+            node.is_quick = _quickness(holder, member, type(holder()))
 
-    def _function(self, holder: Callable[[], Any], member: Member) -> Function:
-        method = getattr(holder(), member.name)
-        declared, hints = _parameters(method)
+    def _unfold(self, name: str, present: object) -> None:
+        """Have what a getter has told be known by its members, from the next look on."""
+        self._unfolded[name] = present
+        raise Unfolded(name)
+
+    def _learn(self, name: str, member: Member, present: object) -> bool:
+        """Take the type of the first value for that of a property that declares none.
+
+        Returns:
+            Whether the property has another type now.
+        """
+        node = self._service.registry.nodes.get(name)
+        if node is None or node.spec.type.base != "any":
+            return False
+        node.spec = replace(_spec(member, present), parameters=node.spec.parameters)
+        return node.spec.type.base != "any"
+
+    def _function(self, found: _Found) -> Function:
+        declared, hints = _parameters(found.method)  # type: ignore[arg-type]
+        name, holder = found.member.name, found.holder
 
         def call(*args: Value, **named: Value) -> object:
             given = {key: from_value(each, hints.get(key), None) for key, each in named.items()}
-            return getattr(holder(), member.name)(*map(_positional, args), **given)
+            return getattr(holder(), name)(*map(_positional, args), **given)
 
-        return Function(call, declared or (), to_value, self._run, is_open=declared is None)
+        return Function(call, declared or (), to_value, is_open=declared is None)
+
+
+def _spec(member: Member, present: object) -> Spec:
+    """Return what is declared of a property by its annotation, else by its value."""
+    known = None if present is _UNSET else present
+    spec = spec_of(member.hint, known, member.access, member.doc)
+    if isinstance(known, bytes | bytearray):
+        return replace(spec, type=parse_type("bytes"))
+    return replace(spec, type=parse_type("any")) if known is None and not member.hint else spec
+
+
+def _quickness(holder: Callable[[], Any], member: Member, cls: type) -> Callable[[], bool]:
+    """Return what tells whether a plain attribute can still be read and set without user code."""
+
+    def is_quick() -> bool:
+        thing = holder()
+        if type(thing) is not cls or not (member.access == "r" or cls.__setattr__ in _PLAIN_SETS):
+            return False
+        present = _present(thing, member)
+        return present is not _UNSET and is_builtin(present)
+
+    return is_quick
 
 
 def _positional(value: Value) -> object:
     return from_value(value, None, None)
 
 
-def _retyped(spec: Spec, kind: Any) -> Spec:
-    return replace(spec, type=kind)
-
-
-def _nested(holder: Callable[[], Any], member: Member) -> Callable[[], Any]:
-    return lambda: _present(holder(), member)
-
-
-def _present(thing: Any, member: Member) -> object:
-    """Return what a member holds now, `_UNSET` if that cannot be had."""
-    try:
-        if isinstance(thing, Mapping):
-            return thing[member.name]
-        if member.kind == "accessors":
-            return getattr(thing, member.getter)()
+def _present(thing: Any, member: Member, named: Mapping[str, Any] = _NOTHING) -> object:
+    """Return what a member holds now, `_UNSET` of an attribute that has not been set yet."""
+    if isinstance(thing, Mapping):
+        return thing.get(member.name, _UNSET)
+    if member.kind == "accessors":
+        return getattr(thing, member.getter)(**named)
+    if not member.is_plain:
         return getattr(thing, member.name)
-    except (AttributeError, KeyError):
-        return _UNSET
-
-
-def _tried(thing: Any, member: Member) -> object:
-    """Return what a member holds now; what cannot be read now may be another time."""
-    try:
-        return _present(thing, member)
-    except Exception:
-        return _UNSET
+    return getattr(thing, member.name, _UNSET)
 
 
 def _taken(
@@ -182,16 +273,19 @@ def _taken(
     return found
 
 
-def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) -> None:
-    if isinstance(thing, Mapping):
-        thing[member.name] = value  # type: ignore[index]
-    elif member.kind == "accessors":
-        getattr(thing, member.setter)(value, **named)
-    else:
-        try:
+def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) -> object:
+    """Put a value in force; return what is to be awaited, if anything."""
+    if member.kind == "accessors" and not isinstance(thing, Mapping):
+        outcome: object = getattr(thing, member.setter)(value, **named)
+        return outcome if is_coroutine(outcome) else None
+    try:
+        if isinstance(thing, Mapping):
+            thing[member.name] = value  # type: ignore[index]
+        else:
             setattr(thing, member.name, value)
-        except AttributeError as error:
-            raise PropertyError("read-only", f"cannot be set: {member.name}") from error
+    except AttributeError as error:
+        raise PropertyError("read-only", f"cannot be set: {member.name}") from error
+    return None
 
 
 def _parameters(

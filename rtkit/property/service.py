@@ -1,19 +1,24 @@
 """A service: named properties with one owner, who answers GET and SET and tells changes.
 
 Pure: asks come in, answers and events go out through what they were given; clocks are given too.
-Only one thread at a time may be inside. Source: `property-service` reference.
+Only one thread at a time may be inside; what calls user code lets others in meanwhile.
+Source: `property-service` reference.
 """
 
 from __future__ import annotations
 
 import time as _time
 from collections.abc import Callable
+from contextlib import suppress
 from fnmatch import fnmatchcase
+from functools import partial
 
 from rtkit.property import components
+from rtkit.property.actions import described, start
 from rtkit.property.codes import PropertyError
 from rtkit.property.extensions import get_extension, set_extension
 from rtkit.property.functional import Function
+from rtkit.property.lanes import NAMES, lane_of, wait_of
 from rtkit.property.listeners import Listeners
 from rtkit.property.messages import DONE, Answer, Ask, Caller, Payload, failed
 from rtkit.property.naming import Target, parse_target
@@ -25,7 +30,8 @@ from rtkit.property.reading import read
 from rtkit.property.registry import Place, Registry
 from rtkit.property.spec import Reader, Spec, Writer, plain
 from rtkit.property.types import Content, check, from_payload, parse_type, to_payload
-from rtkit.property.values import Element, Value, is_number
+from rtkit.property.user_code import AT_ONCE, Unfolded, UserCode, result_of
+from rtkit.property.values import Value, is_number
 from rtkit.property.writing import write
 
 _NONE: dict[str, Value] = {}
@@ -39,7 +45,11 @@ class Service:
         quick: Answers a request line of the kind that most are.
         on_names: Called before names are told or missed, to have those that there are now.
         remembered: What is computed and has a history, by name.
+        user_code: Calls what is not ours.
+        has_groups: Those who listen in the same way may share one listener.
     """
+
+    has_groups = True
 
     def __init__(
         self,
@@ -62,6 +72,9 @@ class Service:
         self._quick = Quick(self)
         self.quick = self._quick.reply
         self._started = wall()
+        self.user_code: UserCode = AT_ONCE
+        self._has_user_code = False
+        self._is_looking = False
 
     # What the owner does.
 
@@ -96,6 +109,7 @@ class Service:
         node = Node(name, declared, value, self._started)
         node.reader, node.writer, node.function = read, write, function
         self.registry.add(node)
+        self._has_user_code = self._has_user_code or bool(read or write)
         most = history or self._history_of(node.name)
         if most:
             from collections import deque
@@ -163,7 +177,7 @@ class Service:
 
     def _asked(self, target: str, payload: Payload | None) -> Payload:
         answers: list[Answer] = []
-        self.handle(Ask(target, payload, answers.append))
+        self._answer(Ask(target, payload, answers.append))
         if not answers:
             raise PropertyError("busy", f"not answered at once: {target}")
         return answers[0].value()
@@ -210,8 +224,21 @@ class Service:
                 assert node is not None
                 ask.answer(_read_kept(node))
                 return
+        lane = lane_of(self, ask) if self._has_user_code else None
+        if lane is None:
+            self._answer(ask)
+        else:
+            asked = ask._replace(answer=_once(ask.answer))
+            work = partial(self._answer, asked)
+            self.user_code.later(lane, work, asked.answer, wait_of(ask.target))
+
+    def _answer(self, ask: Ask) -> None:
         try:
-            answer = self._perform(ask)
+            try:
+                answer = self._perform(ask)
+            except Unfolded:
+                self.names_now()
+                answer = self._perform(ask)
         except PropertyError as error:
             answer = Answer(str(error), error.code)
         except Exception as error:
@@ -263,7 +290,22 @@ class Service:
     def poll(self) -> None:
         """Read anew what is computed and listened to."""
         self.listeners.poll()
-        if self.on_names is not None and self.listeners.of_names:
+        if self.on_names is not None and self.listeners.of_names and not self._is_looking:
+            self._is_looking = True
+            self.user_code.later(NAMES, self._look, lambda answer: None, 0.0)
+
+    def _look(self) -> None:
+        with suppress(PropertyError):  # who asks for the names is told
+            self.names_now()
+        self._is_looking = False
+
+    def names_now(self) -> None:
+        """Have the names be those that there are now.
+
+        Raises:
+            PropertyError: ``internal``: user code that tells them failed.
+        """
+        if self.on_names is not None:
             self.on_names()
 
     def tick(self) -> None:
@@ -297,7 +339,7 @@ class Service:
         except PropertyError as error:
             if self.on_names is None or error.code != "unknown":
                 raise
-        self.on_names()
+        self.names_now()
         return self.registry.find(name)
 
     # GET
@@ -309,10 +351,11 @@ class Service:
         node = place.node
         if node is None:
             checked_parameters((), target, OF_GET)
+            self.names_now()
             return self.registry.listed(place.name)
         if node.function is not None:
             checked_parameters((), target, OF_GET)
-            return self._described(node, place)
+            return described(node.function, place)
         given = checked_parameters(node.spec.parameters, target, OF_GET)
         given.pop("timeout", None)
         if "r" not in node.spec.access:
@@ -327,19 +370,6 @@ class Service:
             raise PropertyError("unknown", f"no such property: {target.name}")
         return write(part)
 
-    def _described(self, node: Node, place: Place) -> Payload:
-        assert node.function is not None
-        described = node.function.describe()
-        if not place.path:
-            return write(described)
-        part = described.attributes.get("state") if place.path == ("state",) else None
-        if part is not None:
-            return part
-        found = components.get(described, place.path)
-        if found is None:
-            raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
-        return write(found)
-
     def value_of(self, node: Node, parameters: dict[str, Value] = _NONE) -> Content:
         """Return the present value of a property, read anew where it is computed.
 
@@ -350,7 +380,8 @@ class Service:
             if node.value is None:
                 raise PropertyError("write-only", f"cannot be read: {node.name}")
             return node.value
-        value = node.compute(parameters)
+        reader = node.reader
+        value: Content = result_of(self.user_code.call(lambda: reader(parameters)))
         if not parameters:
             self.seen(node, value)
         return value
@@ -375,7 +406,7 @@ class Service:
         if node is None:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
         if node.function is not None:
-            return self._start(node, place, target, ask)
+            return start(self, node, place, target, ask)
         given = checked_parameters(node.spec.parameters, target, COMMON)
         has_echo = given.pop("echo", False) not in (False, 0)
         given.pop("timeout", None)
@@ -411,19 +442,17 @@ class Service:
         """
         if node.writer is not None:
             to_payload(node.spec.type, value)
-            try:
-                changed = node.writer(value, parameters)
-            except PropertyError:
-                raise
-            except (ValueError, TypeError) as error:
-                raise PropertyError("bad-value", str(error)) from error
-            except Exception as error:
-                raise PropertyError("internal", f"{type(error).__name__}: {error}") from error
+            writer = node.writer
+            outcome = self.user_code.call(lambda: writer(value, parameters))
+            changed = result_of(outcome, (ValueError, TypeError))
             value = value if changed is None else changed
         if "r" not in node.spec.access:
             return
         if node.reader is not None:
-            value = self.value_of(node)
+            try:
+                value = self.value_of(node)
+            except Unfolded:
+                return
         self._keep(node, value)
 
     def _keep(self, node: Node, value: Content) -> None:
@@ -441,33 +470,6 @@ class Service:
         assert not isinstance(part, bytes)
         return node.spec.admit(components.replace(whole, place.path, part, node.spec.labels))
 
-    def _start(self, node: Node, place: Place, target: Target, ask: Ask) -> Answer | None:
-        function = node.function
-        assert function is not None
-        assert ask.payload is not None
-        if place.path == ("stop",):
-            function.stop()
-            return DONE
-        if place.path:
-            raise PropertyError("read-only", f"cannot be set: {target.name}")
-        given = checked_parameters(function.parameters, target, COMMON)
-        common = {key: given.pop(key, None) for key in COMMON if key not in
-                  {each.key for each in function.parameters}}  # fmt: skip
-        if common.get("if") is not None and common["if"] != node.revision:
-            raise PropertyError("conflict", f"revision of {target.name} is {node.revision}")
-        arguments = function.bind(_arguments(function, ask.payload), given)
-        waits = common.get("echo") not in (None, False, 0)
-
-        def changed() -> None:
-            has_changed = node.put(function.describe(), self.wall())
-            if node.listeners:
-                self.listeners.changed(node, has_changed)
-            if waits and function.state != "running":
-                ask.answer(Answer(node.payload))
-
-        function.start(arguments, changed)
-        return None if waits else DONE
-
 
 def _read_kept(node: Node) -> Answer:
     try:
@@ -476,18 +478,20 @@ def _read_kept(node: Node) -> Answer:
         return Answer(str(error), error.code)
 
 
+def _once(answer: Callable[[Answer], object]) -> Callable[[Answer], None]:
+    """Return what passes on the first answer: one that comes too late has been given up."""
+    waiting = [answer]
+
+    def first(reply: Answer) -> None:
+        if waiting:
+            waiting.pop()(reply)
+
+    return first
+
+
 def _divisible(value: Content, place: Place) -> Value:
     if isinstance(value, bytes):
         raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
-    return value
-
-
-def _arguments(function: Function, payload: Payload) -> Value:
-    value = from_payload(parse_type("any"), payload)
-    if len(function.parameters) == 1 and not isinstance(value, str | tuple | Element):
-        kind = function.parameters[0].type
-        value = from_payload(kind if kind.base == "string" else parse_type("any"), payload)
-    assert not isinstance(value, bytes)
     return value
 
 

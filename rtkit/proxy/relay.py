@@ -37,8 +37,11 @@ class Relay:
 
     Attributes:
         name: Under which it is found.
+        has_groups: Each who listens does so by itself.
         on_refusal: Hears of each request that was denied: who, method, target.
     """
+
+    has_groups = False
 
     def __init__(
         self,

@@ -78,8 +78,7 @@ class Desk:
         def answer(reply: Answer) -> None:
             ear.asked -= 1
             if is_late:
-                query.answer(reply)
-                self._let_go(query.ear)
+                self._answer_one(query, ear, reply, is_new=is_new)
             else:
                 told.append(reply)
 
@@ -88,10 +87,13 @@ class Desk:
         self._service.handle(asked)
         is_late = True
         if told:
-            joins = is_new and ear.is_used and not told[0].error
-            joined = self._join(query, ear) if joins else None
-            query.answer(told[0], joined)
+            self._answer_one(query, ear, told[0], is_new=is_new)
         ear.repeat()
+        self._let_go(query.ear)
+
+    def _answer_one(self, query: Queried, ear: Ear, reply: Answer, *, is_new: bool) -> None:
+        joins = is_new and ear.is_used and not reply.error and self._service.has_groups
+        query.answer(reply, self._join(query, ear) if joins else None)
         self._let_go(query.ear)
 
     def _let_go(self, id: str) -> None:

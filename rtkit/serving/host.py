@@ -1,6 +1,6 @@
 """The loop that owns the properties of a process: its sockets, what other threads ask, time.
 
-Whoever touches a service holds the lock of the host; user code runs on the loop's thread only.
+Whoever touches a service holds the lock of the host; user code runs on workers, beside the loop.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ from typing import Protocol
 
 from rtkit.property.access import Policy
 from rtkit.property.codes import PropertyError
-from rtkit.property.functional import Finished, Work
 from rtkit.serving.attendant import Attendants, Left
 from rtkit.serving.owner import Owner
+from rtkit.serving.workers import Workers
 
 POLL_S = 0.02
 """How often what is computed is read anew while somebody listens to it."""
 _HOUSEKEEPING_S = 0.25
-_MOST_CALLS = 64
 _LONGEST_WAIT_S = 3600.0
 
 
@@ -74,12 +73,14 @@ class Host:
         services: By name.
         lock: To be held by who touches a service.
         policy: What may be done through which door.
+        user_code: Calls what is not ours.
     """
 
     def __init__(self, policy: Policy | None = None) -> None:
         self.policy = policy or Policy()
         self.services: dict[str, Owner] = {}
         self.lock = threading.Lock()
+        self.user_code = Workers(self.lock, self.post)
         self._attendants = Attendants(self.lock)
         self._epoll = select.epoll()
         self._wake, self._waker = socket.socketpair()
@@ -90,7 +91,6 @@ class Host:
         self._dirty: set[Tenant] = set()
         self._tenants: dict[int, Tenant] = {}
         self._sockets: dict[int, End] = {}
-        self._calls = 0
         self._is_woken = False
         self._is_ended = threading.Event()
         self._housekeeping_at = 0.0
@@ -132,31 +132,6 @@ class Host:
             self._is_woken = True
             with contextlib.suppress(BlockingIOError, OSError):
                 self._waker.send(b"\0")
-
-    def run_on_thread(self, work: Work, finished: Finished) -> None:
-        """Run the call of an action beside the loop; its outcome comes back to the loop.
-
-        Raises:
-            PropertyError: ``busy``: very many run already.
-        """
-        if self._calls >= _MOST_CALLS:
-            raise PropertyError("busy", f"{_MOST_CALLS} calls are running")
-        self._calls += 1
-
-        def run() -> None:
-            result: object = None
-            raised: BaseException | None = None
-            try:
-                result = work()
-            except Exception as error:
-                raised = error
-            self.post(lambda: self._finish(finished, result, raised))
-
-        threading.Thread(target=run, name="call", daemon=True).start()
-
-    def _finish(self, finished: Finished, result: object, raised: BaseException | None) -> None:
-        self._calls -= 1
-        finished(result, raised)
 
     # Sockets
 
@@ -246,6 +221,9 @@ class Host:
         times = []
         if self._poll(now):
             times.append(self._poll_at)
+        look_at = self.user_code.check(now)
+        if look_at is not None:
+            times.append(look_at)
         if self._dirty:
             times += self._flush(now)
         if self._tenants or self.services:
@@ -291,6 +269,7 @@ class Host:
         self.wake()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join()
+        self.user_code.close()
         while self._closers:
             self._closers.pop()()
         self._attendants.close()

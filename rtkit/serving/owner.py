@@ -12,9 +12,11 @@ class Owner(Protocol):
 
     Attributes:
         name: Under which it is found.
+        has_groups: Those who listen in the same way may share one listener.
     """
 
     name: str
+    has_groups: bool
 
     @property
     def is_polled(self) -> bool:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from rtkit.closing import Closing
 from rtkit.errors import Malformed
+from rtkit.guard import Outcome, guarded
 from rtkit.property.access import Policy, read_policy
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import canonical_segment
@@ -55,15 +56,16 @@ class Served(Closing):
     def owned(self, work: Callable[[], object]) -> None:
         """Run something as the owner of the service, and wait until it is done."""
         done = threading.Event()
+        outcomes: list[Outcome] = []
 
         def run() -> None:
-            try:
-                work()
-            finally:
-                done.set()
+            outcomes.append(guarded(work))
+            done.set()
 
         self._host.post(run)
         done.wait()
+        if outcomes[0].error is not None:
+            raise outcomes[0].error
 
     def close(self) -> None:
         """Serve it no longer."""
@@ -87,7 +89,9 @@ def serve(
     """Serve an object: its attributes are properties, its methods actions; its class stays as is.
 
     Commands of the same user find it by its name (``rtget NAME.PROPERTY``). Methods are called on
-    threads of their own, properties are read and set on one other thread.
+    threads of their own; getters and setters on one other thread, or on a further one where that
+    is held up; coroutine functions are awaited on a loop of asyncio. Whatever they raise, and
+    however long they take, others are answered meanwhile.
 
     Example::
 
@@ -114,6 +118,7 @@ def serve(
     """
     host = Host(read_policy(rules) if isinstance(rules, str) else rules)
     service = thing if isinstance(thing, Service) else Service()
+    service.user_code = host.user_code
     try:
         service.name = "/".join(map(canonical_segment, name.split("/")))
     except PropertyError as error:
@@ -121,7 +126,7 @@ def serve(
     for pattern, most in (history or {}).items():
         service.remember(pattern, most)
     if not isinstance(thing, Service):
-        Exported(service, thing, hide, host.run_on_thread)
+        Exported(service, thing, hide)
     service.on_refusal = Refusals()
     host.add(service)
     try:

@@ -229,7 +229,7 @@ def test_who_asks_without_end_is_cut_off(
         go.wait(BOUND_S)
 
     kind = Spec(parse_type("element"), is_functional=True)
-    function = Function(wait, run=served._host.run_on_thread)
+    function = Function(wait)
     served.owned(lambda: service.add("slow", function=function, spec=kind))
     went: SimpleQueue[str] = SimpleQueue()
     told: SimpleQueue[Outcome] = SimpleQueue()

@@ -97,7 +97,7 @@ def test_what_is_slow_to_get_holds_nobody_up(cable: Cable, served: Served) -> No
         return 3
 
     kind = Spec(parse_type("element"), is_functional=True)
-    function = Function(wait, run=served._host.run_on_thread)
+    function = Function(wait)
     served.owned(lambda: served.service.add("slow", function=function, spec=kind))
     path = f"{os.path.dirname(cable.near)}/slow.sock"
     source = f"http://localhost:{served.http}/ps/robot"

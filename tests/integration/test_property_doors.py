@@ -12,6 +12,7 @@ import icekit
 import pytest
 from conformance import Door, check_answers, check_events, subject
 from propertydoors import BOUND_S, Lines, Zenoh
+from unruly import Unruly, check_only_its_own_request_suffers
 
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places, secret
@@ -78,6 +79,15 @@ def door(request: pytest.FixtureRequest, served: Served) -> Iterator[Door]:
 
 def test_requests(door: Door) -> None:
     check_answers(door)
+
+
+@pytest.mark.parametrize("wire", [*DOORS, *_NO_ICE])
+def test_of_code_that_does_anything_only_its_own_request_suffers(place: str, wire: str) -> None:
+    thing = Unruly()
+    with serve(thing, "robot", port=0, http=0, ice=icekit.PORT) as served:
+        door = DOORS[wire](served)
+        check_only_its_own_request_suffers(door, thing)
+        door.close()
 
 
 def test_events(door: Door, served: Served, service: Service) -> None:

@@ -324,7 +324,7 @@ def test_what_waits_at_the_owner_delays_nobody(
         return 3
 
     kind = Spec(parse_type("element"), is_functional=True)
-    function = Function(wait, run=served._host.run_on_thread)
+    function = Function(wait)
     served.owned(lambda: service.add("slow", function=function, spec=kind))
     door = proxied.open()
     with socket.socket(socket.AF_UNIX) as end:
@@ -355,7 +355,10 @@ def test_what_is_repeated_after_the_connection_was_lost_acts_once(
 ) -> None:
     """The owner acts, but its answer is lost with the connection."""
     acted: list[int] = []
-    function = Function(lambda: acted.append(1) or lose())  # type: ignore[func-returns-value]
+    function = Function(
+        lambda: acted.append(1) or lose(),  # type: ignore[func-returns-value]
+        run=lambda work, finished: finished(work(), None),  # before the reply
+    )
     kind = Spec(parse_type("element"), is_functional=True)
     served.owned(lambda: service.add("act", function=function, spec=kind))
     door = proxied.open()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import queue
 import re
 import statistics
 import threading
@@ -214,7 +215,7 @@ def test_keys_that_come_and_go_are_told() -> None:
     robot.extra["new"] = 3
     assert service.get("extra.new") == "3"
     del robot.extra["a"]
-    assert service.get("extra") == "(a new)"
+    assert service.get("extra") == "(new)"
     assert service.get("extra.properties") == "(new)"
     events = iter(lambda: heard[0].take(service.clock()), None)
     assert [event.payload for event in events] == [
@@ -310,3 +311,123 @@ def test_a_history_is_kept_of_what_is_told() -> None:
     assert re.findall(r" good ([\d.]+)\)", str(rows)) == ["5.0", "7.0"]
     with pytest.raises(PropertyError):
         service.get("label.history")
+
+
+class Holding:
+    """Getters with side effects, one that tells an object, and what only looks like a getter."""
+
+    def __init__(self) -> None:
+        self.calls: list[str] = []
+        self.nested = queue.Queue()  # type: ignore[var-annotated]
+
+    @property
+    def limb(self) -> object:
+        self.calls.append("limb")
+        return Arm(0.5)
+
+    def get_next(self):  # type: ignore[no-untyped-def]
+        self.calls.append("next")
+        return 1.5
+
+    def set_next(self, value):  # type: ignore[no-untyped-def]
+        self.calls.append(f"set {value}")
+
+
+def test_names_are_listed_without_a_call_of_any_getter() -> None:
+    holding = Holding()
+    service = served(holding)
+    assert service.get("properties?all") == "(limb calls next)"
+    assert str(service.get("properties?meta")).count("<meta>") == 3
+    assert holding.calls == []
+    tail = service.get("properties?values&names=(next)")
+    assert (tail, holding.calls) == ("((next 1.5))", ["next"])
+
+
+def test_getters_of_the_standard_library_are_none() -> None:
+    filled: queue.SimpleQueue[int] = queue.SimpleQueue()
+    waiting: queue.Queue[int] = queue.Queue()
+    for each in (filled, waiting):
+        each.put(1)
+        service = served(each)
+        service.get("properties?all&meta")
+        assert service.set("get_nowait?echo", "") == (
+            '<call state="done"><result>1</result></call>'
+        )
+
+
+def test_what_a_getter_tells_has_names_below_it_when_somebody_asks() -> None:
+    holding = Holding()
+    service = served(holding)
+    assert service.get("limb.angle") == "0.5"
+    assert service.get("limb") == "(angle name wave)"
+    assert service.get("properties?all") == "(calls next limb limb.angle limb.name limb.wave)"
+
+
+def test_the_type_of_a_getter_is_known_from_its_first_value() -> None:
+    holding = Holding()
+    service = served(holding)
+    assert refused(service, "next", "red") == "bad-value"
+    service.set("next", "3")
+    assert holding.calls[-2:] == ["set 3", "next"]
+    assert service.get("next.meta.type") == "number"
+
+
+class Strict:
+    """What annotations say of the inside of values."""
+
+    names: list[str]
+    pair: tuple[int, str]
+    flags: set[bool]
+    table: dict[str, int]
+    maybe: float | None
+    either: int | str
+    kind: typing.Literal["a", "c"]
+    rows: list[list[float]]
+
+    def __init__(self) -> None:
+        self.names, self.pair, self.flags = ["a"], (1, "b"), {True}
+        self.table, self.maybe, self.either, self.kind = {}, None, 1, "a"
+        self.rows = [[1.0]]
+        self.small = numpy.zeros(2, dtype=numpy.int32)
+        self.tiny = numpy.uint8(4)
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"),
+    [
+        ("names", {"(x y)": ["x", "y"], "()": []}, ["(1 2)", "(x 2)", "x"]),
+        ("pair", {"(2 x)": (2, "x")}, ["(x 2)", "(2)", "(2 x y)", "(2.5 x)"]),
+        ("flags", {"(false)": {False}}, ["(1)", "(red)"]),
+        ("maybe", {"2": 2.0, "()": None}, ["red", "(1)"]),
+        ("either", {"2": 2, "red": "red"}, ["2.5", "(1)"]),
+        ("kind", {"a": "a", "c": "c"}, ["b", "4"]),
+        ("rows", {"((1 2) (3 4))": [[1.0, 2.0], [3.0, 4.0]]}, ["(1 2)", "((1 red))"]),
+        ("small", {"(1 -2)": [1, -2]}, ["(2.5 0)", "(2147483648 0)", "(red 0)", "(1)"]),
+        ("tiny", {"255": 255}, ["256", "-1", "2.5", "1e30"]),
+    ],
+)
+def test_what_is_inside_a_value_is_checked_too(
+    name: str, good: dict[str, object], bad: list[str]
+) -> None:
+    strict = Strict()
+    service = served(strict)
+    for text, value in good.items():
+        service.set(name, text)
+        told = getattr(strict, name)
+        assert (told.tolist() if hasattr(told, "tolist") else told) == value
+    before = service.get(name)
+    for text in bad:
+        assert refused(service, name, text) == "bad-value", text
+    assert service.get(name) == before
+
+
+class Steering:
+    def steer(self, direction):  # type: ignore[no-untyped-def]
+        return direction
+
+
+def test_a_vector_that_is_the_only_argument_needs_no_second_bracket() -> None:
+    service = served(Steering())
+    for payload in ("(1 0)", "((1 0))"):
+        done = service.set("steer?echo", payload)
+        assert done == '<call state="done"><result>(1 0)</result></call>', payload

@@ -1,0 +1,80 @@
+"""Requests about functional properties: how an action stands, start it, stop it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.property import components
+from rtkit.property.codes import PropertyError
+from rtkit.property.functional import Function
+from rtkit.property.messages import DONE, Answer, Ask, Payload
+from rtkit.property.naming import Target
+from rtkit.property.parameters import COMMON, checked_parameters
+from rtkit.property.registry import Place
+from rtkit.property.types import from_payload, parse_type
+from rtkit.property.values import Element, Value
+from rtkit.property.writing import write
+
+if TYPE_CHECKING:
+    from rtkit.property.node import Node
+    from rtkit.property.service import Service
+
+
+def described(function: Function, place: Place) -> Payload:
+    """Return how an action stands, or the part of that which a name means.
+
+    Raises:
+        PropertyError: ``unknown``: there is no such part.
+    """
+    element = function.describe()
+    if not place.path:
+        return write(element)
+    part = element.attributes.get("state") if place.path == ("state",) else None
+    if part is not None:
+        return part
+    found = components.get(element, place.path)
+    if found is None:
+        raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
+    return write(found)
+
+
+def start(service: Service, node: Node, place: Place, target: Target, ask: Ask) -> Answer | None:
+    """Start an action, or stop it; None if it is answered when it has ended.
+
+    Raises:
+        PropertyError: ``busy``, ``bad-value``, ``conflict`` …
+    """
+    function = node.function
+    assert function is not None
+    assert ask.payload is not None
+    if place.path == ("stop",):
+        function.stop()
+        return DONE
+    if place.path:
+        raise PropertyError("read-only", f"cannot be set: {target.name}")
+    given = checked_parameters(function.parameters, target, COMMON)
+    own = {each.key for each in function.parameters}
+    common = {key: given.pop(key, None) for key in COMMON if key not in own}
+    if common.get("if") is not None and common["if"] != node.revision:
+        raise PropertyError("conflict", f"revision of {target.name} is {node.revision}")
+    arguments = function.bind(_arguments(function, ask.payload), given)
+    waits = common.get("echo") not in (None, False, 0)
+
+    def changed() -> None:
+        has_changed = node.put(function.describe(), service.wall())
+        if node.listeners:
+            service.listeners.changed(node, has_changed)
+        if waits and function.state != "running":
+            ask.answer(Answer(node.payload))
+
+    function.start(arguments, changed, service.user_code)
+    return None if waits else DONE
+
+
+def _arguments(function: Function, payload: Payload) -> Value:
+    value = from_payload(parse_type("any"), payload)
+    if len(function.parameters) == 1 and not isinstance(value, str | tuple | Element):
+        kind = function.parameters[0].type
+        value = from_payload(kind if kind.base == "string" else parse_type("any"), payload)
+    assert not isinstance(value, bytes)
+    return value

@@ -1,0 +1,183 @@
+"""Objects of Python for values, as an annotation or the present object says; else refused.
+
+numpy is known where somebody has imported it.
+"""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from enum import Enum
+from typing import Any, get_args, get_origin
+
+from rtkit.property.annotations import bare
+from rtkit.property.codes import PropertyError
+from rtkit.property.conversion import is_array, to_value
+from rtkit.property.types import Content
+from rtkit.property.values import Value, Word, is_number, kind_of
+from rtkit.property.writing import write
+
+_SCALARS = (bool, int, float, str, bytes)
+_CONTAINERS = (list, tuple, set, frozenset)
+
+
+def from_value(value: Content, hint: Any, present: object) -> Any:
+    """Return the object that a value stands for, like the annotation or what is there now.
+
+    Raises:
+        PropertyError: ``bad-value``: none of them fits.
+    """
+    hint = bare(hint)
+    origin = get_origin(hint)
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return _member(hint, value)
+    if origin in (typing.Union, types.UnionType):
+        return _one_of(get_args(hint), value, present)
+    if origin is typing.Literal:
+        return _choice(get_args(hint), value)
+    if hint in _SCALARS:
+        return _scalar(hint, value)
+    if hint is type(None):
+        return _nothing(value)
+    if isinstance(origin, type) and get_args(hint) and not is_array(present):
+        if issubclass(origin, Mapping):
+            return _mapping(get_args(hint), value)
+        if issubclass(origin, Sequence | AbstractSet):
+            return _items(origin, get_args(hint), value, present)
+    return _like(present, value)
+
+
+def _like(present: object, value: Content) -> Any:
+    """Return the object that is most like the present one."""
+    if isinstance(present, Enum):
+        return _member(type(present), value)
+    if is_array(present):
+        return _array(present, value)
+    if isinstance(value, tuple):
+        return _sequence(value, present)
+    return str(value) if isinstance(value, Word) else value
+
+
+def _refusal(expected: str, value: Content) -> PropertyError:
+    found = "bytes" if isinstance(value, bytes) else f"{kind_of(value)} {write(value)[:60]}"
+    return PropertyError("bad-value", f"expected {expected}, found {found}")
+
+
+def _scalar(hint: type, value: Content) -> object:
+    if hint is float and is_number(value):
+        return float(value)  # type: ignore[arg-type]
+    if hint is str and isinstance(value, str):
+        return str(value)
+    if isinstance(value, hint) and isinstance(value, bool) is (hint is bool):
+        return value
+    raise _refusal(hint.__name__, value)
+
+
+def _nothing(value: Content) -> None:
+    if value != ():
+        raise _refusal("nothing, which is ()", value)
+
+
+def _one_of(hints: tuple[Any, ...], value: Content, present: object) -> Any:
+    """Return what fits the first of several annotations."""
+    reasons = []
+    for hint in hints:
+        try:
+            return from_value(value, hint, present)
+        except PropertyError as error:
+            reasons.append(str(error))
+    raise PropertyError("bad-value", "; or ".join(reasons))
+
+
+def _choice(choices: tuple[object, ...], value: Content) -> object:
+    for each in choices:
+        if type(to_value(each)) is type(value) and to_value(each) == value:
+            return each
+        if isinstance(each, str) and isinstance(value, str) and each == str(value):
+            return each
+    raise _refusal(f"one of {' '.join(str(each) for each in choices)}", value)
+
+
+def _mapping(hints: tuple[Any, ...], value: Content) -> dict[Any, Any]:
+    if not isinstance(value, tuple) or not all(
+        isinstance(pair, tuple) and len(pair) == 2 for pair in value
+    ):
+        raise _refusal("a list of (name value)", value)
+    key, item = hints
+    pairs = [each for each in value if isinstance(each, tuple)]
+    return {from_value(one, key, None): from_value(other, item, None) for one, other in pairs}
+
+
+def _items(kind: type, hints: tuple[Any, ...], value: Content, present: object) -> Any:
+    if not isinstance(value, tuple):
+        raise _refusal("a list", value)
+    if kind is tuple and hints[-1] is not Ellipsis:
+        if len(hints) != len(value):
+            raise _refusal(f"{len(hints)} items", value)
+        wanted = hints
+    else:
+        wanted = (hints[0],) * len(value)
+    made = [_item(index, each, hint)
+            for index, (each, hint) in enumerate(zip(value, wanted, strict=True))]  # fmt: skip
+    container = kind if kind in _CONTAINERS else type(present)
+    if container not in _CONTAINERS:
+        container = set if issubclass(kind, AbstractSet) else list
+    return container(made)
+
+
+def _item(index: int, value: Value, hint: Any) -> Any:
+    try:
+        return from_value(value, hint, None)
+    except PropertyError as error:
+        raise PropertyError(error.code, f"item {index}: {error}") from None
+
+
+def _member(kind: type[Enum], value: Content) -> Enum:
+    for member in kind:
+        if isinstance(value, str) and member.name == str(value):
+            return member
+    told = " ".join(member.name for member in kind)
+    raise PropertyError("bad-value", f"expected one of {told}")
+
+
+def _array(present: Any, value: Content) -> Any:
+    """Return an array like the present one, if it can hold the values as they are."""
+    from importlib import import_module
+
+    numpy = import_module("numpy")
+    dtype, shape = present.dtype, getattr(present, "shape", ())
+    try:
+        given = numpy.asarray(_plain(value))
+        is_alike = given.dtype.kind == dtype.kind or {given.dtype.kind, dtype.kind} <= {*"iuf"}
+        with numpy.errstate(all="ignore"):
+            made = given.astype(dtype, casting="unsafe" if is_alike else "safe")
+    except (ValueError, TypeError, OverflowError) as error:
+        raise PropertyError("bad-value", f"expected numbers of type {dtype}: {error}") from error
+    if given.shape != shape:
+        raise PropertyError("bad-value", f"expected the shape {shape}, found {given.shape}")
+    if dtype.kind in "iu" and not numpy.array_equal(made, given):
+        raise _refusal(f"numbers that {dtype} can hold", value)
+    return made if shape else made[()]
+
+
+def _sequence(value: tuple[Value, ...], present: object) -> Any:
+    if not value and present is None:
+        return None
+    plain = _plain(value)
+    if isinstance(present, dict):
+        if not all(isinstance(pair, list) and len(pair) == 2 for pair in plain):
+            raise PropertyError("bad-value", "expected a list of (name value)")
+        return {pair[0]: pair[1] for pair in plain}
+    for kind in (tuple, set, frozenset):
+        if isinstance(present, kind):
+            return kind(plain)
+    return plain
+
+
+def _plain(value: Content) -> Any:
+    """Return nested lists and plain texts for a value; elements stay what they are."""
+    if isinstance(value, tuple):
+        return [_plain(each) for each in value]
+    return str(value) if isinstance(value, Word) else value

@@ -1,0 +1,79 @@
+"""Which requests may call user code, and which of them wait for each other.
+
+A request that calls none is answered at once. The others go beside the loop, each in the lane of
+the property that it is about, so that one property is got and set in the order of the requests.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Ask
+from rtkit.property.naming import canonical
+from rtkit.property.reading import lone_number
+
+if TYPE_CHECKING:
+    from rtkit.property.node import Node
+    from rtkit.property.service import Service
+
+NAMES = "?"
+"""The lane of all that looks which names there are."""
+
+
+def lane_of(service: Service, ask: Ask) -> str | None:
+    """Return the lane of a request, None of one that calls no user code."""
+    path, _, tail = ask.target.partition("?")
+    try:
+        name = canonical(path.rpartition("/")[2])
+    except PropertyError:
+        return None
+    node = service.registry.nodes.get(name)
+    if node is not None:
+        is_called = _is_called(node, is_set=ask.payload is not None)
+        return node.name if is_called and node.calls_user_code else None
+    segments = name.split(".")
+    if segments[-1] == "listen":
+        return _lane_of_listening(service, segments[:-1], tail)
+    for end in range(len(segments) - 1, 0, -1):
+        node = service.registry.nodes.get(".".join(segments[:end]))
+        if node is not None:
+            is_called = _is_called(node, is_set=ask.payload is not None)
+            return node.name if is_called or service.on_names is not None else None
+    if segments[-1] == "properties" and ("values" in tail or "names" in tail):
+        return f"{NAMES}{ask.target}"  # it reads values, and may take longer than names do
+    is_bulk = segments[-1] == "properties" and (tail or ask.payload is not None)
+    return NAMES if is_bulk or service.on_names is not None else None
+
+
+def _is_called(node: Node, *, is_set: bool) -> bool:
+    return node.reader is not None or (is_set and node.writer is not None)
+
+
+def _lane_of_listening(service: Service, whose: list[str], tail: str) -> str | None:
+    """Return the lane of a request to listen: it has to read a value that is not known."""
+    node = service.registry.nodes.get(".".join(whose))
+    if node is None:
+        is_names = whose[-1:] == ["properties"]
+        if is_names and service.registry.is_inner(".".join(whose[:-1])):
+            return None
+        return NAMES if service.on_names is not None else _lane_of_part(service, whose)
+    has_value = node.value is not None and ("initial=0" in tail or "remove" in tail)
+    if node.reader is None or has_value or not node.calls_user_code:
+        return None
+    return node.name
+
+
+def _lane_of_part(service: Service, segments: list[str]) -> str | None:
+    for end in range(len(segments) - 1, 0, -1):
+        node = service.registry.nodes.get(".".join(segments[:end]))
+        if node is not None:
+            return None if node.reader is None else node.name
+    return None
+
+
+def wait_of(target: str) -> float:
+    """Return how long a request says that it waits [s], 0 if it does not say so."""
+    _, is_told, tail = target.partition("timeout=")
+    number = lone_number(tail.partition("&")[0]) if is_told else None
+    return max(float(number), 1e-3) if number is not None and number == number else 0.0

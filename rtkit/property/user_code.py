@@ -1,0 +1,127 @@
+"""Calls of user code by a service: guarded, beside its loop, awaited; one place for all of them.
+
+Readers, writers, getters, setters, actions and what lists names pass here. A service by itself
+calls them at once; one with endpoints has `rtkit.serving.workers`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+from types import CoroutineType
+from typing import Any, Protocol, TypeGuard
+
+from rtkit.guard import Outcome, guarded, kind_and_text, text_of
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer
+
+Work = Callable[[], object]
+Finished = Callable[[object, BaseException | None], None]
+Cancel = Callable[[], object]
+
+
+class UserCode(Protocol):
+    """Calls user code for one process."""
+
+    def call(self, work: Work) -> Outcome:
+        """Call something now, on this thread, and await what it returns."""
+        ...
+
+    def later(self, lane: str, work: Work, refuse: Callable[[Answer], object], wait: float) -> None:
+        """Do something that calls user code, in its turn.
+
+        Args:
+            lane: Of several in one lane each begins when the one before has ended.
+            work: What is done; it owns the service but while it calls user code.
+            refuse: Takes the reason when it cannot be done, or has not ended in time.
+            wait: How long that is [s]; 0 for as long as usual.
+        """
+        ...
+
+    def start(self, work: Work, finished: Finished) -> None:
+        """Run an action; `finished` takes its outcome as the owner of the service.
+
+        Raises:
+            PropertyError: ``busy``: very many run already.
+        """
+        ...
+
+    def post(self, work: Work) -> None:
+        """Do something soon as the owner of the service; from any thread."""
+        ...
+
+    def awaited(
+        self, coroutine: Coroutine[Any, Any, object], cancellable: Callable[[Cancel], object]
+    ) -> object:
+        """Await a coroutine on a loop of the service, and wait until it has ended.
+
+        Args:
+            coroutine: What is awaited.
+            cancellable: Is given what cancels it; then it returns None.
+        """
+        ...
+
+
+def is_coroutine(thing: object) -> TypeGuard[Coroutine[Any, Any, object]]:
+    """Whether something is what a coroutine function returns."""
+    return isinstance(thing, CoroutineType)
+
+
+def result_of(outcome: Outcome, bad: tuple[type[BaseException], ...] = ()) -> Any:
+    """Return the result of a call.
+
+    Args:
+        outcome: What the call led to.
+        bad: Errors that say that the value is wrong.
+
+    Raises:
+        PropertyError: As it was raised, ``bad-value``, or ``internal``.
+    """
+    error = outcome.error
+    if error is None:
+        return outcome.result
+    if isinstance(error, PropertyError | Unfolded):
+        raise error
+    if isinstance(error, bad):
+        raise PropertyError("bad-value", text_of(error)) from error
+    raise PropertyError("internal", kind_and_text(error)) from error
+
+
+class Unfolded(Exception):
+    """A property turned out to hold an object with properties of its own: look it up again."""
+
+
+class AtOnce:
+    """Calls user code on the thread of whoever asks: a service without endpoints."""
+
+    def call(self, work: Work) -> Outcome:
+        """See `UserCode.call`."""
+        outcome = guarded(work)
+        if isinstance(outcome.error, KeyboardInterrupt):
+            raise outcome.error  # this may be the main thread, and the user at its terminal
+        if is_coroutine(outcome.result):
+            return guarded(lambda: self.awaited(outcome.result, lambda cancel: None))
+        return outcome
+
+    def later(self, lane: str, work: Work, refuse: Callable[[Answer], object], wait: float) -> None:
+        """See `UserCode.later`."""
+        work()
+
+    def start(self, work: Work, finished: Finished) -> None:
+        """See `UserCode.start`."""
+        outcome = self.call(work)
+        finished(outcome.result, outcome.error)
+
+    def post(self, work: Work) -> None:
+        """See `UserCode.post`."""
+        work()
+
+    def awaited(
+        self, coroutine: Coroutine[Any, Any, object], cancellable: Callable[[Cancel], object]
+    ) -> object:
+        """See `UserCode.awaited`."""
+        import asyncio
+
+        return asyncio.run(coroutine)
+
+
+AT_ONCE = AtOnce()

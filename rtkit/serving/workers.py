@@ -1,0 +1,207 @@
+"""Threads on which user code runs, what waits for them, and when it is waited for no longer.
+
+Whoever owns a service holds the lock of its host; a worker holds it, too, but while it calls user
+code. One worker runs at a time, so that objects of users are seldom called by two threads; where
+it is not back soon, another one takes over what waits.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Coroutine
+from time import monotonic
+from typing import Any
+
+from rtkit.guard import Outcome, guarded
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer
+from rtkit.property.user_code import Cancel, Finished, Work, is_coroutine
+from rtkit.serving.coroutines import Coroutines
+
+HAND_OVER_S = 0.05
+"""How long user code may hold up other user code [s]."""
+LONGEST_S = 60.0
+"""How long a request waits for user code unless it says how long [s]."""
+MOST_THREADS = 64
+MOST_WAITING = 4096
+_MOST_ACTIONS = 64
+_CLOSING_S = 1.0
+
+
+class _Job:
+    """Something that calls user code, and who is refused when that takes too long."""
+
+    __slots__ = ("began_at", "is_slow", "lane", "refuse", "until", "work")
+
+    def __init__(
+        self, lane: str, work: Work, refuse: Callable[[Answer], object], until: float
+    ) -> None:
+        self.lane = lane
+        self.work = work
+        self.refuse: Callable[[Answer], object] | None = refuse
+        self.until = until
+        self.began_at = 0.0
+        self.is_slow = False
+
+
+class Workers:
+    """Runs the user code of one host; all but `call`, `post` and `awaited` by its owner.
+
+    Args:
+        lock: Of the host.
+        post: Has the loop of the host do something; from any thread.
+    """
+
+    def __init__(self, lock: threading.Lock, post: Callable[[Work], None]) -> None:
+        self.post = post
+        self._lock = lock
+        self._bell = threading.Condition(lock)
+        self._lanes: dict[str, deque[_Job]] = {}
+        self._due: deque[_Job] = deque()
+        self._jobs: dict[_Job, None] = {}
+        self._threads: dict[int, threading.Thread] = {}
+        self._idle = 0
+        self._slow = 0
+        self._actions = 0
+        self._is_closed = False
+        self._coroutines = Coroutines()
+
+    # What services do
+
+    def call(self, work: Work) -> Outcome:
+        """See `UserCode.call`; a worker lets go of the lock meanwhile."""
+        if threading.get_ident() not in self._threads:
+            return self._called(work)
+        self._lock.release()
+        try:
+            return self._called(work)
+        finally:
+            self._lock.acquire()
+
+    def _called(self, work: Work) -> Outcome:
+        outcome = guarded(work)
+        if is_coroutine(outcome.result):
+            return guarded(lambda: self.awaited(outcome.result, lambda cancel: None))
+        return outcome
+
+    def later(self, lane: str, work: Work, refuse: Callable[[Answer], object], wait: float) -> None:
+        """See `UserCode.later`."""
+        if len(self._jobs) >= MOST_WAITING:
+            refuse(Answer(f"{MOST_WAITING} requests wait for slow ones", "busy"))
+            return
+        job = _Job(lane, work, refuse, monotonic() + (wait or LONGEST_S))
+        self._jobs[job] = None
+        queue = self._lanes.setdefault(lane, deque())
+        queue.append(job)
+        if len(queue) == 1:
+            self._due.append(job)
+            self._engage()
+
+    def start(self, work: Work, finished: Finished) -> None:
+        """See `UserCode.start`: on a thread of its own."""
+        if self._actions >= _MOST_ACTIONS:
+            raise PropertyError("busy", f"{_MOST_ACTIONS} calls are running")
+        self._actions += 1
+
+        def end(outcome: Outcome) -> None:
+            self._actions -= 1
+            finished(outcome.result, outcome.error)
+
+        def run() -> None:
+            outcome = self._called(work)
+            self.post(lambda: end(outcome))
+
+        threading.Thread(target=run, name="call", daemon=True).start()
+
+    def awaited(
+        self, coroutine: Coroutine[Any, Any, object], cancellable: Callable[[Cancel], object]
+    ) -> object:
+        """See `UserCode.awaited`."""
+        return self._coroutines.run(coroutine, cancellable)
+
+    # What the loop does
+
+    def check(self, now: float) -> float | None:
+        """Refuse what takes too long, have others go on; return when to look again."""
+        if not self._jobs:
+            return None
+        for job in [each for each in self._jobs if each.until <= now]:
+            self._give_up(job)
+        running = [job for job in self._jobs if job.began_at and not job.is_slow]
+        for job in running:
+            if job.began_at + HAND_OVER_S <= now:
+                job.is_slow = True
+                self._slow += 1
+        if self._due:
+            self._engage()
+        times = [job.until for job in self._jobs if job.refuse is not None]
+        if self._due:
+            times += [job.began_at + HAND_OVER_S for job in running if not job.is_slow]
+        return min(times, default=None)
+
+    def _give_up(self, job: _Job) -> None:
+        """Refuse what has not ended in time; what has not begun by now never does."""
+        refuse, job.refuse = job.refuse, None
+        if refuse is not None:
+            refuse(Answer("the code behind it has not answered in time", "timeout"))
+        if not job.began_at and self._lanes[job.lane][0] is not job:
+            self._lanes[job.lane].remove(job)
+            del self._jobs[job]
+
+    def _engage(self) -> None:
+        """Have a worker look for what is due: one that waits, else a new one if all are slow."""
+        if self._idle:
+            self._bell.notify()
+        elif len(self._threads) - self._slow < 1 and len(self._threads) < MOST_THREADS:
+            thread = threading.Thread(target=self._run, name="user-code", daemon=True)
+            thread.start()
+            assert thread.ident is not None
+            self._threads[thread.ident] = thread
+
+    # What workers do
+
+    def _run(self) -> None:
+        with self._lock:
+            try:
+                self._work()
+            finally:
+                del self._threads[threading.get_ident()]
+
+    def _work(self) -> None:
+        while not self._is_closed:
+            if not self._due:
+                self._idle += 1
+                self._bell.wait()
+                self._idle -= 1
+                continue
+            job = self._due.popleft()
+            self._carry_out(job)
+            if job.is_slow and len(self._threads) - self._slow > 1:
+                self._bell.notify()  # another one has taken over
+                break
+
+    def _carry_out(self, job: _Job) -> None:
+        job.began_at = monotonic()
+        if job.refuse is not None:
+            job.work()
+        del self._jobs[job]
+        self._slow -= job.is_slow
+        queue = self._lanes[job.lane]
+        queue.popleft()
+        if queue:
+            self._due.append(queue[0])
+        else:
+            del self._lanes[job.lane]
+
+    def close(self) -> None:
+        """Begin nothing any more; user code that does not end is left behind."""
+        with self._lock:
+            self._is_closed = True
+            self._bell.notify_all()
+            busy = {job for job in self._jobs if job.began_at}
+            waits = [] if busy else list(self._threads.values())
+        for thread in waits:
+            if thread is not threading.current_thread():
+                thread.join(_CLOSING_S)
+        self._coroutines.close()
