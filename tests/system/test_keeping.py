@@ -7,6 +7,7 @@ import os
 import select
 import signal
 import sqlite3
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,14 @@ def kill(processes: list[int], number: int = signal.SIGKILL) -> None:
     for pidfd in opened:
         assert select.select([pidfd], [], [], 20.0)[0]
         os.close(pidfd)
+
+
+def until(is_so: Callable[[], bool]) -> None:
+    """Wait until something is so."""
+    deadline = time.monotonic() + 20.0
+    while not is_so():
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
 
 
 def shown(shell: Any) -> tuple[str, str, str]:
@@ -150,6 +159,23 @@ def test_restoring_can_be_declined(robot: Any) -> None:
     assert os.path.exists(path)
 
 
+def test_a_store_that_is_gone_or_a_link_is_told(robot: Any) -> None:
+    path = f"{robot.folder}/state/manager.wishes"
+    kill(pids(robot))
+    os.unlink(path)
+    told = f"the store of wishes was removed ({path}): only what lives is known"
+    assert robot.run("rtmgr start") == (0, "", f"rtmgr: warning: {told}\n")
+    assert told in robot.ok("rtls -l /localhost")
+    robot.ok("rtmgr stop")
+    target = robot.folder / "target"
+    os.symlink(target, path)
+    status, _, err = robot.run("rtmgr start")
+    assert (status, f"{path} is a link, and not written through" in err) == (1, True), err
+    assert not target.exists()
+    os.unlink(path)
+    assert robot.run("rtmgr start") == (0, "", "")
+
+
 def _cut(path: str) -> None:
     os.truncate(path, 0)
     os.truncate(f"{path}-wal", 0)
@@ -226,15 +252,30 @@ def test_a_store_that_is_removed_under_a_living_manager_is_written_anew(robot: A
 
 @pytest.mark.skipif(bool(mountkit.missing()), reason=mountkit.missing())
 def test_what_cannot_be_recorded_is_refused_and_nothing_runs_worse(shell: Any) -> None:
-    """The disk is full: what is new is refused and leaves nothing; with room again all goes on."""
+    """The disk is full: what is new is refused and leaves nothing; with room again all goes on.
+
+    What was done all the same is recorded then, though nobody asks for anything.
+    """
     with mountkit.small(f"{shell.folder}/state", "size=256k") as prefix:
         shell.prefix = [*prefix]
         in_there = [*prefix, "sh", "-c"]
         shell.run_there = lambda line: os.spawnvp(os.P_WAIT, in_there[0], [*in_there, line])
         shell.run_there(f"chmod 700 {shell.folder}/state")
         shell.ok("rtmgr start")
-        shell.ok(f"rtmgr {MANAGER} -c 'Sensor?instance_name=S&manager_name=s'")
+        shell.ok(
+            f"rtmgr {MANAGER} -c 'Sensor?instance_name=S&manager_name=s'"
+            " -c 'Controller?instance_name=C&manager_name=c'"
+        )
         shell.ok("rtact /localhost/S.rtc")
+        shell.run_there(f"head -c 1000000 /dev/zero > {shell.folder}/state/full 2>/dev/null")
+        status, _, err = shell.run("rtconf /localhost/C.rtc set gain 7")
+        assert (status, "done all the same" in err) == (1, True), err
+        shell.run_there(f"rm {shell.folder}/state/full")
+        until(lambda: "cannot be recorded" not in shell.ok("rtls -l /localhost"))
+        kill(pids(shell))
+        shell.ok("rtmgr start")
+        assert shell.ok("rtconf /localhost/C.rtc get gain") == "7\n"
+        shell.ok("rtexit /localhost/C.rtc")
         for number in (1, 2):
             # What is not the store's own any more after a failure is used up, too.
             full = f"{shell.folder}/state/full{number}"

@@ -155,18 +155,43 @@ def _create(state: State, action: act.Create) -> Procedure:
     finally:
         state.claims.pop(instance, None)
     state.update(instance, create=str(made), process=process.name, names=names)
-    before, is_revived = state.watched(instance), instance in state.kept.revived
-    state.kept.made(instance, str(made), names, action.pattern)
-    if is_revived and before.pending:
-        state.watch(instance, restarts=before.restarts + 1, why=before.pending)
-    elif not is_revived and known is not None:  # by a user, after its loss: all is forgiven
-        state.watch(instance, restarts=before.restarts + 1, why=before.why)
-    state.tell_upkeep(instance)
+    lacks = _enter(state, action, instance, str(made), is_renewed=known is not None)
     if read_rules(made.options):
         state.ruled.add(instance)
     if names != claim.names:
         yield Tell(process, remember(state, instance))
-    return Result(value=instance, note=note)
+    return Result(value=instance, note="; ".join(filter(None, [note, lacks])))
+
+
+def _enter(state: State, action: act.Create, instance: str, made: str, *, is_renewed: bool) -> str:
+    """Note that a component is desired; return what it lacks of one whose place it takes."""
+    before, is_revived = state.watched(instance), instance in state.kept.revived
+    note = _lacking(state, instance) if is_renewed and not is_revived else ""
+    state.kept.made(instance, made, state.components[instance].names, action.pattern)
+    if is_revived and before.pending:
+        state.watch(instance, restarts=before.restarts + 1, why=before.pending)
+    elif not is_revived and is_renewed:  # by a user, after its loss: all is forgiven
+        state.watch(instance, restarts=before.restarts + 1, why=before.why)
+    state.tell_upkeep(instance)
+    return note
+
+
+def _lacking(state: State, instance: str) -> str:
+    """Tell what hung on a component that has died, and is not made again with a new one."""
+    kept = state.kept
+    wires = [
+        connector_id
+        for connector_id, wire in kept.wires.items()
+        if any(end.instance == instance for end in wire.ports)
+    ]
+    wish = kept.components.get(instance)
+    lost = [f"connections {', '.join(wires)}"] if wires else []
+    if wish is not None and (wish.sets or wish.active_set):
+        lost.append("values that were set")
+    if not lost:
+        return ""
+    again = "rtapply or rtresurrect of a system makes them again"
+    return f"{instance} is new, and without what the one that died had: {'; '.join(lost)} ({again})"
 
 
 def _otherwise(

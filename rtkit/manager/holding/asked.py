@@ -34,6 +34,8 @@ class Asked:
     def note(self, message: Message) -> None:
         """Note an operation that was done, if it says how a component shall be."""
         op = message["op"]
+        if op == "set_back":
+            self._take_back(message)
         if op not in _FIELDS:
             return
         names, others = _FIELDS[op]
@@ -43,6 +45,14 @@ class Asked:
         if op == "set" and key in requests:
             request["values"] = {**requests[key]["values"], **message["values"]}
         requests[key] = request
+
+    def _take_back(self, message: Message) -> None:
+        """Drop values that were asked for by somebody who has given up."""
+        request = self._requests.get(message["instance"], {}).get(("set", message["set_id"]))
+        if request is not None:
+            values, meant = request["values"], message["values"]
+            left = {key: value for key, value in values.items() if meant.get(key) != value}
+            request["values"] = left
 
     def forget(self, instance: str) -> None:
         """Drop what was asked of a component that has ended, or of others about it."""

@@ -43,9 +43,10 @@ class Keeper:
         """Return the rows of an earlier manager, and what is to be told of its store.
 
         Raises:
-            Refused: Another process uses the file, or a newer rtkit has written it.
+            Refused: Another process uses the file, a newer rtkit has written it, or it is a link.
         """
-        if not os.path.lexists(self._path):  # mostly so: then nothing is imported yet
+        # Mostly there is neither: then nothing is imported yet.
+        if not (os.path.lexists(self._path) or os.path.lexists(f"{self._path}-commits")):
             return [], ""
         found = self._opened().find()
         return found.rows, found.told

@@ -2,10 +2,14 @@
 
 SQLite with a write-ahead log that is synced at each commit: a kill or a loss of power at any moment
 leaves the rows before a commit or those after it. What cannot be read is kept aside, never deleted.
+
+How many commits there were is noted in a file beside it, too: so it is seen when the store, or some
+of its journal, is gone.
 """
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import shutil
@@ -25,6 +29,10 @@ Row = tuple[str, str, str | None]
 
 APPLICATION = 0x72746B77
 VERSION = 1
+NOTED = "-commits"
+_BESIDE = ("-wal", "-shm", "-journal", NOTED)
+"""What lies beside a store, under its name with these behind."""
+_DIGITS = 20
 _BUSY_S = 1.0
 _LOCKS, _LOCKS_LENGTH = 0x40000000, 512
 """Where in its file SQLite has its locks."""
@@ -40,6 +48,7 @@ create table kept (
     unique (kind, name)
 )
 """
+_COMMITS = "create table if not exists commits (number integer not null)"
 _PUT = """
 insert into kept (kind, name, value) values (?, ?, ?)
 on conflict (kind, name) do update set value = excluded.value
@@ -56,6 +65,10 @@ class StoreLost(StoreFailed):
 
 class _Damaged(Exception):
     """What is there is no store, or not a whole one."""
+
+
+class _Linked(OSError):
+    """A link is where a file of the store should be: who made it chose what it leads to."""
 
 
 class Found(NamedTuple):
@@ -75,15 +88,21 @@ class Store:
         self._path = path
         self._db: sqlite3.Connection | None = None
         self._file: tuple[int, int] | None = None
+        self._commits = 0
+        self._noted = Noted(path)
 
     def find(self) -> Found:
         """Return the rows that are there.
 
         Raises:
-            Refused: Another process uses the file, or a newer rtkit has written it.
+            Refused: Another process uses the file, a newer rtkit has written it, or it is a link.
         """
         try:
-            return Found(self._open())
+            rows = self._open()
+            return Found(rows, self._lacking())
+        except _Linked as error:
+            cure = "remove it, or name the folder that is meant with RTKIT_STATE_DIR"
+            raise Refused(f"{error.filename} is a link, and not written through: {cure}") from error
         except _Damaged as error:
             return Found([], f"{self.set_aside('damaged')} ({error})")
         except sqlite3.OperationalError as error:
@@ -93,6 +112,17 @@ class Store:
                 why = f"{whose} uses the store of wishes, {self._path}; {cure}"
                 raise Refused(why) from error
             return self._find_in_copy(error)
+
+    def _lacking(self) -> str:
+        """Return what to tell when there were more commits than are there; mostly nothing."""
+        noted = self._noted.read()
+        if noted <= self._commits:
+            return ""
+        if self._db is None:
+            return f"the store of wishes was removed ({self._path}): only what lives is known"
+        lost = noted - self._commits
+        why = "its journal was damaged, or an older file put in its place"
+        return f"the store of wishes lacks its last {lost} changes ({self._path}): {why}"
 
     def prepare(self) -> None:
         """Have a store to write to.
@@ -122,12 +152,16 @@ class Store:
                         db.execute("delete from kept where kind = ? and name = ?", (kind, name))
                     else:
                         db.execute(_PUT, (kind, name, value))
-                db.execute(f"pragma user_version = {VERSION}")  # so that something is written
+                db.execute(_COMMITS)  # a store of an earlier rtkit has none
+                db.execute("delete from commits")
+                db.execute("insert into commits values (?)", (self._commits + 1,))
                 db.execute("commit")
             except BaseException:
                 with suppress(sqlite3.Error):  # it has rolled back by itself
                     db.execute("rollback")
                 raise
+            self._commits += 1
+            self._noted.write(self._commits)
             fault.point("manager.recorded")
         except (OSError, sqlite3.Error, _Damaged) as error:
             self.close()
@@ -143,6 +177,7 @@ class Store:
 
     def close(self) -> None:
         """Let go of the file; it is opened again when it is used again."""
+        self._noted.close()
         db, self._db = self._db, None
         if db is not None:
             with suppress(sqlite3.Error):  # all that was acknowledged is in its log
@@ -157,11 +192,12 @@ class Store:
             self._file = None
             self.close()
             raise StoreLost(self._lost())
-        if self._db is None and not os.path.exists(self._path):
+        if self._db is None and not os.path.lexists(self._path):
             self._make()
         if self._db is None:
             self._open()
         assert self._db is not None
+        self._noted.open()  # now: no commit may be refused that is done
         return self._db
 
     def _lost(self) -> str:
@@ -190,13 +226,15 @@ class Store:
         _sync(os.path.dirname(self._path), os.O_RDONLY)
 
     def _open(self) -> list[Row]:
+        _check_no_links(self._path)
+        self._commits = 0
         if not os.path.lexists(self._path):
             return []
         db = sqlite3.connect(
             self._path, timeout=_BUSY_S, isolation_level=None, check_same_thread=False
         )
         try:
-            rows = _read(db, self._path)
+            rows, self._commits = _read(db, self._path)
         except BaseException:
             db.close()
             raise
@@ -211,7 +249,7 @@ class Store:
                 break
         try:
             os.rename(self._path, aside)
-            for suffix in ("-wal", "-shm"):
+            for suffix in ("-wal", "-shm", NOTED):
                 with suppress(FileNotFoundError):
                     os.rename(self._path + suffix, aside + suffix)
         except OSError as error:
@@ -229,15 +267,69 @@ class Store:
                         shutil.copyfile(self._path + suffix, copy + suffix)
                 db = sqlite3.connect(copy, isolation_level=None)
                 try:
-                    return Found(_read(db, self._path), told)
+                    return Found(_read(db, self._path)[0], told)
                 finally:
                     db.close()
             except (OSError, sqlite3.Error, _Damaged) as error:
                 return Found([], f"{told}, nor read: {error}")
 
 
-def _read(db: sqlite3.Connection, path: str) -> list[Row]:
-    """Return the rows of a store that is whole, and have it written safely from now on.
+class Noted:
+    """The number of commits that a store has acknowledged, in a file beside it.
+
+    It is not synced: a loss of power may leave an older number, a kill does not.
+    """
+
+    def __init__(self, path: str) -> None:
+        self._path = path + NOTED
+        self._descriptor = -1
+
+    def read(self) -> int:
+        """Return the number; 0 where none can be read."""
+        try:
+            with open(self._path, "rb") as file:
+                return int(file.read(_DIGITS))
+        except (OSError, ValueError):
+            return 0
+
+    def open(self) -> None:
+        """Be ready to write.
+
+        Raises:
+            OSError: It cannot be made.
+        """
+        if self._descriptor < 0:
+            flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+            self._descriptor = os.open(self._path, flags, 0o600)
+            if not os.fstat(self._descriptor).st_size:
+                self.write(0)  # so that there is room for all others
+
+    def write(self, number: int) -> None:
+        """Note a number."""
+        os.pwrite(self._descriptor, b"%0*d\n" % (_DIGITS, number), 0)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+
+def _check_no_links(path: str) -> None:
+    """Refuse links where the files of a store should be.
+
+    Raises:
+        _Linked: One is there.
+    """
+    for suffix in ("", *_BESIDE):
+        if os.path.islink(path + suffix):
+            raise _Linked(errno.ELOOP, os.strerror(errno.ELOOP), path + suffix)
+
+
+def _read(db: sqlite3.Connection, path: str) -> tuple[list[Row], int]:
+    """Return the rows of a store that is whole, and how many commits it has had.
+
+    It is written safely from now on.
 
     Raises:
         Refused: A newer rtkit has written it.
@@ -259,7 +351,10 @@ def _read(db: sqlite3.Connection, path: str) -> list[Row]:
         if found != "ok":
             raise _Damaged(found.strip().splitlines()[-1])
         db.execute("pragma synchronous = full")
-        return db.execute("select kind, name, value from kept order by seq").fetchall()
+        is_counted = db.execute("select 1 from sqlite_master where name = 'commits'").fetchone()
+        counted = db.execute("select number from commits").fetchone() if is_counted else None
+        rows = db.execute("select kind, name, value from kept order by seq").fetchall()
+        return rows, counted[0] if counted else 0
     except sqlite3.DatabaseError as error:
         if _code(error) in _DAMAGED:
             raise _Damaged(str(error)) from error
@@ -284,7 +379,7 @@ def holder_of(path: str) -> str:
 def _identity(path: str) -> tuple[int, int] | None:
     """Return what tells a file from another one of its name; None where there is none."""
     try:
-        found = os.stat(path)
+        found = os.lstat(path)
     except OSError:
         return None
     return found.st_dev, found.st_ino
@@ -293,7 +388,7 @@ def _identity(path: str) -> tuple[int, int] | None:
 def remove(path: str) -> bool:
     """Remove a store that nobody uses; return whether there was one."""
     is_there = os.path.lexists(path)
-    for suffix in ("", "-wal", "-shm", "-journal"):
+    for suffix in ("", *_BESIDE):
         with suppress(FileNotFoundError):
             os.unlink(path + suffix)
     return is_there

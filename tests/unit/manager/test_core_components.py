@@ -577,6 +577,25 @@ def test_a_creation_over_a_zombie_takes_its_place_and_names(shell):
     assert list(shell.state.processes) == [OWN, key]
 
 
+def test_what_takes_the_place_of_a_zombie_says_what_it_lacks(shell):
+    key = shell.make("A", "s")
+    shell.make("B")
+    shell.ask(Connect(wire("w")), SetParameters("A", "default", {"p": "1"}))
+    shell.serve()
+    shell.end(key)
+    again = shell.ask(create("Thing?instance_name=A"))
+    shell.serve()
+    lost = "connections w; values that were set"
+    assert f"A is new, and without what the one that died had: {lost} (" in again.result.note
+    shell.ask(Delete("B"))
+    shell.serve()
+    shell.make("C", "s")
+    shell.end(shell.state.holders["C"])
+    bare = shell.ask(create("Thing?instance_name=C"))
+    shell.serve()
+    assert (bare.result.ok, bare.result.note) == (True, "")
+
+
 def test_a_zombie_stays_when_its_successor_fails(shell):
     dead = shell.make("A", "s")
     shell.end(dead, "signal 11")

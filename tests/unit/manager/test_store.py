@@ -16,6 +16,7 @@ from rtkit.errors import Refused
 from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.keeping.store import (
     APPLICATION,
+    NOTED,
     VERSION,
     Store,
     StoreFailed,
@@ -213,6 +214,79 @@ def test_the_keeper_tells_that_the_store_is_gone_before_it_makes_another(path: s
     keeper.close()
     assert told == [(1, True)]
     assert not os.path.exists(path)
+
+
+def killed(path: str, commits: int) -> str:
+    """Return a store as a manager that was killed leaves it after so many commits."""
+    store = Store(f"{path}.before")
+    for number in range(commits):
+        store.write([("wire", str(number), "1")])
+    for suffix in ("", "-wal", NOTED):
+        shutil.copyfile(f"{path}.before{suffix}", f"{path}{suffix}")
+    store.forget()
+    assert not os.path.lexists(f"{path}.before{NOTED}")
+    return path
+
+
+def test_a_store_that_was_removed_with_nobody_there_is_told_once(path: str) -> None:
+    os.unlink(killed(path, 3))
+    told = f"the store of wishes was removed ({path}): only what lives is known"
+    assert Store(path).find() == ([], told)
+    assert Keeper(path).find() == ([], told)
+    store = Store(path)
+    store.prepare()
+    store.close()
+    assert Store(path).find() == ([], "")
+
+
+@pytest.mark.parametrize("keep", [0.0, 0.6, 0.9])
+def test_a_journal_that_lacks_its_end_is_told(path: str, keep: float) -> None:
+    log = f"{killed(path, 5)}-wal"
+    os.truncate(log, int(keep * os.path.getsize(log)))
+    store = Store(path)
+    rows, told = store.find()
+    assert len(rows) < 5
+    assert told.startswith(f"the store of wishes lacks its last {5 - len(rows)} changes ({path})")
+    store.write([("wire", "w", "1")])
+    store.close()
+    assert Store(path).find().told == ""
+
+
+def test_an_older_store_in_its_place_is_told(path: str) -> None:
+    older = killed(f"{path}.older", 2)
+    killed(path, 4)
+    for suffix in ("", "-wal"):
+        os.replace(older + suffix, path + suffix)
+    assert "lacks its last 2 changes" in Store(path).find().told
+
+
+def test_a_store_of_an_earlier_rtkit_counts_from_now_on(path: str) -> None:
+    alter(merged(path), "drop table commits")
+    store = Store(path)
+    assert store.find() == (ROWS, "")
+    store.write([("wire", "w", "1")])
+    store.close()
+    os.unlink(path)
+    assert "was removed" in Store(path).find().told
+
+
+@pytest.mark.parametrize("suffix", ["", "-wal", NOTED])
+def test_nothing_is_written_through_a_link(path: str, suffix: str) -> None:
+    target = Path(f"{path}.target")
+    target.write_bytes(b"somebody else's")
+    if os.path.exists(path + suffix):
+        os.unlink(path + suffix)
+    os.symlink(target, path + suffix)
+    store = Store(path)
+    with pytest.raises(Refused, match=rf"{path}{suffix} is a link, and not written through"):
+        store.find()
+    with pytest.raises(StoreFailed, match="symbolic link"):
+        store.write([("wire", "w", "1")])
+    assert target.read_bytes() == b"somebody else's"
+    store.set_aside("unrestored")
+    store.write([("wire", "w", "1")])
+    store.close()
+    assert target.read_bytes() == b"somebody else's"
 
 
 def test_what_is_forgotten_leaves_nothing(path: str) -> None:
