@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import rtkit
@@ -15,7 +16,7 @@ from bench.harness import command, folders
 from bench.processes import living, parent
 from campaign.counts import Counts
 from campaign.layout import NAMES, WIRES, activations, creations, settings, wire_id
-from rtkit.deployment.actions import Action
+from rtkit.deployment.actions import Action, SetParameters
 from rtkit.deployment.facts import Snapshot
 from rtkit.errors import Unreachable
 from rtkit.tree.client import Tree
@@ -159,6 +160,28 @@ class Arena:
             raise Unreachable(f"rtmgr start: {done.stderr}")
         self.listen()
 
+    @contextmanager
+    def starting(self) -> Iterator[subprocess.Popen[str]]:
+        """Have a manager started by its command while something else is done."""
+        with subprocess.Popen(
+            [command("rtmgr"), "start"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        ) as start:
+            yield start
+
+    def begin_to_set(self, cell: int, value: str) -> Callable[[], bool]:
+        """Have the gain of a cell set; return what awaits whether that is acknowledged."""
+        assert self._tree is not None
+        answer = self._tree.begin([SetParameters(NAMES[cell], "default", {"gain": value})])
+        return lambda: all(result.ok for result in answer())
+
+    def gain(self, cell: int) -> str:
+        """Return the gain of a cell."""
+        (its,) = [each for each in self.facts.components if each.instance == NAMES[cell]]
+        return its.sets["default"]["gain"]
+
     def bring_up(self) -> None:
         """Make the system, and keep what it is like as the desired state."""
         self.start_manager()
@@ -191,6 +214,18 @@ def kill(pids: Iterable[int], number: int = signal.SIGKILL) -> None:
     """Send a signal to processes, one right after the other."""
     for pid in pids:
         os.kill(pid, number)
+
+
+def end(pids: list[int], after_s: float = 0.0) -> None:
+    """Kill processes, perhaps a while later, and wait until all have ended."""
+    opened = [os.pidfd_open(pid) for pid in pids if pid]
+    time.sleep(after_s)
+    for pidfd in opened:
+        with suppress(ProcessLookupError):  # it had given up before
+            signal.pidfd_send_signal(pidfd, signal.SIGKILL)
+    for pidfd in opened:
+        select.select([pidfd], [], [])
+        os.close(pidfd)
 
 
 @contextmanager

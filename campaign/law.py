@@ -7,9 +7,6 @@ from campaign.schedule import Fault
 from rtkit.deployment.supervision import WINDOW_S, Ledger, Policy, Restart, at_end, at_health
 
 _POLICY = Policy(Restart.ON_FAILURE)
-_NOT_BY_LAW = frozenset({"kill the manager", "kill everything"})
-"""What dies with its manager is made again by the next one, at once."""
-
 _NEVER_ALONE = frozenset(members(MANAGER))
 """Cells that die with the manager, whatever slaves die too."""
 
@@ -23,13 +20,15 @@ class Law:
     def room_at_s(self, fault: Fault) -> float:
         """Return when the cells that a fault ends may be made again once more, monotonic [s]."""
         times = [self._ledgers[cell].times for cell in self._by_law(fault)]
-        full = [each[-_POLICY.limit] for each in times if len(each) >= _POLICY.limit]
+        least = _POLICY.limit - int(fault.is_pair)
+        full = [each[-least] for each in times if len(each) >= least]
         return max(full, default=-WINDOW_S) + WINDOW_S
 
     def longest_wait_s(self, fault: Fault, now: float) -> float:
         """Take note of a fault at monotonic time `now` [s]; return how long its cells may wait."""
         longest_s = 0.0
-        for cell in self._by_law(fault):
+        # What was due when the next manager is killed counts as tried.
+        for cell in [*self._by_law(fault)] * (2 if fault.is_pair else 1):
             self._ledgers[cell], wait_s = at_end(self._ledgers[cell], _POLICY, now, 1.0)
             assert wait_s is not None, f"there is no room for {fault}"
             longest_s = max(longest_s, wait_s)
@@ -41,6 +40,6 @@ class Law:
 
     def _by_law(self, fault: Fault) -> frozenset[int]:
         """Return the cells that a fault ends and that are made again as the law says."""
-        if fault.kind in _NOT_BY_LAW:
-            return frozenset()
+        if fault.is_total or fault.kind == "kill the manager":
+            return frozenset()  # what dies with its manager is made again by the next one, at once
         return fault.renewed - _NEVER_ALONE if fault.slaves else fault.renewed

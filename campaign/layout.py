@@ -65,10 +65,14 @@ def settings() -> list[Action]:
     """Return what connects and configures them."""
     connects: list[Action] = [Connect(_connector(*wire)) for wire in WIRES]
     sets = [
-        SetParameters(name, "default", {"gain": str(number + 2)})
-        for number, name in enumerate(NAMES)
+        SetParameters(name, "default", {"gain": gain(number)}) for number, name in enumerate(NAMES)
     ]
     return [*connects, *sets]
+
+
+def gain(number: int) -> str:
+    """Return the gain that a cell is to have."""
+    return str(number + 2)
 
 
 def _connector(sender: int, receiver: int) -> ConnectorProfile:

@@ -18,7 +18,8 @@ from campaign.trial import Outcome
 
 _HEAD = ("fault", "count", "median", "p99", "max", "floor", "others' longest pause")
 _BY_PROCESS = ("kill a slave", "kill two slaves", "exit")
-_BY_MANAGER = ("kill the manager", "kill manager and slave", "kill everything")
+_BY_MANAGER = ("kill the manager", "kill manager", "kill everything", "kill in", "disk full")
+"""How kinds begin after which a manager is started."""
 
 
 class Conditions(NamedTuple):
@@ -68,8 +69,9 @@ def rows(outcomes: Sequence[Outcome], floors: Sequence[Floor]) -> list[tuple[str
 
 
 def _floor(kind: str, floors: Sequence[Floor]) -> str:
-    for floor, kinds in zip(floors, (_BY_PROCESS, _BY_MANAGER), strict=False):
-        if kind in kinds:
+    is_of = (kind in _BY_PROCESS, kind.startswith(_BY_MANAGER))
+    for floor, is_its in zip(floors, is_of, strict=False):
+        if is_its:
             return f"{floor.seconds:.3f} s"
     return "-"
 
@@ -116,6 +118,8 @@ Floors, measured beside the same system at work: {floors}.
 
 Promises, looked at after each fault: it is over within the wait of the law of restarts and 10 s;
 then `rtplan --detailed-exitcode` has nothing to do; components were made again just once if the
-fault ended them, else not; all others went on in their process; no value of a connection whose ends
-both live on was lost or came twice. {verdict}
+fault ended them, else not (by two faults on top of each other, twice at most); a value that is set
+while the manager is killed, or its disk is full, is the same after everything was killed, and the
+new one if that was acknowledged; all others went on in their process; no value of a connection
+whose ends both live on was lost or came twice. {verdict}
 """

@@ -30,6 +30,11 @@ DECK: Mapping[str, int] = {
     "slow activation": 1,
     "raise": 1,
     "exit": 1,
+    "kill everything, then in the start": 1,
+    "kill manager and slave, then in the start": 1,
+    "kill in a commit, then everything": 2,
+    "disk full, kill the manager, then everything": 1,
+    "disk full and free again, kill everything": 1,
 }
 """How many cards of each kind; each kind's first card is dealt before any second one."""
 
@@ -41,6 +46,9 @@ _STOP_S = (0.2, 1.5)
 _START_S = (0.5, 2.0)
 _ACTIVATION_S = (0.3, 0.7)
 """Longer ones count as stuck, and rightly so [s]."""
+_IN_START_S = (0.0, 0.8)
+_IN_COMMIT_S = (0.0, 0.006)
+_FULL_S = (0.01, 1.5)
 
 
 class Fault(NamedTuple):
@@ -63,16 +71,26 @@ class Fault(NamedTuple):
         return " ".join(filter(None, [self.kind, ", ".join(whom), *length]))
 
     @property
+    def is_total(self) -> bool:
+        """Whether it ends everything."""
+        return "everything" in self.kind
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether it is two faults on top of each other: some cells may be made twice."""
+        return ", " in self.kind
+
+    @property
     def renewed(self) -> frozenset[int]:
         """The cells that are made anew afterwards."""
-        if self.kind == "kill everything":
+        if self.is_total:
             return frozenset(range(len(NAMES)))
         if self.kind.startswith("stop") or self.kind == "kill the zygote":
             return frozenset()
         if self.kind == "raise":
             return frozenset({self.cell})
         cells = {cell for slave in self.slaves for cell in members(slave)}
-        if self.kind in ("kill the manager", "kill manager and slave"):
+        if self.kind.startswith(("kill the manager", "kill manager and slave")):
             cells |= set(members(MANAGER))
         return frozenset(cells)
 
@@ -119,6 +137,18 @@ def _drawn(chance: random.Random, kind: str, recent: list[Fault]) -> Fault:
             return Fault(kind, (slave, other))
         case "kill a slave" | "kill manager and slave":
             return Fault(kind, (slave,))
+        case "kill manager and slave, then in the start":
+            return Fault(kind, (slave,), length_s=chance.uniform(*_IN_START_S))
+        case "kill everything, then in the start":
+            return Fault(kind, length_s=chance.uniform(*_IN_START_S))
+        case "kill in a commit, then everything":
+            return Fault(
+                kind, cell=chance.randrange(len(NAMES)), length_s=chance.uniform(*_IN_COMMIT_S)
+            )
+        case "disk full, kill the manager, then everything":
+            return Fault(kind, cell=cell, length_s=chance.uniform(*_FULL_S))
+        case "disk full and free again, kill everything":
+            return Fault(kind, cell=chance.randrange(len(NAMES)))
         case "stop a slave":
             return Fault(kind, (chance.choice(SLAVES),), length_s=chance.uniform(*_STOP_S))
         case "stop the zygote" | "stop the manager":

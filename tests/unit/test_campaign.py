@@ -42,6 +42,9 @@ def test_whom_a_fault_concerns() -> None:
     assert Fault("kill the zygote").renewed == Fault("stop a slave", ("a",)).renewed == set()
     assert Fault("stop a slave", ("a",)).held_up == set(members("a"))
     assert len(Fault("kill everything").renewed) == len(PLACES)
+    pairs = [Fault(kind, ("c",), 3) for kind in DECK if Fault(kind).is_pair]
+    assert [fault.is_total for fault in pairs] == [True, False, True, True, True]
+    assert pairs[1].renewed == {*members("manager"), *members("c")}
 
 
 def test_the_law_is_counted_along() -> None:
@@ -59,6 +62,9 @@ def test_the_law_is_counted_along() -> None:
     inside = Fault("raise", cell=members("manager")[0])
     assert law.longest_wait_s(inside, 108.0) == pytest.approx(0.11)
     assert law.longest_wait_s(both, 108.0) == pytest.approx(0.22)
+    twice = Fault("kill manager and slave, then in the start", ("b",))
+    assert law.longest_wait_s(twice, 108.0) == pytest.approx(0.22)
+    assert law.longest_wait_s(Fault("kill everything, then in the start"), 108.0) == 0.0
     law.well(109.0)
     assert law.longest_wait_s(both, 140.0) == pytest.approx(0.11)
 
