@@ -13,6 +13,7 @@ which is nobody else's.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from hashlib import blake2b
 from typing import NamedTuple, Protocol
@@ -22,6 +23,7 @@ import zenoh
 
 from rtkit.errors import Unreachable
 from rtkit.link import keys
+from rtkit.link.deadline import deadline_from_text
 from rtkit.link.zenoh import _ERROR_ENCODING as ERROR_ENCODING
 from rtkit.property.line import read_event, write_attributes
 from rtkit.property.messages import Answer, Event, Payload
@@ -93,6 +95,7 @@ class Queried(NamedTuple):
     Attributes:
         ear: The listener that the request is about, if it is one of `Ears`.
         group: The one that it would be in, empty if in none.
+        until: When the client gives it up, by the monotonic clock of this host [s].
     """
 
     target: str
@@ -100,6 +103,7 @@ class Queried(NamedTuple):
     answer: Answering
     ear: str
     group: str = ""
+    until: float = math.inf
 
 
 class PropertyDoor:
@@ -154,7 +158,9 @@ def _receiver(
 
         target = keys.to_target(key.removeprefix(prefix), is_extension=is_extension)
         target, ear, group = _with_parameters(target, str(query.parameters))
-        take(Queried(target, _payload(query.payload), answer, ear, group))
+        told = query.attachment
+        until = math.inf if told is None else deadline_from_text(told.to_string())
+        take(Queried(target, _payload(query.payload), answer, ear, group, until))
 
     return receive
 

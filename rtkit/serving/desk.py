@@ -7,6 +7,7 @@ from time import monotonic
 
 from rtkit.link.properties import LEASE_S, Joined, Place, Queried, group_of
 from rtkit.property.codes import PropertyError
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, Ask, Caller, Event
 from rtkit.serving.ears import Ear, Group
 from rtkit.serving.host import Host
@@ -36,6 +37,9 @@ class Desk:
 
     def take(self, query: Queried) -> None:
         """Take a query, on a thread of the transport: nothing of the user's is called here."""
+        if monotonic() > query.until:
+            query.answer(Answer(NOT_BEGUN, "timeout"))
+            return
         most = self.room.limits.size
         if query.payload is not None and len(query.payload) > most:
             query.answer(Answer(f"longer than {most} bytes", "too-large"))
@@ -56,7 +60,10 @@ class Desk:
                 self._host.mark(ear)
 
     def work(self, query: Queried) -> None:
-        """Take a query, on the loop."""
+        """Take a query, on the loop, which may have been held up."""
+        if monotonic() > query.until:
+            query.answer(Answer(NOT_BEGUN, "timeout"))
+            return
         ask = Ask(query.target, query.payload, query.answer, self._asker)
         group = self._groups.get(query.group)
         if not query.ear:

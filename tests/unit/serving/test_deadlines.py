@@ -1,0 +1,60 @@
+"""A SET over a transport without connections is done in the time of its client, or never."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from time import monotonic
+
+import pytest
+
+from rtkit.link.deadline import boot_id, deadline_from_text, deadline_to_text
+from rtkit.link.properties import Joined, Queried
+from rtkit.property.access import read_policy
+from rtkit.property.exchange import NOT_BEGUN
+from rtkit.property.messages import Answer
+from rtkit.property.service import Service
+from rtkit.serving.desk import Desk
+from rtkit.serving.host import Host
+
+
+@pytest.fixture
+def host() -> Iterator[Host]:
+    host = Host(read_policy(""))
+    yield host
+    host.close()
+
+
+@pytest.mark.parametrize("takes", [Desk.take, Desk.work])
+def test_a_set_whose_client_has_given_up_is_not_done(
+    host: Host, takes: Callable[[Desk, Queried], None]
+) -> None:
+    service = Service("s")
+    service.add("speed", 1.0, "number")
+    desk = Desk(host, service, "zenoh")
+    told: list[Answer] = []
+
+    def answer(reply: Answer, joined: Joined | None = None, /) -> None:
+        told.append(reply)
+
+    now = monotonic()
+    for until, payload in ((now + 60, "2"), (now - 0.1, "3")):
+        takes(desk, Queried("speed", payload, answer, "", until=until))
+    assert told == [Answer(""), Answer(NOT_BEGUN, "timeout")]
+    assert service.get("speed") == "2"
+
+
+def test_a_deadline_is_read_as_it_was_written_on_this_host() -> None:
+    before = monotonic()
+    assert before + 1.5 <= deadline_from_text(deadline_to_text(1.5)) + 1e-6 <= monotonic() + 1.6
+
+
+def test_a_deadline_of_another_host_counts_from_when_it_came() -> None:
+    assert boot_id() not in (text := "another-boot 12.5 3")
+    before = monotonic()
+    assert before + 3 <= deadline_from_text(text) <= monotonic() + 3
+
+
+@pytest.mark.parametrize("text", ["", "rubbish", "a b", "a b c", "a 1 2 3"])
+def test_what_is_no_deadline_bounds_nothing(text: str) -> None:
+    assert deadline_from_text(text) == math.inf
