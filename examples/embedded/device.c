@@ -92,6 +92,15 @@ static enum ps_code set_press(const struct ps_property *property, const char *va
     return PS_OK;
 }
 
+static enum ps_code set_grip(const struct ps_property *property, const char *value)
+{
+    static bool is_ready = true;
+    (void)property;
+    (void)value;
+    is_ready = !is_ready; /* each time it moves on, it is asked once too often */
+    return is_ready ? PS_OK : PS_BUSY;
+}
+
 static enum ps_code set_door_code(const struct ps_property *property, const char *value)
 {
     static const char *const CODES[] = {"sesame"};
@@ -138,6 +147,7 @@ static const struct ps_property TABLE[] = {
     {"image.jpg", get_text, NULL, "not a picture"},
     {"a%20b", ps_get_number, ps_set_number, &BLANK},
     {"serial", get_text, NULL, "X1"},
+    {"grip", NULL, set_grip, NULL},
     {"door_code", NULL, set_door_code, NULL},
     {"broken", get_broken, NULL, NULL},
     {"clamped", ps_get_number, set_clamped, &CLAMPED},

@@ -232,7 +232,7 @@ enum ps_code ps_take_number(const char *value, uint8_t decimals, int32_t least, 
 {
     const char *digits, *at;
     int16_t before = 0, count = 0, exponent = 0, power;
-    bool is_negative = *value == '-', is_point = false, is_more = false;
+    bool is_negative = *value == '-', is_point = false, is_more = false, is_half = false;
     int64_t whole = 0;
     if (*value == '-' || *value == '+')
         value++;
@@ -263,9 +263,10 @@ enum ps_code ps_take_number(const char *value, uint8_t decimals, int32_t least, 
     for (; digits != at; digits++) {
         if (*digits == '.')
             continue;
-        if (power < 0)
+        if (power < 0) {
             is_more = is_more || *digits != '0';
-        else if (whole <= INT32_MAX)
+            is_half = is_half || (power == -1 && *digits >= '5');
+        } else if (whole <= INT32_MAX)
             whole = whole * 10 + (*digits - '0');
         power--;
     }
@@ -277,6 +278,8 @@ enum ps_code ps_take_number(const char *value, uint8_t decimals, int32_t least, 
     if (whole < least || whole > most || (is_more && decimals == 0) ||
         (is_more && whole == (is_negative ? least : most)))
         return PS_BAD_VALUE;
+    if (is_half) /* it is nearer to the next one, which is in the range, too */
+        whole += is_negative ? -1 : 1;
     *number = (int32_t)whole;
     return PS_OK;
 }
@@ -312,7 +315,7 @@ enum ps_code ps_take_string(const char *value, char *text, size_t room)
         length = 0;
         if (is_quoted)
             at++;
-        else if (is_digit(*at) || *at == '(' || *at == '-' || *at == '+' || *at == '.')
+        else if (*at == '(')
             return PS_BAD_VALUE;
         while (*at != 0 && !(is_quoted && *at == '"')) {
             char bytes[4];
@@ -443,6 +446,12 @@ static bool is_inner(const struct ps *ps, const char *name)
         if (below(ps->table[i].name, name) != NULL)
             return true;
     return false;
+}
+
+/* Whether a name is one that others can be below of, or that something can be asked about. */
+static bool is_place(const struct ps *ps, const char *name)
+{
+    return *name == 0 || find(ps, name) != NULL || is_inner(ps, name);
 }
 
 /* Say the parts of names that come next below a place, each once; it is as long as it is. */
@@ -673,32 +682,45 @@ static void answer_names(struct ps *ps, const char *id, const char *place)
 static void get(struct ps *ps, const char *id, char *name, const char *parameters)
 {
     const struct ps_property *property = find(ps, name);
-    if (property == NULL && has_extension(name, "properties") &&
-        (is_inner(ps, name) || find(ps, name) != NULL || *name == 0)) {
-        if (parameters != NULL)
+    bool is_listen = property == NULL && has_extension(name, "listen");
+    if (property == NULL && (has_extension(name, "properties") || is_listen || is_inner(ps, name))) {
+        if (!is_place(ps, name))
+            answer(ps, id, PS_UNKNOWN);
+        else if (is_listen)
+            answer(ps, id, PS_DENIED);
+        else if (parameters != NULL)
             answer(ps, id, PS_BAD_PARAMETER);
         else
             answer_names(ps, id, name);
-    } else if (property == NULL && has_extension(name, "listen") && find(ps, name) != NULL) {
-        answer(ps, id, PS_DENIED);
-    } else if (property == NULL && !is_inner(ps, name)) {
+    } else if (property == NULL) {
         answer(ps, id, PS_UNKNOWN);
     } else if (parameters != NULL) {
         answer(ps, id, PS_BAD_PARAMETER);
-    } else if (property == NULL) {
-        answer_names(ps, id, name);
     } else {
         answer_value(ps, id, property);
     }
 }
 
-static enum ps_code set_value(const struct ps_property *property, char *value, char *parameters,
-                              bool *has_echo)
+/* Whether a name is a place, or asks for the names below one. */
+static bool is_listed(const struct ps *ps, char *name)
+{
+    has_extension(name, "properties");
+    return is_place(ps, name);
+}
+
+static enum ps_code take_echo(char *parameters, bool *has_echo)
 {
     const char *key, *given;
     enum ps_code code = PS_OK;
     while (code == PS_OK && next_parameter(&parameters, &key, &given))
         code = strcmp(key, "echo") == 0 ? take_flag(given, has_echo) : PS_BAD_PARAMETER;
+    return code;
+}
+
+static enum ps_code set_value(const struct ps_property *property, char *value, char *parameters,
+                              bool *has_echo)
+{
+    enum ps_code code = take_echo(parameters, has_echo);
     if (code == PS_OK && property->set == NULL)
         code = PS_READ_ONLY;
     if (code == PS_OK)
@@ -715,15 +737,19 @@ static void set(struct ps *ps, const char *id, char *name, char *value, char *pa
     if (*id != 0 && line == ps->last_line && strcmp(id, ps->last_id) == 0) {
         /* Asked again, since the reply was lost: it acts once. */
         code = (enum ps_code)ps->last_code;
-        has_echo = parameters != NULL && strstr(parameters, "echo") != NULL;
+        take_echo(parameters, &has_echo);
     } else if (property != NULL) {
         code = set_value(property, value, parameters, &has_echo);
-    } else if (has_extension(name, "listen") && (property = find(ps, name)) != NULL) {
-        code = listen(ps, property, value, parameters);
+    } else if (has_extension(name, "listen")) {
+        property = find(ps, name);
+        if (property != NULL)
+            code = listen(ps, property, value, parameters);
+        else /* to names nobody can listen here */
+            code = is_listed(ps, name) ? PS_DENIED : PS_UNKNOWN;
     } else {
-        code = is_inner(ps, name) || has_extension(name, "properties") ? PS_READ_ONLY : PS_UNKNOWN;
+        code = is_listed(ps, name) ? PS_READ_ONLY : PS_UNKNOWN;
     }
-    if (*id != 0) {
+    if (*id != 0 && code != PS_BUSY) { /* asked again, it may be well */
         strcpy(ps->last_id, id);
         ps->last_line = line;
         ps->last_code = (uint8_t)code;

@@ -29,6 +29,19 @@
 #define PS_LEASE_MS 10000 /* how long, unless the listener says otherwise */
 #endif
 
+#if PS_LINE_BYTES < 32 || PS_LINE_BYTES > 255
+#error "PS_LINE_BYTES is 32 to 255"
+#endif
+#if PS_VALUE_BYTES < 8 || PS_VALUE_BYTES > 255
+#error "PS_VALUE_BYTES is 8 to 255"
+#endif
+#if PS_ID_BYTES < 1 || PS_ID_BYTES > PS_LINE_BYTES
+#error "PS_ID_BYTES is 1 to PS_LINE_BYTES"
+#endif
+#if PS_LISTENERS < 1 || PS_LISTENERS > 255
+#error "PS_LISTENERS is 1 to 255"
+#endif
+
 /* What a request comes to. */
 enum ps_code {
     PS_OK,

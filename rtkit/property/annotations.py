@@ -9,7 +9,9 @@ from __future__ import annotations
 import types
 import typing
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from enum import Enum
+from functools import lru_cache
 from typing import Any, NamedTuple, get_args, get_origin
 
 from rtkit.property.conversion import to_value
@@ -37,11 +39,48 @@ _OPEN = {bool: "boolean", int: "number", float: "number", str: "string", bytes: 
 
 
 def hints_of(cls: type) -> dict[str, Any]:
-    """Return the annotations of a class; none where one names what cannot be found."""
+    """Return the annotations of a class and of ``self.x: …`` in its ``__init__``.
+
+    There are none of a class where one names what cannot be found.
+    """
+    found: dict[str, Any] = {}
+    for base in reversed(cls.__mro__):
+        init = vars(base).get("__init__")
+        found |= _of_init(init) if isinstance(init, types.FunctionType) else {}
     try:
-        return typing.get_type_hints(cls, include_extras=True)
+        return found | typing.get_type_hints(cls, include_extras=True)
     except (NameError, TypeError, AttributeError):
-        return {}
+        return found
+
+
+@lru_cache(256)
+def _of_init(init: types.FunctionType) -> dict[str, Any]:
+    """Return the annotations of attributes in a function, which only its source has."""
+    import ast
+    import inspect
+    import textwrap
+
+    try:
+        tree = ast.parse(textwrap.dedent(inspect.getsource(init)))
+    except (OSError, TypeError, SyntaxError):
+        return {}  # its source is not there
+    own = init.__code__.co_varnames[:1]
+    found: dict[str, Any] = {}
+    for node in ast.walk(tree):
+        if not (isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Attribute)):
+            continue
+        of = node.target.value
+        if isinstance(of, ast.Name) and (of.id,) == own:
+            text = ast.unparse(node.annotation)
+            with suppress(NameError, TypeError, AttributeError, SyntaxError):
+                found[node.target.attr] = _evaluated(text, init)
+    return found
+
+
+def _evaluated(annotation: str, function: types.FunctionType) -> Any:
+    """Return what an annotation names where a function stands."""
+    holder = type("Holder", (), {"__annotations__": {"it": annotation}})
+    return typing.get_type_hints(holder, function.__globals__, include_extras=True)["it"]
 
 
 def returned(function: object) -> Any:

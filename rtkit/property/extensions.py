@@ -35,6 +35,7 @@ def get_extension(
         PropertyError: ``bad-parameter``, ``unknown``, ``denied``.
     """
     parameters.pop("timeout", None)
+    _check_part(service, place)
     if place.extension == "properties":
         service.names_now()
         return _names(service, place, parameters, caller)
@@ -44,7 +45,7 @@ def get_extension(
     if place.node is None:
         raise PropertyError("unknown", f"no such property: {place.name}.{place.extension}")
     if place.extension == "meta":
-        described = meta(service, place.node, place.path)
+        described = meta(service, place.node, caller, place.path)
         return meta_field(described, place) if place.field else write(described)
     if place.extension == "parameters":
         declared = place.node.function or place.node.spec
@@ -53,6 +54,27 @@ def get_extension(
         return _gui(place.node, place.field)
     service.permit(caller, "SET", place.name)
     return write(tuple(service.listeners.of(place.node)))
+
+
+def _check_part(service: Service, place: Place) -> None:
+    """Refuse to tell anything about a part that a property does not have.
+
+    Raises:
+        PropertyError: ``unknown``.
+    """
+    if not place.path or place.node is None:
+        return
+    function = place.node.function
+    if function is not None:
+        if place.path in (("state",), ("stop",)):
+            return
+        value: Content = function.describe()
+    else:
+        value = service.value_of(place.node)
+    labels = place.node.spec.labels
+    if isinstance(value, bytes) or components.get(value, place.path, labels) is None:
+        name = ".".join((place.name, *place.path))
+        raise PropertyError("unknown", f"no such property: {name}")
 
 
 def _gui(node: Node, kind: str) -> Payload:
@@ -122,7 +144,7 @@ def _told(service: Service, prefix: str, name: str, caller: Caller) -> Value:
     node = service.registry.nodes.get(prefix + name)
     if node is None or not caller.may("GET", prefix + name):
         return (as_value(name),)
-    described = meta(service, node, calls_user_code=False)
+    described = meta(service, node, caller, calls_user_code=False)
     if node.calls_user_code and node.value is None:
         return (as_value(name), described)  # a list of names calls nothing, a GET of one does
     try:
@@ -199,6 +221,7 @@ def set_extension(service: Service, place: Place, parameters: dict[str, Value], 
     if place.extension == "listen":
         _listen(service, place, payload, parameters, ask.caller)
     elif place.extension == "properties":
+        _check_part(service, place)
         parameters.pop("id", None)
         _nothing_else(parameters, "properties")
         _set_all(service, place, payload, ask.caller)

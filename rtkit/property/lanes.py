@@ -6,10 +6,11 @@ the property that it is about, so that one property is got and set in the order 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Ask
+from rtkit.property.messages import Answer, Ask
 from rtkit.property.naming import canonical
 from rtkit.property.reading import lone_number
 
@@ -77,3 +78,14 @@ def wait_of(target: str) -> float:
     _, is_told, tail = target.partition("timeout=")
     number = lone_number(tail.partition("&")[0]) if is_told else None
     return max(float(number), 1e-3) if number is not None and number == number else 0.0
+
+
+def first_only(answer: Callable[[Answer], object]) -> Callable[[Answer], None]:
+    """Return what passes on the first answer: one that comes too late has been given up."""
+    waiting = [answer]
+
+    def first(reply: Answer) -> None:
+        if waiting:
+            waiting.pop()(reply)
+
+    return first

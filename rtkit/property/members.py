@@ -86,7 +86,7 @@ def is_public(name: str, hidden: frozenset[str]) -> bool:
     return bool(name) and not name.startswith("_") and name not in hidden
 
 
-def _names(thing: object, cls: type, hints: dict[str, Any]) -> list[str]:
+def _names(thing: object, cls: type, hints: Mapping[str, Any]) -> list[str]:
     own = list(getattr(thing, "__dict__", ()))
     of_classes = [
         name for base in reversed(cls.__mro__) if base is not object for name in vars(base)
@@ -104,6 +104,8 @@ def _is_plain(thing: object, name: str, static: object) -> bool:
     """Whether an attribute can be read without a call of what its class defines."""
     if type(thing).__getattribute__ is not object.__getattribute__:
         return False
+    if isinstance(static, property):
+        return static.fget is not None and _of_library(static.fget)
     if inspect.isdatadescriptor(static):
         return isinstance(static, MemberDescriptorType) or _is_read_only(static)
     is_own = name in getattr(thing, "__dict__", ())
@@ -151,7 +153,9 @@ def _with_accessors(cls: type, name: str, pair: dict[str, str]) -> Member:
     return Member(name, "accessors", access, hint, doc, getter, setter)
 
 
-def _declared(cls: type, name: str, static: object, hints: dict[str, Any]) -> tuple[Any, str, str]:
+def _declared(
+    cls: type, name: str, static: object, hints: Mapping[str, Any]
+) -> tuple[Any, str, str]:
     """Return annotation, access and doc string of an attribute."""
     if isinstance(static, property):
         access = "r" * (static.fget is not None) + "w" * (static.fset is not None)

@@ -11,18 +11,25 @@ from rtkit.property.values import Element, Value, Word
 from rtkit.property.writing import write
 
 if TYPE_CHECKING:
+    from rtkit.property.messages import Caller
     from rtkit.property.node import Node
     from rtkit.property.service import Service
 
 
 def meta(
-    service: Service, node: Node, path: tuple[str, ...] = (), *, calls_user_code: bool = True
+    service: Service,
+    node: Node,
+    caller: Caller,
+    path: tuple[str, ...] = (),
+    *,
+    calls_user_code: bool = True,
 ) -> Element:
     """Return the element; of a part of a value it tells the type of that part.
 
     Args:
         service: Whose property it is.
         node: The property.
+        caller: Who asks: what it may not set is told as read-only.
         path: Of the part.
         calls_user_code: It is read anew even where that takes user code.
 
@@ -40,7 +47,7 @@ def meta(
             kind = _kind_of_part(node, path)
     fields: dict[str, Value | None] = {
         "type": Word(kind),
-        "access": Word("rw" if node.function is not None else spec.access),
+        "access": Word(_access(node, caller)),
         "unit": spec.unit or None,
         "min": spec.minimum,
         "max": spec.maximum,
@@ -57,6 +64,11 @@ def meta(
     }
     children = [Element(key, {}, (), each) for key, each in fields.items() if each is not None]
     return Element("meta", {}, tuple(children))
+
+
+def _access(node: Node, caller: Caller) -> str:
+    access = "rw" if node.function is not None else node.spec.access
+    return access if caller.may("SET", node.name) else access.replace("w", "") or access
 
 
 def _look(service: Service, node: Node) -> None:

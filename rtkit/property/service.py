@@ -10,6 +10,7 @@ from __future__ import annotations
 import time as _time
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from functools import partial
 
@@ -18,7 +19,7 @@ from rtkit.property.actions import described, start
 from rtkit.property.codes import PropertyError
 from rtkit.property.extensions import get_extension, set_extension
 from rtkit.property.functional import Function
-from rtkit.property.lanes import NAMES, lane_of, wait_of
+from rtkit.property.lanes import NAMES, first_only, lane_of, wait_of
 from rtkit.property.listeners import Listeners
 from rtkit.property.messages import DONE, Answer, Ask, Caller, Payload, failed
 from rtkit.property.naming import Target, parse_target
@@ -104,6 +105,8 @@ class Service:
             PropertyError: ``conflict``: the name is taken or reserved; ``bad-value``.
         """
         declared = plain(spec) if isinstance(spec, str) else spec
+        if read is not None and write is None and declared.access == "rw":
+            declared = replace(declared, access="r")
         if value is not None:
             value = declared.admit(value)
         node = Node(name, declared, value, self._started)
@@ -228,7 +231,7 @@ class Service:
         if lane is None:
             self._answer(ask)
         else:
-            asked = ask._replace(answer=_once(ask.answer))
+            asked = ask._replace(answer=first_only(ask.answer))
             work = partial(self._answer, asked)
             self.user_code.later(lane, work, asked.answer, wait_of(ask.target))
 
@@ -476,17 +479,6 @@ def _read_kept(node: Node) -> Answer:
         return Answer(node.payload)
     except PropertyError as error:
         return Answer(str(error), error.code)
-
-
-def _once(answer: Callable[[Answer], object]) -> Callable[[Answer], None]:
-    """Return what passes on the first answer: one that comes too late has been given up."""
-    waiting = [answer]
-
-    def first(reply: Answer) -> None:
-        if waiting:
-            waiting.pop()(reply)
-
-    return first
 
 
 def _divisible(value: Content, place: Place) -> Value:

@@ -99,7 +99,7 @@ def payload_of(body: bytes, content_type: str, is_text: bool) -> Payload:
 
     Args:
         body: As it came.
-        content_type: Of it; JSON is translated.
+        content_type: Of it; JSON is translated, also the object that a GET tells.
         is_text: Of the property: what it holds is no value, so a JSON text is taken as it is.
 
     Raises:
@@ -118,10 +118,17 @@ def payload_of(body: bytes, content_type: str, is_text: bool) -> Payload:
         raise PropertyError("syntax", f"{error.pos} expected JSON: {error.msg}") from None
     except (RecursionError, ValueError) as error:
         raise PropertyError("too-large", f"JSON: {type(error).__name__}") from None
+    if isinstance(plain, dict) and plain.keys() == _TOLD:
+        text, plain = plain["text"], plain["value"]
+        if isinstance(text, str) and _named(payload_to_plain(text)) == plain:
+            return text  # nobody has changed what a GET told, so it means what it meant there
     value = from_plain(plain)
     if isinstance(value, bytes) or (is_text and isinstance(value, str)):
         return value
     return write(value)
+
+
+_TOLD = {"target", "value", "text"}
 
 
 def response(

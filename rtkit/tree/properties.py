@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from rtkit.errors import Unreachable
 from rtkit.property.codes import PropertyError, code_of
 from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.naming import EXTENSIONS
 from rtkit.rtc.names import LOCAL, is_local_host
 
 if TYPE_CHECKING:
@@ -144,8 +145,14 @@ class Places:
         if of_host is None:
             return place, self._end(place)
         host = self._host()
-        if of_host and of_host.split(".")[0] not in host.names:
-            return place, self._end(place._replace(name=of_host))
+        first = of_host.partition(".")[0]
+        if of_host and first not in host.names and first not in EXTENSIONS:
+            known = f"this host has {' '.join(host.names)}"
+            if path.endswith(f".{of_host}"):
+                raise PropertyError("unknown", f"no such property: {of_host} ({known})")
+            services = " ".join(self._known()) or "none"
+            text = f"no service named {first} (there is {services}; {known})"
+            raise PropertyError("no-service", text)
         return place._replace(service=LOCAL, name=of_host), host
 
     def _host(self) -> ThisHost:

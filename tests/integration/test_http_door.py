@@ -156,9 +156,20 @@ def test_a_browser_shows_a_property_live(served: Served, service: Service, place
         page.wait_for("document.getElementById('value').textContent === '9'")
         # The stream ends, and the browser comes again by itself.
         served.owned(lambda: [each.close() for each in _streams(served)])
-        page.wait_for("document.getElementById('state').textContent === 'not there'")
+        page.wait_for("element('state').textContent + element('value').textContent === 'not there'")
         served.owned(lambda: service.update("count", 10))
         page.wait_for("document.getElementById('value').textContent === '10'")
+        # A value is set with what suits its property.
+        page.evaluate("element('target').value = 'robot/speed'; listen()")
+        page.wait_for("element('wanted').type + element('unit').textContent === 'rangem/s'")
+        page.evaluate("element('target').value = 'robot/mode'; listen()")
+        page.wait_for("[...element('wanted').children].map((each) => each.value) == 'idle,drive'")
+        page.evaluate("element('target').value = 'robot/serial'; listen()")
+        page.wait_for("element('set').dataset.kind === 'label'")
+        page.go("about:blank")
+        page.go(f"http://{known.user}:{known.password}@localhost:{served.http}/#robot/count")
+        page.wait_for("document.getElementById('value')?.textContent === '10'")
+        page.wait_for("element('names').children.length > 9")
 
 
 def _clients(served: Served) -> list[http_connection.HttpConnection]:

@@ -17,6 +17,7 @@ from serialkit import Cable, noise
 from small_profile import LEFT_OUT, check_small_events, small_rows
 
 from rtkit.link.serial_client import SerialClient, connect_serial
+from rtkit.property.messages import Answer
 
 EMBEDDED = Path(__file__).parents[2] / "examples" / "embedded"
 
@@ -91,6 +92,49 @@ def test_what_is_asked_again_acts_once(ask: Asked, cable: Cable) -> None:
         for _ in range(40):
             assert client.ask("button.press", "true").error == ""
         assert client.ask("button.presses").payload == "40"
+
+
+def test_what_it_was_too_busy_for_can_be_asked_again(ask: Asked) -> None:
+    with ask("1") as client:
+        assert client.ask("grip", "true", same_as="the same").error == "busy"
+        assert client.ask("grip", "true", same_as="the same").error == ""
+
+
+def test_a_repetition_is_answered_as_the_first_was(ask: Asked) -> None:
+    with ask("1") as client:
+        for _ in range(2):
+            assert client.ask("count?echo=false", "5", same_as="one") == Answer("")
+            assert client.ask("count?echo", "5", same_as="two") == Answer("5")
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [("0.2994", "0.299"), ("0.2996", "0.3"), ("-.29951", "-0.3"), ("2995e-4", "0.3"),
+     ("4e-4", "0.0"), ("5e-4", "0.001"), ("0.9999", "1.0"), ("-0.9999", "-1.0")],
+)  # fmt: skip
+def test_decimals_are_rounded(ask: Asked, given: str, told: str) -> None:
+    with ask("1") as client:
+        assert client.ask("speed?echo", given) == Answer(told)
+        for outside in ("1.0001", "-1.0001", "1e9"):
+            assert client.ask("speed", outside).error == "bad-value"
+        assert client.ask("count", "2.5").error == "bad-value"
+
+
+def test_a_string_needs_no_quotes_whatever_it_looks_like(ask: Asked) -> None:
+    with ask("1") as client:
+        for text in ("-x", ".x", "2x", "+", "1.50", "true"):
+            assert client.ask("name?echo", text) == Answer(f'"{text}"')
+        assert client.ask("name", "(x)").error == "bad-value"
+
+
+@pytest.mark.parametrize(
+    "macro", ["PS_LINE_BYTES=256", "PS_VALUE_BYTES=256", "PS_ID_BYTES=200", "PS_LISTENERS=256"]
+)
+def test_sizes_that_it_cannot_count_are_refused_by_the_compiler(built: Path, macro: str) -> None:
+    command = ["cc", "-fsyntax-only", f"-D{macro}", "ps_line.c"]
+    done = subprocess.run(command, cwd=built, capture_output=True, text=True, timeout=BOUND_S)
+    assert done.returncode != 0
+    assert f'#error "{macro.partition("=")[0]} is ' in done.stderr
 
 
 def test_each_thing_left_out_is_about_something_and_is_said() -> None:

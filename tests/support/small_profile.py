@@ -21,7 +21,6 @@ LEFT_OUT: dict[str, str] = {
     "parts of vectors by number": r"GET \w+\.5 ",
     "numbers kept as they were written": r"SET location\.x 5 |GET location = \(5 ",
     "vectors set as a whole": r"SET location \(",
-    "numbers taken for strings": r'SET name 7 |GET name = "7"',
     "UTF-8 in names is not looked at": r"GET (%ff%fe|sp%eed) ",
 }
 """What is left out, and the rows that are about it."""

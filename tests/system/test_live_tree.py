@@ -63,6 +63,12 @@ def test_managers_and_hosts_answer_too(manager: Any) -> None:
         '<call state="done"><result/></call>\n'
     )
     assert manager.ok("rtget localhost.managers /localhost/services") == "(manager)\n()\n"
+    assert "managers" in manager.ok("rtget localhost.properties")
+    for wrong, told in (
+        ("localhost.manager", "unknown: no such property: manager (this host has name system "),
+        ("/localhost/manger", "no-service: no service named manger (there is none; this host has "),
+    ):
+        assert told in manager.run(f"rtget {wrong}").err
     listening = manager.open(f"rtlisten -n 2 {MANAGER}.components")
     assert listening.stdout.readline() == "()\n"
     manager.ok(f"rtset {MANAGER}.create_component ConsoleOut?instance_name=Out0")

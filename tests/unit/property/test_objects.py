@@ -431,3 +431,28 @@ def test_a_vector_that_is_the_only_argument_needs_no_second_bracket() -> None:
     for payload in ("(1 0)", "((1 0))"):
         done = service.set("steer?echo", payload)
         assert done == '<call state="done"><result>(1 0)</result></call>', payload
+
+
+class Initialised:
+    def __init__(self, gain: float) -> None:
+        self.gain: Annotated[float, Unit("V"), Range(0, 10)] = gain
+        self.steps: typing.Final = 3
+        if gain:
+            self.names: list[str] = []
+        self.lost: NoSuchThing = 1  # type: ignore[name-defined]  # noqa: F821
+
+
+class Later(Initialised):
+    def __init__(self) -> None:
+        super().__init__(1)
+        self.more: Annotated[float, Unit("A")] = 2
+
+
+def test_annotations_in_init_count_as_those_of_the_class() -> None:
+    service = served(Later())
+    assert service.get("gain.meta.unit") == '"V"'
+    assert service.get("more.meta.unit") == '"A"'
+    assert refused(service, "gain", "11") == "bad-value"
+    assert refused(service, "names", "(1)") == "bad-value"
+    assert refused(service, "steps", "4") == "read-only"
+    assert service.get("lost") == "1"
