@@ -6,6 +6,7 @@ the property that it is about, so that one property is got and set in the order 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -24,23 +25,25 @@ NAMES = "?"
 
 def lane_of(service: Service, ask: Ask) -> str | None:
     """Return the lane of a request, None of one that calls no user code."""
+    nodes, is_set = service.registry.nodes, ask.payload is not None
+    node = nodes.get(ask.target)
     path, _, tail = ask.target.partition("?")
-    try:
-        name = canonical(path.rpartition("/")[2])
-    except PropertyError:
-        return None
-    node = service.registry.nodes.get(name)
+    if node is None:  # most requests are a name, and nothing else
+        try:
+            name = canonical(path.rpartition("/")[2])
+        except PropertyError:
+            return None
+        node = nodes.get(name)
     if node is not None:
-        is_called = _is_called(node, is_set=ask.payload is not None)
-        return node.name if is_called and node.calls_user_code else None
+        return node.name if _is_called(node, is_set=is_set) and node.calls_user_code else None
     segments = name.split(".")
     if segments[-1] == "listen":
         return _lane_of_listening(service, segments[:-1], tail)
     for end in range(len(segments) - 1, 0, -1):
-        node = service.registry.nodes.get(".".join(segments[:end]))
+        node = nodes.get(".".join(segments[:end]))
         if node is not None:
-            is_called = _is_called(node, is_set=ask.payload is not None)
-            return node.name if is_called or service.on_names is not None else None
+            is_called = _is_called(node, is_set=is_set) or service.on_names is not None
+            return node.name if is_called else None
     if segments[-1] == "properties" and ("values" in tail or "names" in tail):
         return f"{NAMES}{ask.target}"  # it reads values, and may take longer than names do
     is_bulk = segments[-1] == "properties" and (tail or ask.payload is not None)
@@ -73,11 +76,13 @@ def _lane_of_part(service: Service, segments: list[str]) -> str | None:
     return None
 
 
-def wait_of(target: str) -> float:
-    """Return how long a request says that it waits [s], 0 if it does not say so."""
-    _, is_told, tail = target.partition("timeout=")
+def wait_of(ask: Ask, now: float) -> float:
+    """Return how long somebody waits for the answer to a request [s], 0 if that is not known."""
+    _, is_told, tail = ask.target.partition("timeout=")
     number = lone_number(tail.partition("&")[0]) if is_told else None
-    return max(float(number), 1e-3) if number is not None and number == number else 0.0
+    told = math.inf if number is None or number != number else float(number)
+    wait = min(told, ask.until - now)
+    return 0.0 if wait == math.inf else max(wait, 1e-3)
 
 
 def first_only(answer: Callable[[Answer], object]) -> Callable[[Answer], None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -91,6 +92,7 @@ class Ask(NamedTuple):
         target: As it was asked for, service cut off.
         answer: To be called exactly once.
         id: By which a repetition of the same request of this caller is known.
+        until: When nobody waits for the answer any more [s], by the clock of the service.
     """
 
     target: str
@@ -98,6 +100,7 @@ class Ask(NamedTuple):
     answer: Callable[[Answer], object]
     caller: Caller = OWNER
     id: str = ""
+    until: float = math.inf
 
 
 class Event(NamedTuple):

@@ -235,12 +235,15 @@ def _spec(member: Member, present: object) -> Spec:
 
 def _quickness(holder: Callable[[], Any], member: Member, cls: type) -> Callable[[], bool]:
     """Return what tells whether a plain attribute can still be read and set without user code."""
+    if not (member.access == "r" or cls.__setattr__ in _PLAIN_SETS):
+        return lambda: False
+    name, of_mapping = member.name, issubclass(cls, Mapping)
 
     def is_quick() -> bool:
         thing = holder()
-        if type(thing) is not cls or not (member.access == "r" or cls.__setattr__ in _PLAIN_SETS):
+        if type(thing) is not cls:
             return False
-        present = _present(thing, member)
+        present = _present(thing, member) if of_mapping else getattr(thing, name, _UNSET)
         return present is not _UNSET and is_builtin(present)
 
     return is_quick

@@ -233,7 +233,7 @@ class Service:
         else:
             asked = ask._replace(answer=first_only(ask.answer))
             work = partial(self._answer, asked)
-            self.user_code.later(lane, work, asked.answer, wait_of(ask.target))
+            self.user_code.later(lane, work, asked.answer, wait_of(ask, self.clock()))
 
     def _answer(self, ask: Ask) -> None:
         try:

@@ -64,7 +64,7 @@ class Desk:
         if monotonic() > query.until:
             query.answer(Answer(NOT_BEGUN, "timeout"))
             return
-        ask = Ask(query.target, query.payload, query.answer, self._asker)
+        ask = Ask(query.target, query.payload, query.answer, self._asker, until=query.until)
         group = self._groups.get(query.group)
         if not query.ear:
             self._service.handle(ask)
