@@ -13,7 +13,7 @@ from collections.abc import Callable
 from enum import Flag
 from typing import Any
 
-from rtkit.component.codec import codec_for
+from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.layout import (
     Array,
     Bool,
@@ -59,14 +59,18 @@ def carried(cls: type, value: Any) -> Any:
     return codec.decode(codec.encode(value))
 
 
-def passage(written: type, read: type) -> Callable[[Any], Any] | None:
+def passage(
+    written: type, read: type, *, is_big_endian: bool = False
+) -> Callable[[Any], Any] | None:
     """Return what makes a value written in this process the one that a port here reads.
 
     None where that is the value itself: both ports have one type, whose values nobody can change.
+    The order of bytes is seen by a port that reads bytes.
     """
     if written is read and (written is bytes or not is_changeable(layout_of(written))):
         return None
-    encode, decode = codec_for(written).encode, codec_for(read).decode
+    encode = encoder_for(written, is_big_endian=is_big_endian)
+    decode = codec_for(read).decode
     return lambda value: decode(encode(value))
 
 

@@ -1,4 +1,4 @@
-"""Values to bytes and back: CDR, little-endian, with a header of four bytes.
+"""Values to bytes and back: CDR with a header of four bytes, little-endian unless big is asked for.
 
 What a `bytes` port carries travels as it is. Reading is total: any bytes give a value or
 `Malformed`, and memory is bounded by the length of what arrived.
@@ -39,6 +39,7 @@ BYTES = Codec(_encode_bytes, bytes)
 """For types that nobody here declared: bytes pass unchanged."""
 
 _codecs: dict[type, Codec] = {bytes: BYTES}
+_big_encoders: dict[type, Callable[[Any], bytes]] = {bytes: _encode_bytes}
 
 
 def codec_for(cls: type) -> Codec:
@@ -53,9 +54,22 @@ def codec_for(cls: type) -> Codec:
     return known
 
 
-def _encoder(cls: type) -> Callable[[Any], bytes]:
+def encoder_for(cls: type, *, is_big_endian: bool) -> Callable[[Any], bytes]:
+    """Return what writes values of a dataclass, or of bytes, in an order of bytes.
+
+    Raises:
+        Malformed: The type has a field that cannot be carried.
+    """
+    if not is_big_endian:
+        return codec_for(cls).encode
+    if cls not in _big_encoders:
+        _big_encoders[cls] = _encoder(cls, ">")
+    return _big_encoders[cls]
+
+
+def _encoder(cls: type, order: str = "<") -> Callable[[Any], bytes]:
     layout = layout_of(cls)
-    pack = compile_encoder(layout)
+    pack = compile_encoder(layout, order)
 
     def encode(value: Any) -> bytes:
         try:

@@ -33,12 +33,16 @@ from rtkit.errors import Malformed
 _SIZES = {"b": 1, "B": 1, "?": 1, "c": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4}
 _HEADER = 4
 _INDENT = "    "
+_UTF_16 = {"<": "utf-16-le", ">": "utf-16-be"}
 _PADDING = [bytes(count) for count in range(8)]
 
 
-def compile_encoder(layout: Struct) -> Callable[[Any], bytes]:
-    """Return a function from value to bytes; it raises whatever goes wrong."""
-    return _Encoder().compile(layout)
+def compile_encoder(layout: Struct, order: str = "<") -> Callable[[Any], bytes]:
+    """Return a function from value to bytes; it raises whatever goes wrong.
+
+    `order` is ``<`` or ``>``.
+    """
+    return _Encoder(order).compile(layout)
 
 
 def compile_decoder(layout: Struct, order: str) -> Callable[[bytes], tuple[Any, int]]:
@@ -97,9 +101,9 @@ class _Source:
 
 
 class _Encoder(_Source):
-    def __init__(self) -> None:
-        super().__init__("<")
-        self.scope["_header"] = b"\x00\x01\x00\x00"
+    def __init__(self, order: str) -> None:
+        super().__init__(order)
+        self.scope["_header"] = b"\x00\x01\x00\x00" if order == "<" else bytes(4)
         self.is_fixed = True
 
     def compile(self, layout: Struct) -> Callable[[Any], bytes]:
@@ -160,7 +164,7 @@ class _Encoder(_Source):
             self.scope["_as_octets"] = as_octets
             self.add(f"{data} = _as_octets({value})")
         elif layout.is_wide:
-            self.add(f"{data} = {value}.encode('utf-16-le')")
+            self.add(f"{data} = {value}.encode('{_UTF_16[self.order]}')")
         else:
             self.add(f"{data} = {value}.encode() + _end")
             self.scope["_end"] = b"\0"
@@ -187,7 +191,7 @@ class _Encoder(_Source):
                 self.add(f"at += {_HEADER} - at & {_size(code) - 1}")
             items = value if expression == "item" else f"[{expression} for item in {value}]"
             data = self.name()
-            self.add(f"{data} = _pack(f'<{{len({value})}}{code}', *{items})")
+            self.add(f"{data} = _pack(f'{self.order}{{len({value})}}{code}', *{items})")
             self.append(data)
             self.depth -= 1
             return
@@ -225,7 +229,7 @@ class _Encoder(_Source):
 
     def fixed(self) -> tuple[str, int]:
         """Return what packs header and first run, whose position is known, and its size."""
-        form = struct.Struct("<4s" + _padded(self.codes, "", _HEADER).format)
+        form = struct.Struct(self.order + "4s" + _padded(self.codes, "", _HEADER).format)
         return f"{self.name(form, 'run')}.pack(_header, {', '.join(self.names)})", form.size
 
 
@@ -285,7 +289,7 @@ class _Decoder(_Source):
         result = self.name()
         reader: Callable[[bytes, int, int], Any] = _octets
         if isinstance(layout, Text):
-            reader = _wide if layout.is_wide else _text
+            reader = _WIDE[self.order] if layout.is_wide else _text
         self.add(f"{result} = {self.name(reader, 'read')}(data, at, {length})")
         self.add(f"at += {length}")
         return result
@@ -432,3 +436,10 @@ def _text(data: bytes, at: int, length: int) -> str:
 
 def _wide(data: bytes, at: int, length: int) -> str:
     return _octets(data, at, length).decode("utf-16-le")
+
+
+def _wide_big(data: bytes, at: int, length: int) -> str:
+    return _octets(data, at, length).decode("utf-16-be")
+
+
+_WIDE = {"<": _wide, ">": _wide_big}

@@ -86,6 +86,7 @@ class ConnectorOptions:
         dataflow: ``push``, ``pull`` or another.
         subscription: ``flush``, ``new`` or ``periodic``; unknown ones count as ``new``.
         push_rate: Of subscription ``periodic`` [Hz].
+        is_big_endian: The order of bytes between processes, and for ports that read bytes.
         outport: The buffer on the side of the out port.
         inport: The buffer on the side of the in port.
     """
@@ -97,6 +98,7 @@ class ConnectorOptions:
     push_policy: PushPolicy = PushPolicy.NEW
     skip_count: int = 0
     push_rate: float = DEFAULT_PUSH_RATE
+    is_big_endian: bool = False
     outport: BufferOptions = BufferOptions()
     inport: BufferOptions = BufferOptions()
 
@@ -163,6 +165,7 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
         push_policy=policy,
         skip_count=skip_count,
         push_rate=_push_rate(properties),
+        is_big_endian=_word(properties, _ENDIAN, "").partition(",")[0].strip() == "big",
         # A group of skip_count + 1 values must fit, else none would ever be complete.
         outport=_buffer(properties, "outport", skip_count + 1 if policy == "skip" else 0),
         inport=_buffer(properties, "inport", 0),

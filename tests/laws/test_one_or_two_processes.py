@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.component.codec import codec_for
+from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.types import (
     Char,
@@ -215,6 +215,18 @@ def test_it_does_at_the_edges_of_each_type(kind):
             check(cls(make(edge)))
     pair = make_dataclass("Data", [("f", tuple[kind, kind])], frozen=True, slots=True)
     check(pair((EDGES[key][0],) * 3))
+
+
+@given(records())
+def test_both_orders_of_bytes_are_one_value(value):
+    codec = codec_for(type(value))
+    little = outcome(codec.encode, value)
+    big = outcome(encoder_for(type(value), is_big_endian=True), value)
+    if isinstance(little, str):
+        assert big == little
+    else:
+        assert big[:4] == bytes(4)
+        assert same(codec.decode(big), codec.decode(little))
 
 
 def changeable(value):

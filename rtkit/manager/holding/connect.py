@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from rtkit.component.buffer import Sink, Source, make_ring
 from rtkit.component.carried import passage
-from rtkit.component.codec import codec_for
+from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.options import (
     ConnectorOptions,
     FullPolicy,
@@ -57,7 +57,9 @@ class Wires:
     def join(self, wire: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
         """Connect two ports of this process; values that nobody can change are handed over."""
         options = parse_options(wire.properties)
-        change = passage(out.data_type, into.data_type_for(wire))
+        change = passage(
+            out.data_type, into.data_type_for(wire), is_big_endian=options.is_big_endian
+        )
         if options.dataflow == "pull":
             source = out.open_pull(wire)
             with _undone(lambda: out.detach(wire.connector_id)):
@@ -87,7 +89,9 @@ class Wires:
 
     def serve(self, wire: ConnectorProfile, out: OutPort[Any]) -> str:
         """Open the end of a pull connector that is asked, and return its endpoint."""
-        next_value = _changed(out.open_pull(wire), codec_for(out.data_type).encode)
+        options = parse_options(wire.properties)
+        encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
+        next_value = _changed(out.open_pull(wire), encode)
         with _undone(lambda: out.detach(wire.connector_id)):
             endpoint, inlet = self._streams.answer(self._key(wire), next_value)
         self.keep(wire, inlet)
@@ -107,12 +111,14 @@ class Wires:
 
     def send(self, wire: ConnectorProfile, out: OutPort[Any], outlet: Outlet) -> None:
         """Have a port send to the receiving end that was found."""
-        encode, put = codec_for(out.data_type).encode, outlet.put
+        options = parse_options(wire.properties)
+        encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
+        put = outlet.put
 
         def write(value: Any) -> PortStatus | None:
             return None if put(encode(value)) else PortStatus.CONNECTION_LOST
 
-        self._attach(wire, out, write, parse_options(wire.properties))
+        self._attach(wire, out, write, options)
         self.keep(wire, outlet)
 
     def find_source(self, wire: ConnectorProfile, endpoint: str) -> Fetcher:

@@ -79,6 +79,22 @@ def test_a_value_that_does_not_fit_is_refused_where_it_is_written(value, told, i
     assert into is None or not into.is_new()
 
 
+@pytest.mark.parametrize(
+    ("asked", "head"), [("big", b"\0\0"), ("Big,little", b"\0\0"), ("little,big", b"\0\1")]
+)
+@pytest.mark.parametrize("flow", ["push", "pull"])
+def test_the_order_of_bytes_is_what_the_connector_says(asked, head, flow):
+    asks = {"dataport.serializer.cdr.endian": asked, "dataport.dataflow_type": flow}
+    out, into = joined(TimedLong, bytes, **asks)
+    out.write(TimedLong(data=7))
+    data = into.read()
+    assert data[:2] == head
+    assert codec_for(TimedLong).decode(data).data == 7
+    out, into = joined(TimedLong, **asks)
+    out.write(TimedLong(data=7))
+    assert into.read().data == 7
+
+
 @dataclass
 class Loose:
     number: Long
