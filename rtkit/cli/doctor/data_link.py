@@ -49,7 +49,7 @@ def _tried(place: str) -> Diagnosis:
     into, out = (Streams(os.path.join(place, name)) for name in ("into", "out"))
     try:
         endpoint, _ = into.receive("value", lambda value: arrived.set())
-        out.send(endpoint, "value", _MOST_S).put(bytes(_SIZE))
+        out.send(endpoint, "value", _MOST_S, is_blocking=True).put(bytes(_SIZE))
         has_come = arrived.wait(_MOST_S)
     except RtkitError as error:
         return _broken(str(error))
