@@ -102,9 +102,10 @@ def _port(facts: ComponentFacts, path: Path) -> PortProfile:
 
 
 def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, Any]:
+    from rtkit.deployment.shown_ports import OwnEnds
     from rtkit.rtc.plain import encode
 
-    wires = [w for w in snapshot.connectors if any(e.instance == facts.instance for e in w.ports)]
+    wires = OwnEnds.of(snapshot).wires(facts, snapshot.connectors)
     return {
         "state": facts.state,
         **encode(facts),
@@ -113,9 +114,10 @@ def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, An
 
 
 def _port_record(snapshot: Snapshot, facts: ComponentFacts, port: PortProfile) -> dict[str, Any]:
+    from rtkit.deployment.shown_ports import OwnEnds
     from rtkit.rtc.plain import encode
     from rtkit.rtc.profiles import PortRef
 
-    end = PortRef(facts.instance, port.name)
+    end = OwnEnds.of(snapshot).end(PortRef(facts.instance, port.name))
     wires = [encode(wire) for wire in snapshot.connectors if end in wire.ports]
     return {**encode(port), "connectors": wires}

@@ -54,7 +54,7 @@ def _connections(tree: Tree, paths: Sequence[Path]) -> list[ConnectorProfile]:
     if paths[0].port is None:
         listing = tree.listing()
         instance = component(build(listing), paths[0], listing.host).instance
-        return of_component(tree.part([instance]).connectors, instance)
+        return of_component(tree.part([instance]), instance)
     snapshot, (first, *others) = find_ends(tree, paths)
     return between(snapshot.connectors, first.ref, [other.ref for other in others])
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.errors import Malformed
@@ -15,7 +14,6 @@ from rtkit.rtc.enums import PortType
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
-    from rtkit.rtc.profiles import ConnectorProfile
 
 
 class Row(NamedTuple):
@@ -90,7 +88,7 @@ class Listing(NamedTuple):
 def listing_of(snapshot: Snapshot) -> Listing:
     """Return the short form of a snapshot."""
     slaves = tuple((p.name, p.state, p.reason) for p in snapshot.processes if p.is_slave)
-    connected = connected_ports(snapshot.connectors)
+    connected = connected_ports(snapshot)
     rows = tuple(row_of(component, connected) for component in snapshot.components)
     trouble = next((p.reason for p in snapshot.processes if p.pid == snapshot.pid), "")
     return Listing(
@@ -98,9 +96,21 @@ def listing_of(snapshot: Snapshot) -> Listing:
     )
 
 
-def connected_ports(connectors: Iterable[ConnectorProfile]) -> Counter[tuple[str, str]]:
-    """Count the connections of each (instance, port)."""
-    return Counter((end.instance, end.port) for wire in connectors for end in wire.ports)
+def connected_ports(snapshot: Snapshot) -> Counter[tuple[str, str]]:
+    """Count the connections of each (instance, port), also under the names that composites show."""
+    counts = Counter((end.instance, end.port) for wire in snapshot.connectors for end in wire.ports)
+    composites = [facts for facts in snapshot.components if facts.members]
+    if not composites:
+        return counts
+    from rtkit.deployment.shown_ports import OwnEnds
+
+    own = OwnEnds.of(snapshot)
+    for facts in composites:
+        for name, end in own.ends(facts).items():
+            count = counts.get((end.instance, end.port), 0)
+            if count:
+                counts[facts.instance, name] = count
+    return counts
 
 
 def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Row:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.records import replace
 
 
@@ -12,23 +13,31 @@ def part_of(snapshot: Snapshot, instances: Iterable[str]) -> Snapshot:
     """Return a snapshot with these components, their connectors, and who is at the other ends.
 
     Of those at the other ends, and of members and composites, only identity, place and names are
-    told.
+    told, of members their ports, too.
     """
     wanted = set(instances)
-    wires = tuple(w for w in snapshot.connectors if any(e.instance in wanted for e in w.ports))
-    near = {end.instance for wire in wires for end in wire.ports} - wanted
-    for facts in snapshot.components:
-        if facts.instance in wanted:
-            near.update({*facts.members, facts.composite} - wanted)
+    chosen = [facts for facts in snapshot.components if facts.instance in wanted]
+    own = OwnEnds.of(snapshot)
+    shown = {end for facts in chosen if facts.members for end in own.ends(facts).values()}
+    wires = tuple(
+        wire
+        for wire in snapshot.connectors
+        if any(end.instance in wanted or end in shown for end in wire.ports)
+    )
+    inner = {member for facts in chosen if facts.members for member in own.inner(facts.instance)}
+    near = {end.instance for wire in wires for end in wire.ports} | inner
+    near.update(facts.composite for facts in chosen)
     components = tuple(
-        facts if facts.instance in wanted else _outline(facts)
+        facts if facts.instance in wanted else _outline(facts, facts.instance in inner)
         for facts in snapshot.components
         if facts.instance in wanted or facts.instance in near
     )
     return replace(snapshot, components=components, connectors=wires)
 
 
-def _outline(facts: ComponentFacts) -> ComponentFacts:
-    return ComponentFacts(
+def _outline(facts: ComponentFacts, is_inner: bool) -> ComponentFacts:
+    outline = ComponentFacts(
         facts.instance, facts.type, facts.process, names=facts.names, zombie=facts.zombie
     )
+    # Whose ports are shown is told by members and ports.
+    return replace(outline, ports=facts.ports, members=facts.members) if is_inner else outline

@@ -16,7 +16,7 @@ from rtkit.property.spec import Spec
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.rtc.enums import PortType, Transition
-from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile
+from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile, PortRef
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
@@ -49,8 +49,12 @@ def of_component(
     facts: ComponentFacts,
     wires: Sequence[ConnectorProfile],
     figures: ComponentFigures | None = None,
+    ends: Mapping[str, PortRef] | None = None,
 ) -> list[Shown]:
-    """Return what is shown of a component; counters only if its figures are known."""
+    """Return what is shown of a component; counters only if its figures are known.
+
+    Of a composite `ends` says whose ports it shows, by their names on it.
+    """
     kind = facts.type
     told = {
         "type": kind.type_name,
@@ -71,7 +75,7 @@ def of_component(
         shown.append(_text("fsm_state", facts.fsm_state))
     shown += _sets(facts)
     shown += _contexts(facts)
-    return shown + _ports(facts, wires, figures)
+    return shown + _ports(facts, wires, figures, ends or {})
 
 
 def _state_spec() -> Spec:
@@ -163,14 +167,15 @@ def _ports(
     facts: ComponentFacts,
     wires: Sequence[ConnectorProfile],
     figures: ComponentFigures | None,
+    own: Mapping[str, PortRef],
 ) -> list[Shown]:
     shown = []
     counts = {} if figures is None else {**figures.written, **figures.read}
     for port in facts.ports:
         path = f"ports.{segment_of(port.name)}"
-        ends = [wire for wire in wires if _has_end(wire, facts.instance, port.name)]
-        others = [str(end) for wire in ends for end in wire.ports
-                  if (end.instance, end.port) != (facts.instance, port.name)]  # fmt: skip
+        here = own.get(port.name) or PortRef(facts.instance, port.name)
+        ends = [wire.ports for wire in wires if here in wire.ports]
+        others = [str(end) for both in ends for end in both if end != here]
         shown += [
             Shown(f"{path}.direction", Word(_DIRECTIONS[port.port_type]), _read_only("word")),
             _text(f"{path}.type", port.data_type),
@@ -182,10 +187,6 @@ def _ports(
             spec = Spec(parse_type("integer"), "r", doc=doc)
             shown.append(Shown(f"{path}.count", count, spec))
     return shown
-
-
-def _has_end(wire: ConnectorProfile, instance: str, port: str) -> bool:
-    return any((end.instance, end.port) == (instance, port) for end in wire.ports)
 
 
 def of_manager(snapshot: Snapshot, settings: Mapping[str, str]) -> list[Shown]:

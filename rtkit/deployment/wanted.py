@@ -5,7 +5,7 @@ Not for what lives: that is compared in `rtkit.deployment.diff`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from rtkit.deployment import extension
 from rtkit.deployment.described import (
@@ -23,6 +23,7 @@ from rtkit.deployment.described import (
 from rtkit.deployment.identity import type_of
 from rtkit.deployment.place import Hosts, check_map, place
 from rtkit.deployment.port_types import settle_types
+from rtkit.deployment.shown_ports import own_wire
 from rtkit.deployment.system import (
     BadComponent,
     KnownType,
@@ -106,7 +107,7 @@ def wanted(
         *map(_data, profile.data_port_connectors),
         *map(_service, profile.service_port_connectors),
     ]
-    connectors = [_turned(wire, components, is_data) for wire, is_data in wires]
+    connectors = [_turned(_own(wire, components), components, is_data) for wire, is_data in wires]
     settled, type_notes = settle_types(components, connectors)
     return System(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
 
@@ -378,6 +379,26 @@ def _service(wire: ServicePortConnector) -> tuple[ConnectorProfile, bool]:
 
 def _lasting(properties: Mapping[str, str]) -> dict[str, str]:
     return {key: value for key, value in properties.items() if not is_run_time(key, value)}
+
+
+def _own(wire: ConnectorProfile, components: Mapping[str, WantedComponent]) -> ConnectorProfile:
+    """Have a connector join a member's port where the profile names it as its composite does."""
+
+    def members(instance: str) -> Sequence[str]:
+        component = components.get(instance)
+        if component is None:
+            return ()
+        values = component.sets.get(component.active_set or "default", {})
+        text = values.get("members", "")
+        if not text and component.create:
+            text = parse_create(component.create).options.get("members", "")
+        return [name.strip() for name in text.split(",") if name.strip()]
+
+    def has_port(end: PortRef) -> bool:
+        component = components.get(end.instance)
+        return component is not None and component.port(end.port) is not None
+
+    return own_wire(wire, members, has_port)
 
 
 def _turned(

@@ -14,6 +14,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment import world_composites as composites
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.records import replace
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
@@ -282,8 +283,9 @@ class World:
 
     def _connect(self, wire: ConnectorProfile) -> str:
         known = self.connectors.get(wire.connector_id)
+        own = OwnEnds(self.components)
         if known is not None:
-            _check_same(known, wire)
+            _check_same(known, own.wire(wire))
             return wire.connector_id
         if len(wire.ports) != 2:
             raise Malformed(f"a connection joins two ports, not {len(wire.ports)}")
@@ -298,7 +300,7 @@ class World:
             why = WRONG_TYPE
         if why:
             raise Refused(why)
-        self.connectors[wire.connector_id] = wire
+        self.connectors[wire.connector_id] = own.wire(wire)
         return wire.connector_id
 
     def _unregister(self, action: act.Unregister) -> None:

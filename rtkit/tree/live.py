@@ -15,6 +15,7 @@ from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.figures import FIGURES, ComponentFigures, Figures
 from rtkit.deployment.news import TREE
 from rtkit.deployment.properties import Change, Shown, of_component, of_manager
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Unreachable
 from rtkit.property.functional import Function
 from rtkit.property.listening import Listener
@@ -204,7 +205,8 @@ class Live:
         facts = snapshot.component(self._instance)
         if facts is None:
             raise NotFound(f"no such component any more: {self._instance}")
-        self._fold(of_component(facts, snapshot.connectors, self._figures))
+        ends = OwnEnds.of(snapshot).ends(facts) if facts.members else {}
+        self._fold(of_component(facts, snapshot.connectors, self._figures, ends))
 
     def _fold(self, shown: Sequence[Shown]) -> None:
         nodes = self._service.registry.nodes

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.names import Path
@@ -26,7 +27,7 @@ _NO_CHOICE = ("dataport.data_type", "port.port_type", "description")
 
 
 class End(NamedTuple):
-    """A port that a user named, found."""
+    """A port that a user named, found; `ref` is its own name where a composite shows it."""
 
     path: Path
     ref: PortRef
@@ -56,18 +57,19 @@ def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[End]]
     root = build(listing)
     instances = [component_of_port(root, path, listing.host).instance for path in paths]
     snapshot = facts.part(instances)
-    ends = [_end(snapshot, *each) for each in zip(instances, paths, strict=True)]
+    own = OwnEnds.of(snapshot)
+    ends = [_end(snapshot, own, *each) for each in zip(instances, paths, strict=True)]
     return snapshot, ends
 
 
-def _end(snapshot: Snapshot, instance: str, path: Path) -> End:
+def _end(snapshot: Snapshot, own: OwnEnds, instance: str, path: Path) -> End:
     facts = snapshot.component(instance)
     if facts is None:
         raise NotFound(f"No such object: {path.typed}")
     port = facts.port(path.port or "")
     if port is None:
         raise no_port(path, (each.name for each in facts.ports))
-    return End(path, PortRef(instance, port.name), port)
+    return End(path, own.end(PortRef(instance, port.name)), port)
 
 
 def check_pair(one: End, other: End, properties: Mapping[str, str]) -> None:
@@ -138,6 +140,7 @@ def between(
     ]
 
 
-def of_component(wires: Iterable[ConnectorProfile], instance: str) -> list[ConnectorProfile]:
+def of_component(snapshot: Snapshot, instance: str) -> list[ConnectorProfile]:
     """Return the connections of every port of a component."""
-    return [wire for wire in wires if any(end.instance == instance for end in wire.ports)]
+    facts = snapshot.component(instance)
+    return OwnEnds.of(snapshot).wires(facts, snapshot.connectors) if facts is not None else []

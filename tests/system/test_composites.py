@@ -130,15 +130,32 @@ def test_values_go_through_the_ports_that_it_shows(tree: Tree, notes: Any) -> No
     seen = [line for line in notes.next(9) if "got" in line]
     assert seen == ["A got 1", "B got 2", "C got 3"]
     edit(tree, "W", exported_ports="A.into")
-    assert [wire.connector_id for wire in tree.snapshot().connectors] == ["in", "mid"]
+    assert [wire.connector_id for wire in tree.snapshot().connectors] == ["in", "mid", "end"]
     tree.perform(act.ChangeState("S", "0", Transition.DEACTIVATE))
     change(tree, "S", Transition.ACTIVATE)
-    assert notes.next(2) == ["A got 1", "B got 2"]
+    assert notes.next(3) == ["A got 1", "B got 2", "C got 3"]
     change(tree, "W", Transition.DEACTIVATE)
     assert notes.next(2) == ["A W/0 deactivated", "B W/0 deactivated"]
     tree.perform(act.Delete("W"))
-    assert [wire.connector_id for wire in tree.snapshot().connectors] == ["mid"]
+    assert [wire.connector_id for wire in tree.snapshot().connectors] == ["in", "mid", "end"]
     assert [c.id for c in facts(tree, "A").contexts if c.is_running] == ["0"]
+
+
+def test_a_port_that_a_composite_shows_is_the_port_of_its_member(manager: Any, tree: Tree) -> None:
+    compose(tree, "W", "A,B", "A.into,B.out")
+    shown, own = "/localhost/W.rtc:A.into", "/localhost/A.rtc:into"
+    manager.ok(f"rtcon -i one /localhost/C.rtc:out {shown}")
+    for port in (shown, own):
+        assert "Connected to  /localhost/C.rtc:out" in manager.ok(f"rtcat -l {port}")
+        assert manager.run(f"rtcon -d /localhost/C.rtc:out {port}").status == 1
+    for component in ("A", "W"):
+        assert manager.ok(f"rtls -l /localhost/{component}.rtc").split()[1:3] == ["2/1", "1/1"]
+    manager.ok("rtmgr restart")
+    assert "Connected to" in manager.ok(f"rtcat -l {shown}")
+    manager.ok(f"rtdis {own}")
+    manager.ok("rtcon -i two /localhost/B.rtc:out /localhost/C.rtc:into")
+    manager.ok("rtdis /localhost/W.rtc")
+    assert tree.snapshot().connectors == ()
 
 
 def test_members_come_and_go(tree: Tree) -> None:

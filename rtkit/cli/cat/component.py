@@ -108,14 +108,16 @@ def port_lines(
     title = f"{port.port_type.value}: {_bold(port.name)}"
     if level < 1:
         return [f"+{title}"]
+    from rtkit.deployment.shown_ports import OwnEnds
+    from rtkit.rtc.profiles import PortRef
+
     lines = [f"-{title}", *_out.pairs(_sorted(port.properties))]
     for interface in port.interfaces:
         lines += _interface_lines(interface)
     unresolved = 0
+    own = OwnEnds.of(snapshot).end(PortRef(facts.instance, port.name))
     for wire in snapshot.connectors:
-        others = [
-            end for end in wire.ports if (end.instance, end.port) != (facts.instance, port.name)
-        ]
+        others = [end for end in wire.ports if end != own]
         if len(others) == len(wire.ports):
             continue
         paths = [path for end in others if (path := port_path(snapshot, end.instance, end.port))]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.deployment.states.wishes import component_of
 from rtkit.errors import Malformed
 
@@ -60,12 +61,8 @@ class Condition:
     ) -> bool:
         from rtkit.deployment.properties import of_component
 
-        wires = [
-            wire
-            for wire in snapshot.connectors
-            if any(end.instance == facts.instance for end in wire.ports)
-        ]
-        shown = of_component(facts, wires, figures)
+        ends = OwnEnds.of(snapshot).ends(facts) if facts.members else {}
+        shown = of_component(facts, snapshot.connectors, figures, ends)
         value = next((each.value for each in shown if each.name == self.name), None)
         if value is None or (self.needs_figures and figures is None):
             return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound
 from rtkit.manager.core.state import State
 from rtkit.rtc.create import parse_create
@@ -51,5 +52,6 @@ def _port(state: State, text: str) -> tuple[PortRef, PortProfile]:
         facts = state.components.get(".".join(parts[:index]))
         port = facts.port(".".join(parts[index:])) if facts is not None else None
         if port is not None:
-            return PortRef(".".join(parts[:index]), port.name), port
+            ref = PortRef(".".join(parts[:index]), port.name)
+            return OwnEnds(state.components).end(ref), port
     raise NotFound(f"no such port: {text}")

@@ -50,6 +50,8 @@ _OPERATIONS = {
 def procedure_for(action: Action, state: State) -> Procedure:
     """Do an action, and note what is wished from then on."""
     result = yield from _steps(action, state)
+    if isinstance(action, act.Connect):  # with the ports' own names
+        action = act.Connect(state.connectors.get(action.connector.connector_id, action.connector))
     note(state.kept, action)
     return result
 

@@ -6,6 +6,7 @@ from rtkit.component.check import refusal
 from rtkit.component.options import parse_options
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.state import Opening, Process, State
 from rtkit.manager.core.wishes import Ask, Procedure, Tell, Until
@@ -40,14 +41,16 @@ def connect(state: State, wire: ConnectorProfile) -> Procedure:
         why = f"connection {connector_id} is just being made"
         yield Until(lambda: connector_id not in state.openings, why)
     known = state.connectors.get(connector_id)
+    own = OwnEnds(state.components)
     if known is not None:
-        return _same(known, wire)
+        return _same(known, own.wire(wire))
     if not connector_id or any(ord(c) < 32 for c in connector_id):
         raise Malformed(f"connector id is empty or has control characters: {connector_id!r}")
     ports = _ports(state, wire)
     text = refusal(ports, wire.properties)
     if text:
         raise Refused(text)
+    wire = own.wire(wire)
     ends = [living(state, end.instance) for end in wire.ports]
     opening = state.openings[connector_id] = Opening(wire)
     try:

@@ -56,7 +56,7 @@ def component(instance: str, **told: Any) -> rts.Component:
 
 
 def end(text: str) -> rts.TargetPort:
-    instance, name = text.split(".")
+    instance, name = text.split(".", 1)
     return rts.TargetPort(f"RTC:Me:test:{instance.rstrip('0123456789')}:1.0", instance, name)
 
 

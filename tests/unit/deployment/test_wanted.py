@@ -115,6 +115,18 @@ def test_a_connector_that_runs_backwards_is_turned(make):
     assert system.connectors[0].profile.ports == (PortRef("X0", "a"), PortRef("Y0", "b"))
 
 
+@pytest.mark.parametrize("by", ["sets", "create"])
+def test_a_port_that_a_composite_shows_is_wanted_at_its_member(make, by):
+    said = {"sets": {"default": {"members": "Sink0"}}} if by == "sets" else {}
+    told = {"properties": {"rtkit.create": "W?members=Sink0"}} if by == "create" else {}
+    whole = make.component("W", ports=("Sink0.in", "Nobody.in"), **said, **told)
+    parts = [make.component("Source0"), make.component("Sink0"), whole]
+    wires = [make.data(id, "Source0.out", f"W.{id}.in") for id in ("Sink0", "Nobody")]
+    system = wanted(make.profile(*parts, *wires), "box")
+    ends = [wire.profile.ports[1] for wire in system.connectors]
+    assert ends == [PortRef("Sink0", "in"), PortRef("W", "Nobody.in")]
+
+
 def test_properties_of_connectors_win_over_attributes_and_references_go(make):
     told = {
         "dataport.subscription_type": "flush",
