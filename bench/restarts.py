@@ -1,4 +1,4 @@
-"""From the kill of a slave until what it held is there again: connected, configured, active."""
+"""From the kill of a slave, or of the manager, until all is there again, as it was."""
 
 from __future__ import annotations
 
@@ -9,14 +9,38 @@ import statistics
 import time
 from collections.abc import Callable
 
-from bench.harness import Lines, Row, manager, medians, pairs_of
-from rtkit.deployment.actions import ChangeState, Connect, Create, Delete, SetParameters
+import rtkit
+from bench.harness import (
+    Lines,
+    Row,
+    create,
+    folders,
+    manager,
+    medians,
+    pairs_of,
+    start_manager,
+    until_listed,
+)
+from rtkit.deployment.actions import (
+    Action,
+    ChangeState,
+    Connect,
+    Create,
+    Delete,
+    SetParameters,
+)
+from rtkit.manager import launch
+from rtkit.manager.settings.configuration import Wanted
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.tree import managers
 from rtkit.tree.client import Tree
 from rtkit.tree.listening import Change, Ear
 
 ROUNDS = 41
+_MANAGERS = 15
+_COMPONENTS = 8
+_PATIENCE_S = 30.0
 _FLOOR_IS = "creation of the same component in a new slave, asked for and answered: nothing else"
 _TAIL_IS = "the same pairs"
 
@@ -34,7 +58,65 @@ def _restart() -> Lines:
     yield Row(f"{what} (95 of 100)", "ms", again_ms, bare_ms, ratio, None, False, _TAIL_IS)
 
 
-PARTS = {"slave": _restart}
+def _next_manager() -> Lines:
+    with folders():
+        pids = [start_manager()]
+        with rtkit.connect() as tree:
+            _build(tree)
+        figures = medians(pairs_of(lambda: _succeeded(pids), _begun, _MANAGERS))
+        managers.stop("manager", _PATIENCE_S)
+        os.waitpid(pids[-1], 0)
+    what = f"killed manager: the next one has {_COMPONENTS} components as desired, from its start"
+    yield Row(what, "ms", *figures, 1.5, True, "start of a manager that finds nothing")
+
+
+PARTS = {"slave": _restart, "manager": _next_manager}
+
+
+def _build(tree: Tree) -> None:
+    """Have sensors and controllers connected, set and active: two here, the rest in slaves."""
+    places = ["" if n < 2 else f"&manager_name=s{n % 4}" for n in range(_COMPONENTS)]
+    types = [("Sensor", "Controller")[n % 2] for n in range(_COMPONENTS)]
+    create(
+        tree,
+        [f"{types[n]}?instance_name=N{n}{place}" for n, place in enumerate(places)],
+    )
+    actions: list[Action] = []
+    for n in range(0, _COMPONENTS, 2):
+        ends = (PortRef(f"N{n}", "distance"), PortRef(f"N{n + 1}", "distance"))
+        actions += [
+            Connect(ConnectorProfile(f"w{n}", f"w{n}", ends)),
+            SetParameters(f"N{n + 1}", "default", {"gain": "2.5"}),
+        ]
+    actions += [ChangeState(f"N{n}", "0", Transition.ACTIVATE) for n in range(_COMPONENTS)]
+    for result in tree.apply(actions):
+        result.raise_for_error()
+
+
+def _succeeded(pids: list[int]) -> float:
+    """Kill the manager; return how long the next one takes until all is as it was [ms]."""
+    os.kill(pids[-1], signal.SIGKILL)
+    os.waitpid(pids[-1], 0)
+    begin = time.perf_counter()
+    pids.append(start_manager())
+    with rtkit.connect() as tree:
+        until_listed(tree, _COMPONENTS, "Active")
+        if len(tree.snapshot().connectors) != _COMPONENTS // 2:
+            raise RuntimeError("not all is connected again")
+    return (time.perf_counter() - begin) * 1e3
+
+
+def _begun() -> float:
+    """Start a manager that finds nothing, until it has answered [ms]."""
+    begin = time.perf_counter()
+    pid = launch.start("other", Wanted(overrides=("net.endpoints:none",)), _PATIENCE_S).pid
+    with rtkit.connect("other") as tree:
+        tree.listing()
+        tree.snapshot()
+    elapsed_ms = (time.perf_counter() - begin) * 1e3
+    managers.stop("other", _PATIENCE_S)
+    os.waitpid(pid, 0)
+    return elapsed_ms
 
 
 def _again(tree: Tree, ear: Ear, numbers: itertools.count[int]) -> Callable[[], float]:

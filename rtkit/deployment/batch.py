@@ -15,6 +15,8 @@ _NAMES: dict[type, str] = {cls: cls.__name__ for cls in get_args(Action)}
 _TYPES: dict[str, type] = {name: cls for cls, name in _NAMES.items()}
 MAX_TIMEOUT_S = 86_400.0
 """The longest time that a manager waits for one action [s]."""
+MAX_ID = 64
+"""The longest id of a batch."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +26,14 @@ class Batch:
     Attributes:
         is_ordered: One after the other, stop at the first failure; else all at once.
         timeout_s: Bound on each action [s].
+        id: Of the request: one that comes again with it is answered, and not done again. None
+            if it is empty.
     """
 
     actions: tuple[Action, ...]
     is_ordered: bool = True
     timeout_s: float = 10.0
+    id: str = ""
 
 
 def action_to_plain(action: Action) -> dict[str, Any]:
@@ -55,7 +60,12 @@ def batch_to_text(batch: Batch) -> str:
     """Return a batch as text."""
     actions = [action_to_plain(action) for action in batch.actions]
     return json.dumps(
-        {"actions": actions, "ordered": batch.is_ordered, "timeout": batch.timeout_s},
+        {
+            "actions": actions,
+            "ordered": batch.is_ordered,
+            "timeout": batch.timeout_s,
+            "id": batch.id,
+        },
         separators=(",", ":"),
     )
 
@@ -71,11 +81,14 @@ def batch_from_text(text: str) -> Batch:
         actions = tuple(action_from_plain(item) for item in data["actions"])
         timeout_s = float(data["timeout"])
         is_ordered = bool(data["ordered"])
+        id = str(data.get("id", ""))
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise Malformed(f"not a batch: {error}") from error
+    if len(id) > MAX_ID:
+        raise Malformed(f"the id of a batch has more than {MAX_ID} characters")
     if not timeout_s > 0:
         raise Malformed(f"time-out is not a positive number of seconds: {timeout_s:g}")
-    return Batch(actions, is_ordered, min(timeout_s, MAX_TIMEOUT_S))
+    return Batch(actions, is_ordered, min(timeout_s, MAX_TIMEOUT_S), id)
 
 
 def results_to_text(results: Sequence[Result]) -> str:

@@ -197,10 +197,11 @@ class FakeShell:
         ordered: bool = True,
         timeout_s: float = 10.0,
         until: float = math.inf,
+        id: str = "",
     ) -> Asked:
         """Hand in a batch, of a client that waits until then."""
         asked = Asked()
-        batch = Batch(actions, ordered, timeout_s)
+        batch = Batch(actions, ordered, timeout_s, id)
         self.feed(ev.BatchAsked(batch, asked.replies.append, until))
         return asked
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -190,7 +191,7 @@ class Tree(ByPath, Closing):
         from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 
         bound = self.timeout_s if timeout_s is None else timeout_s
-        batch = Batch(tuple(actions), is_ordered, bound)
+        batch = Batch(tuple(actions), is_ordered, bound, os.urandom(8).hex())
         rounds = len(batch.actions) if is_ordered else 1
         key = keys.property_key(self._service, "batch")
         answer = self._send(key, batch_to_text(batch), bound * rounds)

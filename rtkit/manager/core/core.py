@@ -9,16 +9,15 @@ from __future__ import annotations
 
 import signal
 from contextlib import suppress
-from functools import partial
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.figures import FIGURES
 from rtkit.deployment.news import TREE
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.manager.core import adoption, configuring, facts_in, modules, operations
+from rtkit.manager.core import adoption, configuring, facts_in, modules
 from rtkit.manager.core.announcing import Announcer
+from rtkit.manager.core.batches import STOPPING, Batches
 from rtkit.manager.core.events import (
     AdoptSlave,
     Answer,
@@ -51,36 +50,18 @@ from rtkit.manager.core.events import (
     Tick,
     WakeAt,
 )
-from rtkit.manager.core.keeping import Keeping, unkept
+from rtkit.manager.core.keeping import Keeping
 from rtkit.manager.core.message import Message
-from rtkit.manager.core.procedures import procedure_for, slaves_of
 from rtkit.manager.core.restoring import RESTORE_S, note_loss, repair, restore
 from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
 from rtkit.manager.core.supervising import Supervisor
 from rtkit.manager.core.surveying import Survey
-from rtkit.manager.core.tasks import Tasks, failed
+from rtkit.manager.core.tasks import Tasks
 from rtkit.manager.core.trial import TRIAL
 from rtkit.manager.core.wellbeing import Wellbeing
-from rtkit.manager.core.wishes import Need, Procedure
-from rtkit.property.exchange import NOT_BEGUN, Reply
-from rtkit.records import replace
+from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
-
-_STOPPING = "the manager is stopping"
-
-
-class _Job:
-    """A batch under way."""
-
-    def __init__(self, asked: BatchAsked) -> None:
-        self.batch = asked.batch
-        self.answer = asked.answer
-        self.until = asked.until
-        self.results: list[Result | None] = [None] * len(asked.batch.actions)
-        self.pending = len(self.results)
-        self.slaves: list[str] = []
-        self.is_over = False
 
 
 class Core:
@@ -96,6 +77,7 @@ class Core:
         self._tasks = Tasks(state, self._out)
         self._keeping = Keeping(state, self._out, self._tasks)
         self._supervisor = Supervisor(state, self._tasks)
+        self._batches = Batches(state, self._out, self._tasks, self._keeping, self._supervisor)
         self._announcer = Announcer(state, self._out)
         self._wellbeing = Wellbeing(state, self._supervisor, self._tasks)
         self._survey = Survey(state, self._out, self._announcer.run_id, self._wellbeing)
@@ -114,16 +96,16 @@ class Core:
         Raises:
             Malformed: A holder reported what cannot be read; nothing is changed.
         """
-        self._now = now
+        self._now = self._batches.now = now
         match event:
             case BatchAsked():
-                self._admit(_Job(event))
+                self._batches.take(event)
             case PictureAsked(answer):
                 self._announcer.send_picture(answer)
             case Listened(line, is_heard):
                 self._listened(line, is_heard)
             case OperationAsked():
-                self._operate(event)
+                self._batches.operate(event)
             case HolderSaid(key, message):
                 self._heard(key, message)
             case SlaveForked(key, pid):
@@ -169,92 +151,6 @@ class Core:
         self._out.clear()
         return out
 
-    # batches
-
-    def _admit(self, job: _Job) -> None:
-        def go_on(why: str) -> None:
-            if why:
-                self._out.append(AnswerClient(job.answer, Reply(unkept(why), Refused.kind)))
-            else:
-                self._begin(job)
-
-        self._keeping.admit(job.batch.actions, go_on)
-
-    def _begin(self, job: _Job) -> None:
-        if self._is_stopping:
-            self._out.append(AnswerClient(job.answer, Reply(_STOPPING, Refused.kind)))
-        elif not job.pending:
-            self._finish(job)
-        elif job.batch.is_ordered:
-            self._start_slaves(job)
-            self._start(job, 0)
-        else:
-            for index in range(job.pending):
-                self._start(job, index)
-
-    def _start_slaves(self, job: _Job) -> None:
-        """Start the slaves of an ordered batch side by side; its actions find them ready."""
-        for name in slaves_of(job.batch.actions):
-            if name != self.state.name and self.state.living_process(name) is None:
-                job.slaves.append(name)
-                self._tasks.begin(self._started(job, name), job.batch.timeout_s)
-
-    def _started(self, job: _Job, name: str) -> Procedure:
-        process: Process = yield Need(name)
-        if job.is_over:
-            yield from retire(self.state, process)
-        return Result()
-
-    def _start(self, job: _Job, index: int) -> None:
-        done = partial(self._done, job, index, self._now)
-        if self._now > job.until:
-            done(failed(Unreachable(NOT_BEGUN)))
-            return
-        action = job.batch.actions[index]
-        steps = self._supervisor.steps(action) or procedure_for(action, self.state)
-        self._tasks.begin(steps, job.batch.timeout_s, done)
-
-    def _done(self, job: _Job, index: int, began: float, result: Result) -> None:
-        job.results[index] = replace(result, took_s=round(self._now - began, 6))
-        job.pending -= 1
-        is_over = job.batch.is_ordered and (not result.ok or self._is_stopping)
-        if is_over or not job.pending:
-            self._finish(job)
-        elif job.batch.is_ordered:
-            self._start(job, index + 1)
-
-    def _finish(self, job: _Job) -> None:
-        job.is_over = True
-        for name in job.slaves:
-            process = self.state.living_process(name)
-            if process is not None:
-                self._tasks.begin(retire(self.state, process), job.batch.timeout_s)
-        done = [
-            (action, result)
-            for action, result in zip(job.batch.actions, job.results, strict=True)
-            if result is not None
-        ]
-
-        def tell(results: list[Result]) -> None:
-            self._out.append(AnswerClient(job.answer, Reply(results_to_text(results))))
-
-        self._keeping.finish([a for a, _ in done], [result for _, result in done], tell)
-
-    def _operate(self, asked: OperationAsked) -> None:
-        def tell(results: list[Result]) -> None:
-            (result,) = results
-            text, kind = (result.value, "") if result.ok else (result.why, result.kind)
-            self._out.append(AnswerClient(asked.answer, Reply(text, kind)))
-
-        def done(result: Result) -> None:
-            self._keeping.finish([operations.action(asked.name, asked.argument)], [result], tell)
-
-        if self._is_stopping:
-            self._out.append(AnswerClient(asked.answer, Reply(_STOPPING, Refused.kind)))
-        else:
-            steps = operations.DO[asked.name](self.state, asked.argument)
-            self._tasks.begin(steps, operations.TIMEOUT_S, done)
-
     def _listened(self, line: str, is_heard: bool) -> None:
         if line == TREE:
             self._announcer.listen(is_heard)
@@ -272,6 +168,7 @@ class Core:
         for key, value in state.kept.settings.items():
             with suppress(RtkitError):  # a property that there is no more
                 state.settings.change(key, value)
+        self._batches.recall()
         is_same_boot = state.kept.begin_life(event.boot)
         self._supervisor.recall(is_same_boot=is_same_boot)
         for facts in list(state.kept.zombies.values()):
@@ -475,11 +372,11 @@ class Core:
 
     def _stop(self, is_kept: bool) -> None:
         if not self._is_stopping:
-            self._is_stopping = True
+            self._is_stopping = self._batches.is_stopping = True
             self._keeping.stop(is_kept=is_kept)
             if not is_kept:
                 self._out.append(Forget())
-            self._tasks.cancel(Refused(_STOPPING))
+            self._tasks.cancel(Refused(STOPPING))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
 
     def _hurry(self) -> None:
@@ -489,7 +386,7 @@ class Core:
             if process.is_slave and process.is_alive:
                 process.is_wanted = False
                 self._out.append(SignalSlave(process.key, signal.SIGKILL))
-        self._tasks.give_up(Unreachable(_STOPPING))
+        self._tasks.give_up(Unreachable(STOPPING))
 
     def _stopped(self, _result: Result) -> None:
         self._announcer.end()

@@ -19,7 +19,7 @@ from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile
 
-COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT = (
+COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT, ANSWERED = (
     "component",
     "wire",
     "module",
@@ -28,6 +28,7 @@ COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT = (
     "zombie",
     "watched",
     "boot",
+    "answered",
 )
 """The kinds of rows."""
 _URGENT = (ZOMBIE, WATCHED)
@@ -70,6 +71,7 @@ class Kept:
         watched: What has been done about the ends of components, by instance.
         revived: Components that are just being made again: that is no new wish.
         boot: Which run of the machine this is; kept along with the rest.
+        answered: What batches came to that changed anything, the last ones, by id.
     """
 
     def __init__(self) -> None:
@@ -82,6 +84,7 @@ class Kept:
         self.watched: dict[str, Watched] = {}
         self.revived: set[str] = set()
         self.boot: dict[str, str] = {}
+        self.answered: dict[str, str] = {}
         self._changed: dict[tuple[str, str], None] = {}
         self._stored: set[tuple[str, str]] = set()
         self._tables: Mapping[str, dict[str, Any]] = {
@@ -93,6 +96,7 @@ class Kept:
             ZOMBIE: self.zombies,
             WATCHED: self.watched,
             BOOT: self.boot,
+            ANSWERED: self.answered,
         }
 
     @property
@@ -260,6 +264,7 @@ _READ: Mapping[str, Callable[[Any], object]] = {
     SETTING: _word,
     BEGUN: _word,
     BOOT: _word,
+    ANSWERED: _word,
 }
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import signal
 
 import pytest
+from endings import heir
 
-from rtkit.deployment.actions import ActivateSet, ChangeState, Create, Delete, SetParameters
+from rtkit.deployment.actions import ActivateSet, ChangeState, Create, Delete, SetParameters, Tick
 from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import procedures
+from rtkit.manager.core.batches import REMEMBERED
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
 from rtkit.manager.fake import OWN, FakeShell
 from rtkit.property.exchange import NOT_BEGUN
@@ -34,6 +36,51 @@ def test_in_order_the_next_begins_when_the_one_before_is_done(shell):
     assert len(shell.calls) == 1
     shell.serve()
     assert [result.value for result in asked.results] == ["A", "B"]
+
+
+def test_a_batch_that_comes_again_is_answered_and_not_done_again(shell):
+    """While it is under way, afterwards, and by the next manager."""
+    first = shell.ask(Create("Thing"), id="x")
+    again = shell.ask(Create("Thing"), id="x")
+    shell.serve()
+    assert first.replies == again.replies
+    assert first.result.value == "Thing0"
+    late = shell.ask(Create("Thing"), id="x")
+    assert late.replies == first.replies
+    other = heir(shell)
+    assert other.ask(Create("Thing"), id="x").replies == first.replies
+    new = other.ask(Create("Thing"), id="y")
+    other.serve()
+    assert new.result.value == "Thing0"  # which nobody has restored here
+    assert not [call for call in shell.calls if call.op == "create"]
+
+
+def test_what_was_refused_for_the_disk_may_be_asked_again(shell):
+    shell.make("A")
+    shell.disk = "full"
+    asked = shell.ask(Create("Thing"), id="x")
+    shell.serve()
+    refused = shell.ask(Create("Thing"), id="y")
+    assert (asked.result.ok, refused.replies[0].error) == (False, "refused")
+    shell.disk = ""
+    shell.wait(2.0)
+    assert not [name for kind, name in shell.rows if kind == "answered"]
+    again = shell.ask(Create("Thing"), id="y")
+    shell.serve()
+    assert again.result.value == "Thing0"
+
+
+def test_only_the_last_answers_are_remembered(shell):
+    shell.make("A")
+    for number in range(REMEMBERED + 3):
+        shell.ask(SetParameters("A", "default", {"p": str(number)}), id=str(number))
+        shell.serve()
+        assert len(shell.rows) <= REMEMBERED + 1
+    rows = [int(name) for kind, name in shell.rows if kind == "answered"]
+    assert rows == list(range(3, REMEMBERED + 3))
+    shell.ask(Tick("A", "0"), id="look")  # changes nothing that is kept
+    shell.serve()
+    assert ("answered", "look") not in shell.rows
 
 
 def test_in_order_the_first_failure_ends_it(shell):
