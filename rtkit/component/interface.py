@@ -190,7 +190,7 @@ class Method:
 
     @cached_property
     def _may_return(self) -> Test:
-        return is_none if self.returns_nothing else compile_test(self._layout("return"))
+        return _is_none if self.returns_nothing else compile_test(self._layout("return"))
 
     def bind(self, arguments: Sequence[Any], named: Mapping[str, Any]) -> tuple[Any, ...]:
         """Return the arguments in the order of the parameters, defaults filled in.
@@ -364,7 +364,7 @@ def _own_bases(cls: type) -> Iterator[type]:
     yield from (each for each in cls.__mro__ if each.__module__ != "builtins")
 
 
-def is_none(value: Any) -> bool:
+def _is_none(value: Any) -> bool:
     """Whether it is None."""
     return value is None
 

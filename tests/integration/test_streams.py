@@ -7,10 +7,12 @@ import queue
 import tempfile
 import threading
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from rtkit.errors import Unreachable
+from rtkit.link import zenoh
 from rtkit.link.streams import Streams
 
 KEY = "rtd/test/host/wire"
@@ -41,6 +43,33 @@ def test_a_sender_without_receiver_is_told(ends: tuple[Streams, Streams]) -> Non
     endpoint, _ = receiver.receive(KEY, lambda _: None)
     with pytest.raises(Unreachable, match="nobody takes data"):
         sender.send(endpoint, KEY + "/other", 0.2)
+
+
+def test_a_link_is_made_where_no_shared_memory_can_be_had(
+    ends: tuple[Streams, Streams], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def without(name: str) -> None:
+        real = getattr(zenoh, name)
+
+        def opened(*arguments: Any, has_shared_memory: bool, **named: Any) -> Any:
+            if has_shared_memory:
+                raise Unreachable("no shm segment")
+            return real(*arguments, has_shared_memory=False, **named)
+
+        monkeypatch.setattr(zenoh, name, opened)
+
+    without("open_listener")
+    without("open_client")
+    receiver, sender = ends
+    told: list[str] = []
+    got: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    receiver.report = sender.report = told.append
+    for key in ("one", "two"):
+        endpoint, _ = receiver.receive(key, got.put)
+        sender.send(endpoint, key, 5.0, is_blocking=True).put(bytes(1 << 20))
+        assert len(got.get(timeout=5.0)) == 1 << 20
+    assert receiver.slow == sender.slow == "no shm segment"
+    assert len(told) == 2, told
 
 
 def test_a_flush_returns_when_everything_has_arrived(ends: tuple[Streams, Streams]) -> None:
