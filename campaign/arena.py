@@ -218,7 +218,10 @@ def kill(pids: Iterable[int], number: int = signal.SIGKILL) -> None:
 
 def end(pids: list[int], after_s: float = 0.0) -> None:
     """Kill processes, perhaps a while later, and wait until all have ended."""
-    opened = [os.pidfd_open(pid) for pid in pids if pid]
+    opened = []
+    for pid in pids:
+        with suppress(ProcessLookupError):  # told by `trial` where it should be there
+            opened += [os.pidfd_open(pid)] if pid else []
     time.sleep(after_s)
     for pidfd in opened:
         with suppress(ProcessLookupError):  # it had given up before

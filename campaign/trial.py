@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from bench.processes import living
 from campaign.arena import Arena, end, kill
 from campaign.counts import Stream
 from campaign.law import Law
@@ -67,7 +68,7 @@ def tried(arena: Arena, law: Law, fault: Fault, patience: float = 1.0) -> Outcom
     before = _before(arena)
     for cell in arena.cells:
         cell.forget()
-    failures = []
+    failures = _ghosts(arena)
     began = time.monotonic()
     bound_s = patience * allowed_s(fault, law.longest_wait_s(fault, began))
     try:
@@ -98,6 +99,16 @@ def _before(arena: Arena) -> _Before:
         {(s, r): arena.cells[r].stream(s) for s, r in WIRES},
         arena.slaves(),
     )
+
+
+def _ghosts(arena: Arena) -> list[str]:
+    """Return what is told of and not there, though all is as desired."""
+    known = {"the manager": arena.manager, "the zygote": arena.zygote(), **arena.slaves()}
+    return [
+        f"process {pid} of {name} is told of, and not there"
+        for name, pid in known.items()
+        if pid and not living([pid])
+    ]
 
 
 def _others(fault: Fault) -> list[int]:

@@ -235,6 +235,8 @@ class Loop:
                 self._watchman.hasten(key)
             case ev.SlaveReady(key):
                 self._watchman.watch(key, self._core.state.processes[key].pid)
+            case ev.SlaveHalted(key, is_halted):
+                self._watchman.halted(key, is_halted=is_halted)
             case ev.SlaveEnded(key):
                 self._lines.drop(key)
                 self._watchman.forget(key)

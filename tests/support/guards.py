@@ -60,7 +60,7 @@ GUARDS = (
     Guard(
         "system/test_supervision.py::test_a_killed_slave_is_back_as_it_was",
         "rtkit/manager/core/restoring.py",
-        "    yield Together((*configures, *_connects(state, ready, failed)))",
+        "    yield Together((*configures, *_connects(state, ready, bonds, failed)))",
         "    yield Together(tuple(configures))",
     ),
     Guard(

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Callable, Collection, Generator, Iterable
-from typing import Any
+from collections.abc import Callable, Collection, Generator, Iterable, Mapping
+from typing import Any, NamedTuple
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
@@ -83,21 +83,49 @@ def note_loss(state: State, instance: str) -> Procedure:
     return Result()
 
 
+class _Bonds(NamedTuple):
+    """What components have to do with each other and is not so yet, looked up once for all.
+
+    Attributes:
+        wires: Connectors that are missing, by the instances at their ends.
+        shares: Owner, context and participant of each context that drives another component.
+    """
+
+    wires: Mapping[str, list[ConnectorProfile]]
+    shares: list[tuple[str, str, str]]
+
+
+def _bonds(state: State) -> _Bonds:
+    wires: dict[str, list[ConnectorProfile]] = {}
+    for wire in state.kept.wires.values():
+        if wire.connector_id not in state.connectors:
+            for end in wire.ports:
+                wires.setdefault(end.instance, []).append(wire)
+    shares = [
+        (owner, context, participant)
+        for owner, wish in state.kept.components.items()
+        for context, participants in wish.attached.items()
+        for participant in participants
+    ]
+    return _Bonds(wires, shares)
+
+
 def revive(state: State, instances: Collection[str], failed: Failed) -> Steps:
     """Bring components to what is desired of them: made, configured, connected and active.
 
     One that is made waits only for those to which it is bound, one that lives for nobody. `failed`
     is called with what failed, and why.
     """
-    groups = _groups(state, instances)
-    yield Together(tuple(_complete(state, group, failed) for group in groups))
+    bonds = _bonds(state)
+    groups = _groups(state, instances, bonds)
+    yield Together(tuple(_complete(state, group, bonds, failed) for group in groups))
 
 
-def _groups(state: State, instances: Collection[str]) -> list[list[str]]:
+def _groups(state: State, instances: Collection[str], bonds: _Bonds) -> list[list[str]]:
     """Return what is to be done together: of what is missing, whoever is bound to each other."""
     missing = {each for each in instances if not lives(state, each)}
     group_of = {each: [each] for each in instances}
-    for bond in _bonds(state.kept):
+    for bond in _bound(state, missing, bonds):
         first, *others = [each for each in bond if each in missing] or [""]
         for other in others:
             ours, theirs = group_of[first], group_of[other]
@@ -107,19 +135,20 @@ def _groups(state: State, instances: Collection[str]) -> list[list[str]]:
     return list({id(group): group for group in group_of.values()}.values())
 
 
-def _bonds(kept: Kept) -> Iterable[tuple[str, ...]]:
+def _bound(state: State, missing: Iterable[str], bonds: _Bonds) -> Iterable[tuple[str, ...]]:
     """Yield instances that are connected, share a context, or make a composite."""
-    for wire in kept.wires.values():
-        yield tuple(end.instance for end in wire.ports)
-    for instance, wish in kept.components.items():
-        for participants in wish.attached.values():
-            yield (instance, *participants)
+    for instance in missing:
+        for wire in bonds.wires.get(instance, ()):
+            yield tuple(end.instance for end in wire.ports)
+        wish = state.kept.components[instance]
         if _is_composite(wish):
             members = parse_create(wish.create).options["members"].split(",")
             yield (instance, *(each.strip() for each in members))
+    for owner, _, participant in bonds.shares:
+        yield owner, participant
 
 
-def _complete(state: State, group: Collection[str], failed: Failed) -> Procedure:
+def _complete(state: State, group: Collection[str], bonds: _Bonds, failed: Failed) -> Procedure:
     """Bring those to their end that are bound to each other."""
     wishes = state.kept.components
     fresh = [each for each in group if not lives(state, each)]
@@ -136,8 +165,8 @@ def _complete(state: State, group: Collection[str], failed: Failed) -> Procedure
     yield Together(tuple(_configure(state, i, ready[i], failed) for i in composites))
     single = (each for each in ready if each not in composites)
     configures = (_configure(state, i, ready[i], failed) for i in single)
-    yield Together((*configures, *_connects(state, ready, failed)))
-    yield from _attach(state, ready, fresh, failed)
+    yield Together((*configures, *_connects(state, ready, bonds, failed)))
+    yield from _attach(state, ready, fresh, bonds, failed)
     yield Together(
         tuple(
             _activate(state, instance, context, failed)
@@ -165,13 +194,16 @@ def _make_all(state: State, instances: Collection[str], failed: Failed) -> Steps
         kept.revived.difference_update(wishes)
 
 
-def _connects(state: State, instances: Collection[str], failed: Failed) -> Iterable[Procedure]:
+def _connects(
+    state: State, instances: Iterable[str], bonds: _Bonds, failed: Failed
+) -> Iterable[Procedure]:
     """Yield what makes the connectors of components that are missing, if both ends answer."""
+    wires = {wire.connector_id: wire for each in instances for wire in bonds.wires.get(each, ())}
     return [
         _connect(state, wire, failed)
-        for wire in state.kept.wires.values()
+        for wire in wires.values()
         if wire.connector_id not in state.connectors
-        and any(end.instance in instances for end in wire.ports)
+        and wire.connector_id in state.kept.wires
         and all(_answers(state, end.instance) for end in wire.ports)
     ]
 
@@ -270,15 +302,15 @@ def _settings(state: State, instance: str, asked: Wish) -> Iterable[Action]:
             yield act.SetRate(instance, context, rate)
 
 
-def _attach(state: State, ready: Collection[str], fresh: Collection[str], failed: Failed) -> Steps:
+def _attach(
+    state: State, ready: Collection[str], fresh: Collection[str], bonds: _Bonds, failed: Failed
+) -> Steps:
     """Attach those that take no part yet in contexts in which they shall."""
-    for owner, wish in list(state.kept.components.items()):
-        for context, participants in wish.attached.items():
-            for each in participants:
-                is_ours = each in ready or owner in fresh
-                if is_ours and lives(state, owner) and not _takes_part(state, each, owner, context):
-                    action = act.Attach(owner, context, each)
-                    yield from _try(state, action, f"attach {each} to {owner}", failed)
+    for owner, context, each in bonds.shares:
+        is_ours = each in ready or owner in fresh
+        if is_ours and lives(state, owner) and not _takes_part(state, each, owner, context):
+            action = act.Attach(owner, context, each)
+            yield from _try(state, action, f"attach {each} to {owner}", failed)
 
 
 def _takes_part(state: State, instance: str, owner: str, context: str) -> bool:

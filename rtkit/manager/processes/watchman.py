@@ -73,6 +73,8 @@ class _Watched:
         stack_polls: How many polls it still has to write the stacks that it was asked for.
         age_s: What to tell though its deadline is not over, because somebody asks.
         due_ns: Before then nothing in it can be late [ns].
+        is_halted: It is stopped: nothing in it can be late.
+        went_on_ns: When it last went on; time that it was stopped counts for no callback [ns].
     """
 
     pid: int
@@ -81,6 +83,12 @@ class _Watched:
     stack_polls: int = 0
     age_s: float | None = None
     due_ns: int = 0
+    is_halted: bool = False
+    went_on_ns: int = 0
+
+    def begin_ns(self, beat: Beat) -> int:
+        """Return from when on a callback counts [ns]."""
+        return max(beat.since_ns, self.went_on_ns)
 
 
 class Watchman:
@@ -122,6 +130,13 @@ class Watchman:
         watched = self._watched.pop(key, None)
         if watched is not None:
             watched.reader.close()
+
+    def halted(self, key: int, *, is_halted: bool) -> None:
+        """Note that a process was stopped, or goes on."""
+        watched = self._watched.get(key)
+        if watched is not None:
+            watched.is_halted = is_halted
+            watched.went_on_ns = time.monotonic_ns()
 
     @property
     def look_at(self) -> float:
@@ -167,7 +182,7 @@ class Watchman:
         late = {
             beat.instance: beat
             for beat in inside
-            if self._is_late(beat, watched, now_ns - beat.since_ns)
+            if self._is_late(beat, watched, now_ns - watched.begin_ns(beat))
         }
         for instance in [each for each in watched.stuck if each not in late]:
             del watched.stuck[instance]
@@ -190,7 +205,9 @@ class Watchman:
         """Return when something may be late that is not now, but not before the next poll."""
         if watched.stuck or watched.stack_polls or watched.age_s is not None:
             return now_ns + _POLL_NS
-        moments = [beat.since_ns + int(self._deadline_s(beat.instance) * 1e9) for beat in inside]
+        moments = [
+            watched.begin_ns(beat) + int(self._deadline_s(beat.instance) * 1e9) for beat in inside
+        ]
         due_ns = min([*moments, now_ns + int(shortest_s * 1e9)])
         return max(due_ns + 1, now_ns + _POLL_NS)
 
@@ -198,6 +215,8 @@ class Watchman:
         """Whether to tell of it: what was told is late until it is over."""
         if watched.stuck.get(beat.instance) == beat:
             return True
+        if watched.is_halted:
+            return False
         bound_s = self._deadline_s(beat.instance)
         if watched.age_s is not None:
             bound_s = min(bound_s, watched.age_s)

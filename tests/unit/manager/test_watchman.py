@@ -208,3 +208,18 @@ def test_a_look_that_is_not_due_reads_nothing(watched):
     watched.deadline_s = 0.0
     watched.slot.watch("A", "on_execute")
     assert list(watched.watchman.poll()) == []
+
+
+def test_what_was_stopped_counts_from_when_it_goes_on(watched):
+    watched.deadline_s = 0.05
+    watched.watchman.halted(KEY, is_halted=True)
+    watched.slot.watch("A", "on_execute")
+    time.sleep(2 * watched.deadline_s)
+    assert list(watched.watchman.poll()) == []
+    watched.deadline_s = 1000.0
+    watched.watchman.halted(KEY, is_halted=False)
+    assert list(watched.watchman.poll()) == []
+    watched.deadline_s = 0.05
+    watched.watchman.hasten(KEY)
+    time.sleep(2 * watched.deadline_s)
+    assert [each.instance for each in watched.watchman.poll() if each.text] == ["A"]
