@@ -62,9 +62,10 @@ def main(
     if revision is not None:
         more.append(f"if={revision}")
     with connected(app, at) as places:
-        from rtkit.tree.properties import asked
+        from rtkit.tree.properties import asked, bound_of
 
         place, end = places.find(given[0])
+        more += bound_of(end, place.parameters, more, app.timeout_s)
         value = asked(lambda: end.ask(place.target(joined(more)), payload), place.typed)
     if has_echo:
         _out.write([shown(value)])

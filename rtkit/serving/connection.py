@@ -13,6 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from rtkit.link import unix
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Asked, Requests, write_answer, write_event
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Event
@@ -76,6 +77,7 @@ class Connection(Hearer):
         self._is_stuck = False
         self._moved_at = monotonic()
         self._is_closing = False
+        self._has_left = False
         self._in_a_row = 0
         self.is_open = True
         end.setblocking(False)
@@ -95,6 +97,7 @@ class Connection(Hearer):
         if mask & select.EPOLLOUT:
             self._send()
         if mask & ~select.EPOLLOUT and self.is_open:
+            self._has_left |= bool(mask & select.EPOLLHUP)
             try:
                 data = self._end.recv(_PIECE if self._is_half else _FEW)
             except BlockingIOError:
@@ -206,6 +209,10 @@ class Connection(Hearer):
         service = self._host.services.get(name)
         if service is None:
             answer(Answer(f"no such service: {name}", "no-service"))
+            return
+        if self._has_left and "timeout=" in target:
+            # The client waited as long as it said, and has told its user that nothing was done.
+            answer(Answer(NOT_BEGUN, "timeout"))
             return
         service.handle(Ask(target, asked.payload, answer, self, asked.id))
 

@@ -7,7 +7,7 @@ is the service is known from the services there are: the longest that fits.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rtkit.errors import Unreachable
@@ -68,6 +68,18 @@ class Place(NamedTuple):
         given = [each for each in (self.parameters, more) if each]
         is_marked = self.parameters is not None or more
         return f"{name}?{'&'.join(given)}" if is_marked else name
+
+
+def bound_of(end: End, typed: str | None, parameters: Sequence[str], timeout_s: float) -> list[str]:
+    """Return the parameter by which a request to set says how long its client waits.
+
+    For services behind a socket, which do not begin what was given up; devices do not know it.
+    """
+    from rtkit.link.line_client import LineClient
+
+    is_given = any(each.startswith("timeout=") for each in (*parameters, *(typed or "").split("&")))
+    is_known = isinstance(end, LineClient) and not is_given
+    return [f"timeout={timeout_s:g}"] if is_known else []
 
 
 def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> Place:

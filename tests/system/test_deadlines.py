@@ -74,3 +74,16 @@ def test_a_request_before_a_stopped_manager_is_not_done_once_it_goes_on(
         tree.timeout_s = 10.0
         tree.create("Sensor?instance_name=InTime")
         assert tree.ls("/localhost") == ["InTime.rtc", "manager.mgr"]
+
+
+def test_a_value_set_before_a_stopped_service_is_not_set_once_it_goes_on(shell: Any) -> None:
+    (shell.folder / "bot.py").write_text("class Bot:\n    speed: float = 1.0\n")
+    service = shell.open("rtserve bot:Bot bot")
+    service.stdout.readline()
+    service.send_signal(signal.SIGSTOP)
+    status, _, err = shell.run("rtset --timeout 0.3 bot/speed 7")
+    service.send_signal(signal.SIGCONT)
+    assert (status, err) == (1, "rtset: bot/speed: timeout: no answer within 0.3 s\n")
+    assert shell.ok("rtget bot/speed") == "1.0\n"
+    service.terminate()
+    service.communicate(timeout=30)
