@@ -101,8 +101,12 @@ def world() -> World:
 
 
 @pytest.fixture(autouse=True)
-def plain_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing that a user may have set changes what is printed."""
+def plain_environment(
+    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """Nothing that a user may have set, or has running, changes what is printed."""
+    for name in ("RTKIT_RUNTIME_DIR", "RTKIT_STATE_DIR"):
+        monkeypatch.setenv(name, str(tmp_path_factory.mktemp(name)))
     for name in (
         "RTKIT_CWD",
         "RTCSH_CWD",
