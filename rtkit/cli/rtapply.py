@@ -17,6 +17,7 @@ from rtkit.cli.system import planning, shared, step_times
     metavar="COUNT",
     help="Most steps under way at once (default: all that need nothing of each other).",
 )
+@shared.wait_option
 @planning.planning_options
 @shared.system_options
 def main(
@@ -24,6 +25,7 @@ def main(
     files: tuple[str, ...],
     rollback: bool,
     parallel: int | None,
+    wait_s: float,
     state: str,
     costs: tuple[str, ...],
     basis: str,
@@ -42,6 +44,8 @@ def main(
     the rest goes back all the same.
 
     Managers of this host that do not run and are needed are started first, as rtmgr start does.
+    Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one is told who
+    that is, and ends, or waits with --wait.
 
     --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
     noted: plans made later count with it.
@@ -61,6 +65,7 @@ def main(
         stand_in=stand_in,
         transmit=transmit,
         parallel=parallel or 0,
+        lease=None if dry_run else shared.leases(app, files, wait_s),
     )
     if dry_run:
         _out.write(map(_out.printable, lines(plan, goal.costs)))

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Ends of connectors must tell the path of their component, where they tell one.",
 )
+@shared.wait_option
 @shared.system_options
 def main(
     app: App,
@@ -39,6 +40,7 @@ def main(
     stand_in: bool,
     transmit: bool,
     strict_path: bool,
+    wait_s: float,
     dry_run: bool,
     strict: bool,
     mapped: tuple[str, ...],
@@ -51,7 +53,7 @@ def main(
     is removed again.
 
     Managers of this host that do not run are started first, as rtmgr start does; with --no-create
-    they must run.
+    they must run. Only one rtapply, rtresurrect or rtstate works at a manager at a time.
     """
     from rtkit.cli.system.known_types import known_types
     from rtkit.deployment.creation import creation_plan
@@ -66,7 +68,8 @@ def main(
 
         with document.naming():
             check_paths(document.profile)
-    found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create)
+    lease = None if dry_run else shared.leases(app, files, wait_s)
+    found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create, lease=lease)
     with shared.managers_started(app, found, dry_run=dry_run) as before:
         system = shared.wanted_system(
             app,

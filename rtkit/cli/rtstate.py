@@ -25,6 +25,7 @@ from rtkit.errors import InvalidDocument, Malformed, UsageProblem
 )
 @click.option("--json", "is_json", is_flag=True, help="One JSON object.")
 @click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
+@shared.wait_option
 @planning.way_options
 @shared.system_options
 def main(
@@ -36,6 +37,7 @@ def main(
     number: int | None,
     is_json: bool,
     rollback: bool,
+    wait_s: float,
     costs: tuple[str, ...],
     basis: str,
     stand_in: bool,
@@ -50,7 +52,8 @@ def main(
     another (rtkit help states). A system is in the state whose wishes all hold; that is seen, not
     remembered. The transition is the cheapest plan: what both states wish is not touched.
 
-    With --goto and --event managers of this host that do not run are started when needed.
+    With --goto and --event managers of this host that do not run are started when needed; only one
+    rtapply, rtresurrect or rtstate works at a manager at a time.
 
     Without options the states are shown, with the way to each and the events of the present one;
     the status is 1 when the system is in none. With --follow each transition is told on stdout,
@@ -68,6 +71,7 @@ def main(
     from rtkit.deployment.planning.telling import lines
     from rtkit.tree.applying import Applier
 
+    is_led = goto is not None or event is not None
     begun = planning.begin(
         app,
         files,
@@ -78,13 +82,16 @@ def main(
         basis=basis,
         stand_in=stand_in,
         transmit=transmit,
-        starts=goto is not None or event is not None,
+        starts=is_led,
+        lease=shared.leases(app, files, wait_s) if is_led and not dry_run else None,
     )
     states, snapshot = States(begun), begun.snapshot
     if follow:
         from rtkit.cli.system.following import Following
+        from rtkit.tree.lease import Leases
 
-        Following(app, states, is_json=is_json, rolls_back=rollback).run(number)
+        leases = Leases(" ".join([app.name, *files]), wait_s or app.timeout_s, app.tell)
+        Following(app, states, leases, is_json=is_json, rolls_back=rollback).run(number)
         return 0
     now = states.now(snapshot)
     if goto is None and event is None:

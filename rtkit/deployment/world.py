@@ -14,6 +14,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment import world_composites as composites
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.deployment.lease import Immortal, Lease
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.records import replace
@@ -49,6 +50,7 @@ class World:
         lacking: Why nothing can be made of a type, by implementation id; others may be made.
         performed: Every action performed, in order.
         changed: Called after facts of a component changed.
+        lease: Who carries a plan out.
     """
 
     def __init__(
@@ -75,6 +77,7 @@ class World:
         self.fault: Callable[[Action], Result | None] = _no_fault
         self.performed: list[Action] = []
         self.changed: Callable[[], object] = _nothing
+        self.lease = Lease(lambda _pid: Immortal())
         self._pids = itertools.count(_MASTER_PID + 1)
 
     def snapshot(self) -> Snapshot:

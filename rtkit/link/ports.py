@@ -19,7 +19,7 @@ class Holder(NamedTuple):
     def __str__(self) -> str:
         if self.pid:
             return f"{self.name} (pid {self.pid})"
-        return f"a process of user {_user(self.uid)}"
+        return f"a process of user {user_name(self.uid)}"
 
 
 def holder(port: int) -> Holder | None:
@@ -72,7 +72,8 @@ def _name(pid: int) -> str:
         return "a process"
 
 
-def _user(uid: int) -> str:
+def user_name(uid: int) -> str:
+    """Return what a user is called, else his number."""
     import pwd
 
     try:

@@ -9,10 +9,12 @@ from typing import Any, NamedTuple
 
 from rtkit.deployment.batch import batch_from_text
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.lease import Lease
 from rtkit.deployment.listing import listing_of, listing_to_text
 from rtkit.deployment.part import part_of
 from rtkit.errors import NotFound, Refused, Unreachable
 from rtkit.link import keys
+from rtkit.link.lives import Life
 from rtkit.link.running import managers
 from rtkit.manager.core import configuring, operations
 from rtkit.manager.core.events import (
@@ -45,10 +47,12 @@ class Desk:
 
     Attributes:
         restart: Set when the manager is to start again after its end.
+        lease: Who carries a plan out.
     """
 
     def __init__(self, state: State) -> None:
         self.restart: Restart | None = None
+        self.lease = Lease(Life)
         self._state = state
         self._views: dict[str, str] = {}
 
@@ -66,6 +70,9 @@ class Desk:
             raise Unreachable(NOT_BEGUN)
         if request.is_extension and request.name == "picture":
             return PictureAsked(request.answer)
+        if request.is_extension and request.name == "lease":
+            request.answer(Reply(self.lease.asked(request.payload)))
+            return None
         if request.is_extension and request.name == "lacking" and request.payload is not None:
             self._find(request)
             return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +40,7 @@ class Tree(ByPath, Closing):
         manager: Its name.
         timeout_s: Bound on every call [s].
         has_ended: Whether the manager's process is known to have ended.
+        on_start: Is called with a manager that is started, before anything is asked of it.
     """
 
     def __init__(
@@ -50,6 +51,7 @@ class Tree(ByPath, Closing):
         self.manager = manager
         self.timeout_s = timeout_s
         self.has_ended: Callable[[], bool] = lambda: False
+        self.on_start: Callable[[Tree], object] = lambda _tree: None
         self._service = keys.service(host, manager)
 
     def __repr__(self) -> str:
@@ -206,6 +208,26 @@ class Tree(ByPath, Closing):
         (result,) = self.apply((action,), timeout_s=timeout_s)
         result.raise_for_error()
         return result.value
+
+    def lease(self, request: Mapping[str, Any] | None = None) -> str:
+        """Ask for the lease of the manager, give it back, or tell who has it.
+
+        For `rtkit.tree.lease`; see `rtkit.deployment.lease`.
+
+        Raises:
+            Refused: Somebody has it; tells who.
+            NotFound: The manager is of a version that has none.
+            Unreachable: The manager does not answer in time.
+        """
+        import json
+
+        text = json.dumps(request) if request is not None else None
+        return self._ask(keys.extension_key(self._service, "lease"), text)
+
+    @property
+    def trees(self) -> dict[str, Tree]:
+        """The connections by their managers; here there is only one."""
+        return {self.manager: self}
 
     def picture(self) -> Picture:
         """Return all facts, and to which news of the manager they lead up.

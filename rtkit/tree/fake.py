@@ -77,6 +77,8 @@ def _answer(world: World, request: Request) -> str:
         return listing_to_text(listing_of(world.snapshot()))
     if request.is_extension and request.name == "snapshot":
         return json.dumps(encode(world.snapshot()))
+    if request.is_extension and request.name == "lease":
+        return world.lease.asked(request.payload)
     kind, _, which = request.name.partition("/")
     if request.is_extension and kind == "part":
         instances = keys.unescape(which).split(",")

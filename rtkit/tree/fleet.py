@@ -29,7 +29,6 @@ class Fleet(Tree):
 
     Attributes:
         names: All managers that are meant, the first one first, also those that do not run.
-        trees: Those that are asked.
         homes: Where components belong; the others are where they live.
     """
 
@@ -58,13 +57,18 @@ class Fleet(Tree):
         self._start = start
         self._started: dict[str, bool] = {}
         self.names = tuple(names)
-        self.trees = dict(trees)
+        self._trees = dict(trees)
         self.homes = dict(homes)
         self._known: dict[str, str] = {}
         self._wires: tuple[ConnectorProfile, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Fleet: managers {', '.join(self.names)} on {self.host}>"
+
+    @property
+    def trees(self) -> dict[str, Tree]:
+        """The connections to those that run, by their names."""
+        return self._trees
 
     def close(self) -> None:
         """End all connections."""
@@ -96,6 +100,7 @@ class Fleet(Tree):
         if not self.trees:
             self.link = tree.link
         self.trees[manager] = tree
+        self.on_start(tree)
         found = tree.snapshot()
         self._started[manager] = not (found.components or found.modules)
 

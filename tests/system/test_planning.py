@@ -64,8 +64,18 @@ def test_a_killed_apply_is_run_again_and_finishes(manager: Any) -> None:
     shell = manager
     running = shell.open(f"rtapply --parallel 1 {FILE}")
     assert "[1/" in running.stderr.readline()
+    # While it lives, nobody else applies anything; killed, it is in nobody's way.
+    running.send_signal(signal.SIGSTOP)
+    told = rf"rtapply: manager 'manager' is in use by rtapply {FILE} \(\S+, pid {running.pid} on "
+    for command in (f"rtapply --wait 0.1 {FILE}", f"rtstate --goto run {FILE}"):
+        refused = shell.run(command)
+        assert refused.status == 1
+        assert re.search(told.replace("rtapply", command.split()[0], 1), refused.err)
+    waiting = shell.open(f"rtresurrect --wait 30 {FILE}")
+    assert waiting.stderr.readline().startswith("waits: manager 'manager' is in use by rtapply ")
     running.send_signal(signal.SIGKILL)
     running.communicate(timeout=30)
+    assert shell.end_of(waiting).status == 0
     assert shell.run(f"rtapply {FILE}").status == 0
     assert shell.run(f"rtcheck {FILE}") == (0, "", "")
 

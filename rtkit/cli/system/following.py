@@ -18,6 +18,7 @@ from rtkit.errors import RtkitError, Unreachable
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.figures import ComponentFigures
+    from rtkit.tree.lease import Leases
     from rtkit.tree.listening import Heard
 
 SYSTEM_STATE = "SYSTEM_STATE"
@@ -28,11 +29,14 @@ AT_FIRST = "at first"
 class Following:
     """Leads one system wherever its events lead."""
 
-    def __init__(self, app: App, states: States, *, is_json: bool, rolls_back: bool) -> None:
+    def __init__(
+        self, app: App, states: States, leases: Leases, *, is_json: bool, rolls_back: bool
+    ) -> None:
         from rtkit.deployment.states.following import Follower
 
         self._app = app
         self._states = states
+        self._leases = leases
         self._is_json = is_json
         self._rolls_back = rolls_back
         self._follower = Follower(states.machine, states.holds)
@@ -103,11 +107,13 @@ class Following:
         from rtkit.tree.applying import Applier
         from rtkit.tree.grace import uninterrupted
 
-        snapshot = uninterrupted(self._app.tree.snapshot)
-        goal = self._states.goal(state)
-        with step_times.noting(self._app, goal.system, snapshot) as taken:
-            applier = Applier(self._app.tree, goal, self._app.tell, self._app.tell, taken)
-            applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
+        tree, goal = self._app.tree, self._states.goal(state)
+        with self._leases as leases:
+            leases.take(*tree.trees.values())
+            snapshot = uninterrupted(tree.snapshot)
+            with step_times.noting(self._app, goal.system, snapshot) as taken:
+                applier = Applier(tree, goal, self._app.tell, self._app.tell, taken)
+                applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
 
     def _take(self, heard: list[Heard]) -> None:
         from rtkit.deployment.figures import Figures

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.system import System
     from rtkit.tree.applying import Goal
+    from rtkit.tree.lease import Leases
 
 ANY = "Any"
 STATES = ("Active", "Inactive", ANY)
@@ -98,6 +99,7 @@ def prepare(
     stand_in: bool,
     transmit: bool,
     parallel: int = 0,
+    lease: Leases | None = None,
 ) -> Prepared:
     """Read the profile, look at what lives, and plan.
 
@@ -119,6 +121,7 @@ def prepare(
         transmit=transmit,
         parallel=parallel,
         starts=True,
+        lease=lease,
     )
     goal = replace(goal, state=None if state == ANY else LifeCycleState(state))
     survey = goal.survey(snapshot)
@@ -140,10 +143,12 @@ def begin(
     transmit: bool,
     parallel: int = 0,
     starts: bool = False,
+    lease: Leases | None = None,
 ) -> Begun:
     """Read the profile and look at what lives; the goal is that all is active.
 
-    Managers that do not run are an error, unless the plan `starts` them.
+    Managers that do not run are an error, unless the plan `starts` them. A `lease` keeps others
+    off from before the look.
 
     Raises:
         InvalidDocument: The profile makes no sense.
@@ -154,7 +159,7 @@ def begin(
     from rtkit.tree.applying import Goal
 
     document = read_document(app, files, strict=strict)
-    snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts)
+    snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lease=lease)
     system = shared.wanted_system(
         app,
         document,

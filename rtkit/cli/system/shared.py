@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.rtc.profiles import ConnectorProfile
     from rtkit.tree.apply import Count, Runner
+    from rtkit.tree.lease import Leases
+
+MOST_WAIT_S = 86_400.0
 
 
 def system_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -158,14 +161,17 @@ def look(
     dry_run: bool,
     may_lack: bool = False,
     starts: bool = False,
+    lease: Leases | None = None,
 ) -> Snapshot:
     """Return what lives in the managers of a profile; a dry run goes on without, and says so.
 
     With `may_lack` some of several managers may be missing, but not all; where one is missing
-    that `starts` can be started, it holds nothing.
+    that `starts` can be started, it holds nothing. A `lease` is taken before it is looked, and
+    given back when the command ends.
 
     Raises:
         Unreachable: A manager does not run, or does not answer.
+        Refused: Somebody else carries a plan out at one of them.
     """
     starts = starts and not dry_run
     if app.finds_managers:
@@ -177,15 +183,45 @@ def look(
             if empty is not None:
                 return empty
     try:
+        take(app, lease)
         return snapshot(app)
     except Unreachable as error:
         if starts and app.finds_managers and gathering.can_be_started(gathering.usual_manager()):
             app.ask(gathering.unstarted(app))
+            take(app, lease)
             return snapshot(app)
         if not dry_run:
             raise
         app.fail(f"{error}; shown as if nothing lived")
         return nothing()
+
+
+def wait_option(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the option that says how long to wait for others who carry plans out."""
+    return click.option(
+        "--wait",
+        "wait_s",
+        type=click.FloatRange(min=0, max=MOST_WAIT_S),
+        default=0.0,
+        metavar="SECONDS",
+        help="Wait so long for another rtapply, rtresurrect or rtstate at work (default 0).",
+    )(function)
+
+
+def leases(app: App, files: tuple[str, ...], wait_s: float) -> Leases:
+    """Return what is to keep others off while a plan is carried out, until the command ends."""
+    from rtkit.tree.lease import Leases
+
+    made = Leases(" ".join([app.name, *files]), wait_s, app.say if wait_s else app.tell)
+    click.get_current_context().call_on_close(made.close)
+    return made
+
+
+def take(app: App, lease: Leases | None) -> None:
+    """Take the leases of all managers that run, and of those that are started later."""
+    if lease is not None:
+        lease.take(*app.tree.trees.values())
+        app.tree.on_start = lease.take
 
 
 @contextmanager

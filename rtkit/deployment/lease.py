@@ -1,0 +1,120 @@
+"""The lease of a manager: one command at a time carries a plan out, while its process lives."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from rtkit.errors import Malformed, Refused
+from rtkit.records import dataclass
+from rtkit.rtc.plain import decode, encode
+
+
+class Life(Protocol):
+    """A process that is watched."""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has ended."""
+        ...
+
+    def close(self) -> None:
+        """Watch it no more."""
+        ...
+
+
+class Immortal:
+    """A life without end: of one who gives the lease back himself, whatever comes."""
+
+    is_over = False
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Holder:
+    """A command that carries a plan out.
+
+    Attributes:
+        id: Names the lease, so that nobody else gives it back.
+        since: When it was taken [s since 1970].
+    """
+
+    id: str
+    command: str
+    user: str
+    host: str
+    pid: int
+    since: float = 0.0
+
+    def __str__(self) -> str:
+        began = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.since))
+        return f"{self.command} ({self.user}, pid {self.pid} on {self.host}, since {began})"
+
+
+class Lease:
+    """Who carries a plan out at one manager; it ends with the process that took it."""
+
+    def __init__(self, watch: Callable[[int], Life]) -> None:
+        """Begin without holder; `watch` begins to watch a process by its id, or raises OSError."""
+        self._watch = watch
+        self._holder: Holder | None = None
+        self._life: Life | None = None
+
+    @property
+    def holder(self) -> Holder | None:
+        """Who has it at present, if his process lives."""
+        if self._life is not None and self._life.is_over:
+            self._end()
+        return self._holder
+
+    def asked(self, text: str | None) -> str:
+        """Answer a request: who has it, ``{"take": HOLDER}``, or ``{"give": ID}``.
+
+        Raises:
+            Malformed: It is none of these.
+            Refused: Somebody else has it; tells who.
+        """
+        if text is None:
+            return json.dumps(encode(self.holder)) if self.holder is not None else ""
+        try:
+            asked: dict[str, Any] = json.loads(text)
+            wanted = decode(Holder, asked["take"]) if "take" in asked else None
+            given = str(asked["give"]) if wanted is None else ""
+        except (KeyError, TypeError, ValueError) as error:
+            raise Malformed(f"neither the wish for a lease nor its end: {error}") from error
+        if wanted is not None:
+            self._take(wanted)
+        elif self._holder is not None and self._holder.id == given:
+            self._end()
+        return ""
+
+    def _take(self, wanted: Holder) -> None:
+        holder = self.holder
+        if holder is not None:
+            raise Refused(str(holder))
+        try:
+            self._life = self._watch(wanted.pid)
+        except (OSError, OverflowError) as error:
+            raise Malformed(f"process {wanted.pid} cannot be watched: {error}") from error
+        self._holder = wanted
+
+    def _end(self) -> None:
+        if self._life is not None:
+            self._life.close()
+        self._holder = self._life = None
+
+
+def holder_from_text(text: str) -> Holder | None:
+    """Return who has a lease, from what its manager answers; None for nobody.
+
+    Raises:
+        Malformed: It cannot be read.
+    """
+    try:
+        return decode(Holder, json.loads(text)) if text else None
+    except (TypeError, ValueError) as error:
+        raise Malformed(f"who has the lease cannot be read: {error}") from error

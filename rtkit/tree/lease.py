@@ -1,0 +1,87 @@
+"""Takes the leases of the managers at which a plan is carried out, and gives them back."""
+
+from __future__ import annotations
+
+import os
+import time
+import uuid
+from collections.abc import Callable
+from contextlib import suppress
+
+from rtkit.closing import Closing
+from rtkit.deployment.lease import Holder
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.link.ports import user_name
+from rtkit.rtc.plain import encode
+from rtkit.tree.client import Tree
+
+_ASK_AGAIN_S = 0.2
+
+
+class Leases(Closing):
+    """The leases of this process; managers end them by themselves when it ends."""
+
+    def __init__(self, command: str, wait_s: float, tell: Callable[[str], object]) -> None:
+        """Prepare to take leases.
+
+        Args:
+            command: What they are for, as others are told.
+            wait_s: How long to wait for those who have them [s].
+            tell: Is told for whom it waits, and who gives none.
+        """
+        pid, user = os.getpid(), user_name(os.getuid())
+        self._holder = Holder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)
+        self._wait_s = wait_s
+        self._tell = tell
+        self._taken: list[Tree] = []
+
+    def take(self, *trees: Tree) -> None:
+        """Take the leases of managers, all or none.
+
+        Raises:
+            Refused: Somebody has one, and had it all the time that there was to wait.
+            Unreachable: A manager does not answer.
+        """
+        until = time.monotonic() + self._wait_s
+        told = ""
+        while True:
+            why = self._try([*trees])
+            left_s = until - time.monotonic()
+            if not why:
+                return
+            if left_s <= 0:
+                waited = f" (waited {self._wait_s:g} s)" if self._wait_s else ""
+                hint = "" if self._wait_s else "; --wait SECONDS waits for its end"
+                raise Refused(f"{why}{waited}{hint}")
+            if why != told:
+                self._tell(f"waits: {why}")
+                told = why
+            time.sleep(min(_ASK_AGAIN_S, left_s))
+
+    def close(self) -> None:
+        """Give all of them back; a manager that does not answer any more has none."""
+        self._give([*self._taken])
+
+    def _try(self, trees: list[Tree]) -> str:
+        """Take leases, all or none; return who has one."""
+        known = len(self._taken)
+        for tree in trees:
+            since = time.time()
+            try:
+                tree.lease({"take": {**encode(self._holder), "since": since}})
+                self._taken.append(tree)
+            except Refused as error:
+                self._give(self._taken[known:])
+                return f"manager {tree.manager!r} is in use by {error}"
+            except (NotFound, Malformed) as error:
+                self._tell(f"manager {tree.manager!r} keeps no others off meanwhile: {error}")
+            except BaseException:
+                self._give(self._taken[known:])
+                raise
+        return ""
+
+    def _give(self, trees: list[Tree]) -> None:
+        for tree in trees:
+            self._taken.remove(tree)
+            with suppress(RtkitError):
+                tree.lease({"give": self._holder.id})

@@ -1,0 +1,93 @@
+"""Leases of several managers: all or none, waited for, given back."""
+
+import os
+import threading
+
+import pytest
+
+from rtkit.deployment.lease import holder_from_text
+from rtkit.deployment.world import World
+from rtkit.errors import NotFound, Refused
+from rtkit.link.lives import Life
+from rtkit.tree.fake import fake_tree
+from rtkit.tree.lease import Leases
+
+
+@pytest.fixture
+def trees():
+    return [fake_tree(World(manager=name)) for name in ("a", "b")]
+
+
+def command_at(tree):
+    holder = holder_from_text(tree.lease())
+    return holder.command if holder is not None else ""
+
+
+def test_all_are_taken_or_none(trees):
+    a, b = trees
+    told = []
+    with Leases("rtapply x", 0, told.append) as mine, Leases("rtstate y", 0, told.append) as other:
+        other.take(b)
+        with pytest.raises(Refused, match=r"manager 'b' is in use by rtstate y \(.*--wait SECO"):
+            mine.take(a, b)
+        assert [command_at(tree) for tree in trees] == ["", "rtstate y"]
+        other.close()
+        mine.take(a, b)
+        assert [command_at(tree) for tree in trees] == ["rtapply x", "rtapply x"]
+    assert [command_at(tree) for tree in trees] == ["", ""]
+    assert told == []
+
+
+def test_it_is_waited_for(trees):
+    told = []
+    other = Leases("rtstate y", 0, told.append)
+    other.take(trees[1])
+    let_go = threading.Event()
+
+    def tell(text):
+        told.append(text)
+        let_go.set()
+
+    def end():
+        let_go.wait(10)
+        other.close()
+
+    thread = threading.Thread(target=end)
+    thread.start()
+    with Leases("rtapply x", 10, tell) as mine:
+        mine.take(*trees)
+        assert command_at(trees[1]) == "rtapply x"
+    thread.join()
+    (waiting,) = told
+    assert waiting.startswith("waits: manager 'b' is in use by rtstate y (")
+
+
+def test_a_manager_that_has_none_is_gone_without(trees):
+    def lease(_request=None):
+        raise NotFound("no such view: lease")
+
+    trees[0].lease = lease
+    told = []
+    with Leases("rtapply x", 0, told.append) as mine:
+        mine.take(*trees)
+        assert command_at(trees[1]) == "rtapply x"
+    assert told == ["manager 'a' keeps no others off meanwhile: no such view: lease"]
+
+
+def test_a_process_is_watched_to_its_end():
+    read, write = os.pipe()
+    pid = os.fork()
+    if not pid:
+        os.close(write)
+        os.read(read, 1)
+        os._exit(0)
+    os.close(read)
+    life = Life(pid)
+    assert not life.is_over
+    os.close(write)
+    os.waitid(os.P_PID, pid, os.WEXITED | os.WNOWAIT)
+    assert life.is_over
+    os.waitpid(pid, 0)
+    life.close()
+    with pytest.raises(ProcessLookupError):
+        Life(pid)
