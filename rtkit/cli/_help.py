@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from rtkit.cli._statuses import DETAILS, SEARCHES, STATUSES, TOLD_APART
+from rtkit.cli._statuses import DETAILS, STATUSES, TOLD_APART
 
 _FOLDER = os.path.join(os.path.dirname(__file__), "topics")
 TOPICS: dict[str, str] = {
@@ -43,6 +43,5 @@ def _statuses() -> str:
     lines = ["Statuses: what the exit status of a command says.", ""]
     lines += [f"  {status:<5}{meaning}" for status, meaning in STATUSES.items()]
     lines += ["", f"{TOLD_APART}:", ""]
-    told = sorted({**DETAILS, **SEARCHES}.items(), key=lambda each: int(each[0]))
-    lines += [f"  {status:<5}{meaning}" for status, meaning in told]
+    lines += [f"  {status:<5}{meaning}" for status, meaning in DETAILS.items()]
     return "\n".join(lines)

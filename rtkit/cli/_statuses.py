@@ -16,11 +16,9 @@ DETAILS: dict[str, str] = {
     "4": "not found",
     "5": "no answer",
     "6": "only a part was done",
+    "7": "impossible",
+    "8": "a search was given up",
     "70": "a bug",
 }
 """What failures are told apart by with ``--exit-detail``."""
-
-SEARCHES: dict[str, str] = {"7": "impossible", "8": "a search was given up"}
-"""Further ones, of commands that search."""
-
 TOLD_APART = "With --exit-detail (or RTKIT_EXIT_DETAIL=1) failures are told apart"

@@ -6,8 +6,8 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, command
-from rtkit.cli.system import planning, shared, step_times
-from rtkit.errors import InvalidDocument, Malformed, UsageProblem
+from rtkit.cli.system import planning, shared
+from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
 
 
 @command("rtstate")
@@ -55,6 +55,8 @@ def main(
     With --goto and --event managers of this host that do not run are started when needed; only one
     rtapply, rtresurrect or rtstate works at a manager at a time.
 
+    A state that cannot be reached and has the event failed leads on by it; the status is 1 then.
+
     Without options the states are shown, with the way to each and the events of the present one;
     the status is 1 when the system is in none. With --follow each transition is told on stdout,
     and the steps on stderr when verbose.
@@ -69,7 +71,6 @@ def main(
         raise UsageProblem("--dry-run and --follow exclude each other")
     from rtkit.cli.system.states import States, as_lines, as_record
     from rtkit.deployment.planning.telling import lines
-    from rtkit.tree.applying import Applier
 
     is_led = goto is not None or event is not None
     begun = planning.begin(
@@ -110,12 +111,14 @@ def main(
             target = states.machine.next(now, event)
     except Malformed as error:
         raise InvalidDocument(f"{begun.document.source}: {error}") from error
-    goal = states.goal(target)
-    plan = goal.plan(snapshot)
     if dry_run:
-        _out.write(map(_out.printable, lines(plan, goal.costs)))
+        goal = states.goal(target)
+        _out.write(map(_out.printable, lines(goal.plan(snapshot), goal.costs)))
         return 0
-    with step_times.noting(app, goal.system, snapshot) as taken:
-        applier = Applier(app.tree, goal, app.say, app.say, taken)
-        applier.run(plan, snapshot, rolls_back=rollback)
+    from rtkit.cli.system.leading import Leading
+
+    leading = Leading(app, states, app.say, rolls_back=rollback)
+    _, _, reached = leading.lead(now, target, event or "goto")
+    if reached != target:
+        raise Refused(f"{target} was not reached; the system was led to {reached}")
     return 0

@@ -11,9 +11,9 @@ from rtkit.cli._ears import write_now
 from rtkit.cli._moments import clock
 from rtkit.cli._records import line as json_line
 from rtkit.cli._records import time_text
-from rtkit.cli.system import step_times
+from rtkit.cli.system.leading import Leading
 from rtkit.cli.system.states import States
-from rtkit.errors import RtkitError, Unreachable
+from rtkit.errors import Unreachable
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
@@ -32,14 +32,11 @@ class Following:
     def __init__(
         self, app: App, states: States, leases: Leases, *, is_json: bool, rolls_back: bool
     ) -> None:
-        from rtkit.deployment.states.following import Follower
-
         self._app = app
         self._states = states
-        self._leases = leases
         self._is_json = is_json
-        self._rolls_back = rolls_back
-        self._follower = Follower(states.machine, states.holds)
+        self._leading = Leading(app, states, app.tell, leases, rolls_back=rolls_back)
+        self._follower = self._leading.follower
         self._figures: dict[str, ComponentFigures] = {}
         self._left: int | None = None
 
@@ -87,33 +84,8 @@ class Following:
 
     def _lead(self, before: str, state: str, event: str) -> None:
         """Lead the system to a state; on from there if it cannot be reached."""
-        from rtkit.deployment.states.machine import FAILED
-
-        while True:
-            try:
-                self._reach(state)
-            except RtkitError as error:
-                told = f"{before or 'the beginning'} -{event}-> {state}: {error}"
-                if FAILED not in self._states.machine.table[state]:
-                    raise type(error)(told) from error
-                self._app.fail(told)
-                before, event = state, FAILED
-                state = self._follower.go(FAILED, time.monotonic())
-            else:
-                self._count(before, state, event)
-                return
-
-    def _reach(self, state: str) -> None:
-        from rtkit.tree.applying import Applier
-        from rtkit.tree.grace import uninterrupted
-
-        tree, goal = self._app.tree, self._states.goal(state)
-        with self._leases as leases:
-            leases.take(*tree.trees.values())
-            snapshot = uninterrupted(tree.snapshot)
-            with step_times.noting(self._app, goal.system, snapshot) as taken:
-                applier = Applier(tree, goal, self._app.tell, self._app.tell, taken)
-                applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
+        before, event, state = self._leading.lead(before, state, event)
+        self._count(before, state, event)
 
     def _take(self, heard: list[Heard]) -> None:
         from rtkit.deployment.figures import Figures

@@ -11,7 +11,7 @@ from rtkit.cli import COMMANDS
 from rtkit.cli._help import TOPICS, text
 from rtkit.cli._man import pages
 from rtkit.cli._rtkit import run as rtkit
-from rtkit.cli._statuses import DETAILS, SEARCHES, STATUSES
+from rtkit.cli._statuses import DETAILS, STATUSES
 from rtkit.component.options import parse_options
 from rtkit.errors import BUG_EXIT, RtkitError
 
@@ -69,10 +69,11 @@ def test_the_table_of_statuses_is_that_of_the_errors_and_on_each_page() -> None:
     kinds = {error.exit_code for error in [RtkitError, *RtkitError.__subclasses__()]}
     assert kinds <= set(map(int, STATUSES))
     details = {error.detail for error in [RtkitError, *RtkitError.__subclasses__()]} | {BUG_EXIT}
-    assert {str(each) for each in details} == {*DETAILS, *SEARCHES}
+    assert {str(each) for each in details} == set(DETAILS)
     for name, page in pages().items():
         table = page.partition(".SH EXIT STATUS")[2].partition(".SH ENVIRONMENT")[0]
         assert all(f"\\fB{status}\\fR" in table for status in STATUSES), name
+        assert all(f"{status} {meaning}" in table for status, meaning in DETAILS.items()), name
         assert all(f" {detail} " in table for detail in DETAILS), name
 
 

@@ -242,3 +242,25 @@ def test_a_transition_that_fails_leads_on_or_ends_it(
     status, _, err = following("-f -n 1", lambda _: console.world.kill("Motor"))
     assert status == 1
     assert err.splitlines()[-1].startswith("rtstate: explore -motor_lost-> degraded: ")
+
+
+@pytest.mark.parametrize("line", ["-e hurt", "-g degraded"])
+def test_what_fails_on_command_leads_on_as_it_does_for_who_follows(console, line) -> None:
+    assert console.run("-g explore")[0] == 0
+    console.write(
+        transitions="standby -start-> explore; explore -motor_lost-> degraded;"
+        " degraded -failed-> standby; explore -hurt-> degraded",
+        state__degraded="Motor0=Absent; Eye0.gain=9",
+        state__standby="*=Inactive; Motor0=Absent",
+    )
+
+    def fault(action: act.Action) -> Result | None:
+        bad = isinstance(action, act.SetParameters) and action.values == {"gain": "9"}
+        return Result(ReturnCode.ERROR, "refused", "no luck") if bad else None
+
+    console.world.fault = fault
+    status, out, err = console.run(line)
+    assert (status, out) == (1, "")
+    assert f"rtstate: explore -{'hurt' if line[1] == 'e' else 'goto'}-> degraded: " in err
+    assert err.endswith("rtstate: degraded was not reached; the system was led to standby\n")
+    assert console.run("")[1].splitlines()[0].startswith("* standby")

@@ -70,7 +70,7 @@ def test_it_ends_with_the_process(lease, lives):
 
 
 def test_nobody_has_it_who_cannot_be_watched(lease):
-    with pytest.raises(Malformed, match="process 10 cannot be watched: .*No such process"):
+    with pytest.raises(Malformed, match=r"process 10 cannot be watched: .*No such process"):
         take(lease, 10)
     take(lease, 1)
 
