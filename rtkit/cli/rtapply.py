@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
 from rtkit.cli.system import planning, shared, step_times
+from rtkit.cli.system.document import is_saved_plan, parse_document, read_data
 
 
 @command("rtapply")
@@ -26,16 +29,14 @@ def main(
     rollback: bool,
     parallel: int | None,
     wait_s: float,
-    state: str,
-    costs: tuple[str, ...],
-    basis: str,
-    stand_in: bool,
-    transmit: bool,
     dry_run: bool,
-    strict: bool,
-    mapped: tuple[str, ...],
+    **options: Any,
 ) -> None:
     """Make the live system what an RTS profile says (FILE, or stdin), by the plan rtplan shows.
+
+    FILE may also be a plan that rtplan --out saved. Just that plan is carried out, if everything
+    is as it was when the plan was made; else nothing is done, and what has changed is told. Where
+    something turns out otherwise on the way it stops, instead of planning anew.
 
     What holds already is not touched. Steps that need nothing of each other are done at once, and
     what lives is looked at before each round: what turned out otherwise is planned anew. When a
@@ -53,23 +54,24 @@ def main(
     from rtkit.deployment.planning.telling import lines
     from rtkit.tree.applying import Applier
 
-    goal, snapshot, plan = planning.prepare(
-        app,
-        files,
-        is_dry=dry_run,
-        strict=strict,
-        mapped=mapped,
-        state=state,
-        costs=costs,
-        basis=basis,
-        stand_in=stand_in,
-        transmit=transmit,
-        parallel=parallel or 0,
-        lease=None if dry_run else shared.leases(app, files, wait_s),
-    )
+    source, data = read_data(files)
+    is_saved = is_saved_plan(data)
+    lease = None if dry_run else shared.leases(app, files, wait_s)
+    if is_saved:
+        from rtkit.cli.system import saving
+
+        prepared = saving.prepare(
+            app, data, source, is_dry=dry_run, parallel=parallel or 0, lease=lease
+        )
+    else:
+        document = parse_document(app, source, data, strict=options["strict"])
+        prepared = planning.prepare(
+            app, document, is_dry=dry_run, parallel=parallel or 0, lease=lease, **options
+        )
+    goal, snapshot, plan = prepared
     if dry_run:
         _out.write(map(_out.printable, lines(plan, goal.costs)))
         return
     with step_times.noting(app, goal.system, snapshot) as taken:
         applier = Applier(app.tree, goal, app.say, app.say, taken)
-        applier.run(plan, snapshot, rolls_back=rollback)
+        applier.run(plan, snapshot, rolls_back=rollback, is_exact=is_saved)

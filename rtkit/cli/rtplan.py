@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, command
 from rtkit.cli.system import planning, shared
+from rtkit.cli.system.document import read_document
 from rtkit.errors import UsageProblem
 
 CHANGE_NEEDED = 2
@@ -15,6 +18,11 @@ CHANGE_NEEDED = 2
 @command("rtplan")
 @click.option("--json", "is_json", is_flag=True, help="The plan as one JSON object.")
 @click.option("--dot", "is_dot", is_flag=True, help="The plan as a graph (dot).")
+@click.option(
+    "--out",
+    metavar="FILE",
+    help="Save the plan, too; rtapply FILE carries out just this one.",
+)
 @click.option(
     "--detailed-exitcode",
     is_flag=True,
@@ -27,14 +35,9 @@ def main(
     files: tuple[str, ...],
     is_json: bool,
     is_dot: bool,
+    out: str | None,
     detailed_exitcode: bool,
-    state: str,
-    costs: tuple[str, ...],
-    basis: str,
-    stand_in: bool,
-    transmit: bool,
-    strict: bool,
-    mapped: tuple[str, ...],
+    **options: Any,
 ) -> int:
     """Show the cheapest plan from the live system to an RTS profile (FILE, or stdin).
 
@@ -54,18 +57,13 @@ def main(
 
     if is_json and is_dot:
         raise UsageProblem("--json and --dot exclude each other")
-    goal, _, plan = planning.prepare(
-        app,
-        files,
-        is_dry=True,
-        strict=strict,
-        mapped=mapped,
-        state=state,
-        costs=costs,
-        basis=basis,
-        stand_in=stand_in,
-        transmit=transmit,
-    )
+    document = read_document(app, files, strict=options["strict"])
+    prepared = planning.prepare(app, document, is_dry=True, **options)
+    goal, plan = prepared.goal, prepared.plan
+    if out is not None:
+        from rtkit.cli.system.saving import save
+
+        save(out, document, prepared, options)
     if is_json:
         _out.write([_records.line("plan", telling.as_plain(plan, goal.costs))])
     else:

@@ -7,6 +7,7 @@ import click
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, command
 from rtkit.cli.system import planning, shared
+from rtkit.cli.system.document import read_document
 from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
 
 
@@ -75,7 +76,7 @@ def main(
     is_led = goto is not None or event is not None
     begun = planning.begin(
         app,
-        files,
+        read_document(app, files, strict=strict),
         is_dry=dry_run,
         strict=strict,
         mapped=mapped,

@@ -13,6 +13,7 @@ from functools import partial
 
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.joint import homes_in
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import Layer, Plan
 from rtkit.deployment.planning.back import WayBack
@@ -126,9 +127,19 @@ class Applier:
         self._runner = Runner(tree, report, taken=taken)
         self._look: Callable[[], Snapshot] = lambda: uninterrupted(tree.snapshot)
         self._moves: Sequence[Move] = ()
+        self._is_exact = False
 
-    def run(self, plan: DeploymentPlan, before: Snapshot, *, rolls_back: bool = False) -> None:
+    def run(
+        self,
+        plan: DeploymentPlan,
+        before: Snapshot,
+        *,
+        rolls_back: bool = False,
+        is_exact: bool = False,
+    ) -> None:
         """Carry a plan out that was made from what lived `before`; go back if that fails.
+
+        One that is to be carried out exactly is not made anew where the world differs.
 
         Raises:
             Refused: A step failed; the message tells what is left, or that it went back.
@@ -137,6 +148,7 @@ class Applier:
         """
         system = self._goal.system
         try:
+            self._is_exact = is_exact
             plan, before = self._with_managers(plan, before)
             doing = Doing(system, Live(before, system))
             self._reach(plan, doing, lambda now: self._goal.survey(now, before).model, system)
@@ -160,11 +172,11 @@ class Applier:
         if not starts:
             return plan, before
         before = self._look()
-        rest = self._goal.plan(before)
-        if [*rest.moves] == [move for move in plan.moves if move not in starts]:
+        started = {move.subject for move in starts}
+        if started.isdisjoint(homes_in(before).values()):
             return plan, before
-        self._report("not as planned: a manager came back with what it kept; planning anew")
-        return rest, before
+        self._differs("a manager came back with what it kept")
+        return self._goal.plan(before), before
 
     def _reach(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> None:
         for _ in range(_MOST_PLANS):
@@ -172,9 +184,21 @@ class Applier:
                 return
             why = self._carry_out(plan, doing, see, system)
             if why:
-                self._report(f"not as planned: {why}; planning anew from what is")
+                self._differs(why)
             plan = make_plan(see(self._look()), self._goal.ranks)
+            if plan.moves and self._is_exact:
+                self._differs("it led elsewhere")
         raise Refused(f"what lives differed from {_MOST_PLANS} plans")
+
+    def _differs(self, why: str) -> None:
+        """Tell that the world is not as planned.
+
+        Raises:
+            Refused: The plan is to be carried out as it is, or not at all.
+        """
+        if self._is_exact:
+            raise Refused(f"not as planned: {why}; the rest of the saved plan is left")
+        self._report(f"not as planned: {why}; planning anew from what is")
 
     def _carry_out(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> str:
         """Carry a plan out; return what made it worthless, if anything did."""
@@ -229,6 +253,7 @@ class Applier:
 
     def _go_back(self, before: Snapshot) -> str:
         """Lead back to what was; what fails on the way is told, and the rest goes on."""
+        self._is_exact = False
         way = WayBack(lambda now: self._goal.survey(now, before, is_back=True).model, before)
         self._look = lambda: uninterrupted(self._tree.remains)
         nothing = System()

@@ -40,6 +40,12 @@ def test_a_robot_is_brought_up_changed_moved_repaired_and_left_alone(manager: An
     assert shell.run(f"rtapply {FILE}").status == 0
     assert "gain           1.0" in shell.ok("rtconf /localhost/Controller0.rtc list -l")
 
+    # A plan that was saved is carried out as it is, once.
+    shell.ok("rtconf /localhost/Controller0.rtc set gain 7")
+    shell.ok(f"rtplan --out p {FILE}")
+    assert shell.run("rtapply p").status == 0
+    assert "Controller0.gain=1.0 (was 7" in shell.run("rtapply p").err
+
     # What is killed is made again, with its connections; the others run on.
     os.kill(pids["motor"], signal.SIGKILL)
     while not any(step.startswith("create Motor0") for step in steps(shell, FILE)):

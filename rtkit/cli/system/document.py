@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -66,14 +67,39 @@ def read_document(app: App, files: tuple[str, ...], *, strict: bool) -> Document
         NotFound: The file cannot be read.
         InvalidDocument: It is no system profile.
     """
+    return parse_document(app, *read_data(files), strict=strict)
+
+
+def read_data(files: tuple[str, ...]) -> tuple[str, bytes]:
+    """Return the name and the content of the file that was named, or of stdin.
+
+    Raises:
+        NotFound: The file cannot be read.
+    """
     from rtkit.profile import read
     from rtkit.profile.parse import MAX_BYTES
 
     check_at_most_one(files, "file")
     if files and files[0] != STDIN:
-        source, data = files[0], read.read_bytes(files[0])
-    else:
-        source, data = read.STDIN, sys.stdin.buffer.read(MAX_BYTES + 1)
+        return files[0], read.read_bytes(files[0])
+    return read.STDIN, sys.stdin.buffer.read(MAX_BYTES + 1)
+
+
+def is_saved_plan(data: bytes) -> bool:
+    """Whether a file begins as a saved plan does."""
+    return re.match(rb'\s*\{\s*"schema"\s*:\s*"rtkit\.saved-plan/', data) is not None
+
+
+def parse_document(app: App, source: str, data: bytes, *, strict: bool) -> Document:
+    """Read a system profile; tell repairs when verbose.
+
+    Raises:
+        InvalidDocument: It is no system profile.
+    """
+    from rtkit.profile import read
+
+    if is_saved_plan(data):
+        raise InvalidDocument(f"{source}: is a saved plan; only rtapply takes it")
     app.is_strict = strict
     reading = read.read_rts(data, source, form=app.form, strict=strict)
     for note in reading.notes:

@@ -10,13 +10,13 @@ import click
 
 from rtkit.cli._app import App
 from rtkit.cli.system import shared
-from rtkit.cli.system.document import read_document
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.planning.costs import Costs
+    from rtkit.deployment.planning.model import Model
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.system import System
     from rtkit.tree.applying import Goal
@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 ANY = "Any"
 STATES = ("Active", "Inactive", ANY)
 MEASURED, TABLE = "measured", "table"
+
+
+Make = Callable[["Goal", "Snapshot", "Model"], "DeploymentPlan"]
+"""Makes a plan to a goal from what lives, which a model tells too."""
 
 
 class Prepared(NamedTuple):
@@ -88,7 +92,7 @@ def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def prepare(
     app: App,
-    files: tuple[str, ...],
+    document: Document,
     *,
     is_dry: bool,
     strict: bool,
@@ -100,18 +104,18 @@ def prepare(
     transmit: bool,
     parallel: int = 0,
     lease: Leases | None = None,
+    make: Make | None = None,
 ) -> Prepared:
-    """Read the profile, look at what lives, and plan.
+    """Look at what lives, and plan, or `make` the plan otherwise.
 
     Raises:
         Impossible: There is no plan; names wishes that cannot hold together.
     """
-    from rtkit.deployment.planning.plan import make_plan
     from rtkit.rtc.enums import LifeCycleState
 
     _, goal, snapshot = begin(
         app,
-        files,
+        document,
         is_dry=is_dry,
         strict=strict,
         mapped=mapped,
@@ -127,12 +131,18 @@ def prepare(
     survey = goal.survey(snapshot)
     for note in survey.notes:
         app.fail(note)
-    return Prepared(goal, snapshot, make_plan(survey.model, goal.ranks))
+    return Prepared(goal, snapshot, (make or _cheapest)(goal, snapshot, survey.model))
+
+
+def _cheapest(goal: Goal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:
+    from rtkit.deployment.planning.plan import make_plan
+
+    return make_plan(model, goal.ranks)
 
 
 def begin(
     app: App,
-    files: tuple[str, ...],
+    document: Document,
     *,
     is_dry: bool,
     strict: bool,
@@ -145,7 +155,7 @@ def begin(
     starts: bool = False,
     lease: Leases | None = None,
 ) -> Begun:
-    """Read the profile and look at what lives; the goal is that all is active.
+    """Look at what lives; the goal is that all of the profile is active.
 
     Managers that do not run are an error, unless the plan `starts` them. A `lease` keeps others
     off from before the look.
@@ -158,7 +168,6 @@ def begin(
     from rtkit.cli.system.known_types import known_types
     from rtkit.tree.applying import Goal
 
-    document = read_document(app, files, strict=strict)
     snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lease=lease)
     system = shared.wanted_system(
         app,

@@ -250,9 +250,10 @@ def nothing() -> Snapshot:
     """Return what is to be seen where nothing lives."""
     import os
 
+    from rtkit.cli.system.gathering import usual_manager
     from rtkit.deployment.facts import Snapshot
 
-    return Snapshot(os.uname().nodename, "manager", 0, "")
+    return Snapshot(os.uname().nodename, usual_manager(), 0, "")
 
 
 def show(plan: Plan | StartPlan) -> None:

@@ -53,7 +53,7 @@ class WayBack:
             was, value = self._was.now(variable), whole.now(variable)
             is_as_wished = whole.allows(variable, value)
             if not is_as_wished or (was == ERROR and value != ERROR):
-                yield _difference(whole, variable, was)
+                yield difference(whole, variable, was)
         names = {facts.instance for facts in now.components}
         for facts in self._before.components:
             if facts.zombie and facts.instance not in names:
@@ -107,15 +107,15 @@ def _beside(model: Model, name: str) -> Iterator[str]:
     yield from (each for each in model.units[name].members if each in model.units)
 
 
-def _difference(model: Model, variable: str, was: str) -> str:
+def difference(model: Model, variable: str, was: str) -> str:
     """Return in words how a variable is, and how it was."""
     kind, _, name = variable.partition(":")
     value = model.now(variable)
     if kind == "cfg":
         text = model.keys[name].text.removeprefix("set ") or f"{name}="
         return f"{text}{value} (was {was})"
-    if kind == "act":
-        return f"{name} is {value} (was {was})"
+    if kind in ("act", "mgr"):
+        return f"{'manager ' * (kind == 'mgr')}{name} is {value} (was {was})"
     if kind == "con":
         name = f"connection {model.wires[name].text or name}"
     elif kind == "mod":

@@ -115,10 +115,10 @@ class Console:
         assert old in text
         self._file.write_text(text.replace(old, new))
 
-    def run(self, line: str) -> tuple[int, str, str]:
+    def run(self, line: str, file: Path | None = None) -> tuple[int, str, str]:
         name, *options = shlex.split(line)
         main = {"rtplan": rtplan, "rtapply": rtapply, "rtresurrect": rtresurrect}[name].main
-        status = main([*options, str(self._file)], tree=fake_tree(self.world))
+        status = main([*options, str(file or self._file)], tree=fake_tree(self.world))
         told = self._capsys.readouterr()
         return status, told.out, told.err
 
@@ -573,3 +573,115 @@ def test_without_a_manager_a_plan_begins_with_it(console, monkeypatch):
     assert "start manager manager" in told.out
     assert "shown as if nothing lived" in told.err
     assert rtapply.main([str(console._file)], tree=tree) == 1
+
+
+class Saving:
+    """A plan in a file."""
+
+    def __init__(self, console: Console, folder: Path) -> None:
+        self.console = console
+        self.file = folder / "pair.plan"
+
+    def save(self, options: str = "") -> str:
+        status, out, err = self.console.run(f"rtplan --out {self.file} {options}")
+        assert (status, err) == (0, "")
+        return out
+
+    def apply(self, options: str = "") -> tuple[int, str, str]:
+        return self.console.run(f"rtapply {options}", file=self.file)
+
+
+@pytest.fixture
+def saving(console: Console, tmp_path: Path) -> Saving:
+    return Saving(console, tmp_path)
+
+
+def test_a_saved_plan_is_carried_out_as_it_is(saving):
+    console = saving.console
+    shown = saving.save("--cost connect=3")
+    # The profile may change meanwhile, and go: the plan holds what it was made from.
+    console.write(gain="9")
+    status, out, err = saving.apply("--dry-run")
+    assert (status, err) == (0, "")
+    assert out == shown
+    assert saving.apply("--parallel 1")[:2] == (0, "")
+    assert console.world.components["Source0"].sets["default"]["gain"] == "2"
+    assert console.world.state_of("Source0") == "Active"
+    performed = len(console.world.performed)
+    status, _, err = saving.apply()
+    assert status == 1
+    assert "changed since: Source0 is there\n" in err
+    assert err.splitlines()[-1].endswith("; what it leads to is so already")
+    assert len(console.world.performed) == performed
+
+
+def test_what_has_changed_since_a_plan_was_saved_is_told_and_nothing_is_done(saving):
+    console = saving.console
+    console.up()
+    console.write(gain="7")
+    saving.save()
+    console.world.perform(act.Disconnect("wire"))
+    console.world.set_state("Sink0", LifeCycleState.ERROR, "ValueError: no")
+    console.world.perform(act.SetParameters("Source0", "default", {"mode": "z"}))
+    before = console.world.snapshot()
+    status, out, err = saving.apply()
+    assert (status, out) == (1, "")
+    *told, last = err.splitlines()
+    assert told == [
+        "rtapply: changed since: Sink0 is error (was active)",
+        "rtapply: changed since: Source0.mode=z (was a)",
+        "rtapply: changed since: connection Source0.out to Sink0.in (wire) is not there",
+    ]
+    assert f"{saving.file}: not carried out, as 3 things have changed since it was made, " in last
+    assert last.endswith(f"; make it anew with: rtplan --out {saving.file} PROFILE")
+    assert console.world.snapshot() == before
+
+
+def test_a_saved_plan_that_does_not_fit_on_the_way_is_not_made_anew(saving):
+    console = saving.console
+    saving.save()
+
+    def fault(_action: act.Action) -> None:
+        if "Source0" in console.world.components:
+            console.world.fault = lambda _: None
+            console.world.kill("s")
+
+    console.world.fault = fault
+    status, _, err = saving.apply("--parallel 1 --rollback")
+    assert status == 1
+    assert "rtapply: not as planned: " in err
+    assert "; the rest of the saved plan is left; everything is as it was before" in err
+    assert console.world.state_of("Sink0") if "Sink0" in console.world.components else True
+
+
+@pytest.mark.parametrize(
+    ("options", "named"), [("-s Any", "--state"), ("--cost connect=2 -x", "--cost, --xml")]
+)
+def test_what_was_settled_with_a_saved_plan_cannot_be_asked_otherwise(saving, options, named):
+    saving.save()
+    status, _, err = saving.apply(options)
+    assert status == 2
+    assert f"{named}: settled already where the plan is a saved one" in err
+
+
+def test_only_a_saved_plan_is_replaced_and_only_rtapply_takes_one(saving, tmp_path):
+    console = saving.console
+    saving.save()
+    saving.save()
+    precious = tmp_path / "precious"
+    precious.write_text("data")
+    status, _, err = console.run(f"rtplan --out {precious}")
+    assert (status, precious.read_text()) == (1, "data")
+    assert "is there already, and is no saved plan" in err
+    assert console.run("rtplan --out -")[0] == 2
+    for name in ("rtplan", "rtresurrect"):
+        status, _, err = console.run(name, file=saving.file)
+        assert status == 1
+        assert err == f"{name}: {saving.file}: is a saved plan; only rtapply takes it\n"
+    saving.file.write_text(saving.file.read_text()[:200])
+    status, _, err = saving.apply("--exit-detail")
+    assert status == 3
+    assert f"rtapply: {saving.file}: the saved plan is cut or damaged: " in err
+    saving.file.write_text('{"rtkit": 1}')
+    assert saving.apply()[0] == 1
+    assert not console.world.components

@@ -1,0 +1,232 @@
+"""A plan with all that it was made from, as text: kept in a file, and carried out later as it is.
+
+It holds what lived and what was wished as the planner saw it (a `Model`), so that it can be told
+what has changed since.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from hashlib import sha256
+from typing import Any
+
+from rtkit.deployment.planning.back import difference
+from rtkit.deployment.planning.emit import order
+from rtkit.deployment.planning.model import Key, Model, Unit, Wire, owner_of
+from rtkit.deployment.planning.moves import Move, Moves
+from rtkit.deployment.planning.plan import DeploymentPlan
+from rtkit.deployment.planning.telling import as_plain
+from rtkit.deployment.planning.whole import judge
+from rtkit.errors import InvalidDocument, Malformed
+
+_SCHEMA = "rtkit.saved-plan"
+_VERSION = 1
+_TABLES = {"units": Unit, "wires": Wire, "keys": Key}
+_FACTS = ("live", "desired", "managers")
+
+
+@dataclass(frozen=True)
+class Saved:
+    """A plan as it was made.
+
+    Attributes:
+        made: When, as people read it.
+        about: What it was made from: the profile and the options.
+        model: What lived, what might be, what was wished.
+        ranks: Components of lower numbers are activated before those of higher ones.
+        steps: Kind, subject, value and cost of each step, in order.
+        gap: By how much it may be dearer than the cheapest.
+    """
+
+    made: str
+    about: Mapping[str, Any]
+    model: Model
+    ranks: Mapping[str, int]
+    steps: tuple[tuple[str, str, str, float], ...]
+    gap: float
+
+    def plan(self, model: Model) -> DeploymentPlan:
+        """Return the plan over what lives, which must be as it was.
+
+        Raises:
+            Malformed: The steps do not lead there.
+        """
+        moves = Moves(model)
+        try:
+            made = tuple(_move(moves, *step) for step in self.steps)
+            why = judge(model, made)
+        except KeyError as error:
+            why = f"there is no {error}"
+        if why:
+            raise Malformed(f"its steps do not lead where they should: {why}")
+        before = tuple(map(frozenset, order(made, self.ranks)))
+        return DeploymentPlan(model, made, before, self.gap)
+
+
+def to_text(plan: DeploymentPlan, ranks: Mapping[str, int], made: str, about: Any) -> str:
+    """Return a plan as text."""
+    model = plan.model
+    data = {
+        "made": made,
+        "about": about,
+        # For people; what is carried out stands below.
+        "plan": [step["text"] for step in as_plain(plan)["steps"]],
+        "steps": [[move.kind, move.subject, move.value, move.cost] for move in plan.moves],
+        "ranks": dict(ranks),
+        "gap": plan.gap,
+        **{name: _tables(getattr(model, name)) for name in _TABLES},
+        **{name: _plain(getattr(model, name)) for name in _FACTS},
+        "slaves_need_modules": model.slaves_need_modules,
+    }
+    whole = {"schema": f"{_SCHEMA}/{_VERSION}", "digest": _digest(data), **data}
+    return json.dumps(whole, indent=1, allow_nan=False) + "\n"
+
+
+def from_text(text: bytes, source: str) -> Saved:
+    """Read a plan that was saved.
+
+    Raises:
+        InvalidDocument: It is cut, was changed, or is of another version; says which.
+    """
+    try:
+        data = json.loads(text)
+        schema, digest = data.pop("schema"), data.pop("digest")
+    except (ValueError, RecursionError, KeyError, AttributeError) as error:
+        raise InvalidDocument(f"{source}: the saved plan is cut or damaged: {error}") from error
+    if schema != f"{_SCHEMA}/{_VERSION}":
+        raise InvalidDocument(f"{source}: {schema} is of another version of rtkit")
+    if digest != _digest(data):
+        raise InvalidDocument(f"{source}: the saved plan was changed, or is damaged")
+    try:
+        return Saved(
+            data["made"],
+            data["about"],
+            _model(data),
+            {str(name): int(rank) for name, rank in data["ranks"].items()},
+            tuple((str(k), str(s), str(v), float(cost)) for k, s, v, cost in data["steps"]),
+            float(data["gap"]),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InvalidDocument(f"{source}: the saved plan cannot be read: {error}") from error
+
+
+def changes(was: Model, now: Model) -> Iterator[str]:
+    """Yield in words what is otherwise than it was when a plan was made."""
+    units = set(was.units) & set(now.units)
+    for title, old, new in (
+        ("component", was.units, now.units),
+        ("connection", was.wires, now.wires),
+        ("manager", was.managers, now.managers),
+    ):
+        told = {name: _told(title, name, was, now) for name in {**old, **new}}
+        yield from (f"{told[name]} is not there any more" for name in old if name not in new)
+        yield from (f"{told[name]} is there now" for name in new if name not in old)
+        yield from (
+            f"{told[name]} would be made otherwise"
+            for name in old
+            if name in new and old[name] != new[name]
+        )
+    variables = dict.fromkeys([*was.variables(), *now.variables()])
+    come = {name for name in units if was.now(f"cmp:{name}") != now.now(f"cmp:{name}")}
+    for variable in variables:
+        is_key = variable.startswith("cfg:")
+        is_of_one = is_key or variable.startswith("act:")
+        if is_of_one and (owner_of(variable[4:]) in come or owner_of(variable[4:]) not in units):
+            continue  # told already: all that is so shows when a component lives
+        if not all(_knows(model, variable) for model in (was, now)):
+            if is_key:
+                yield f"parameter {variable[4:]} is another"
+            continue
+        if was.now(variable) != now.now(variable):
+            yield difference(now, variable, was.now(variable))
+        elif was.desired.get(variable) != now.desired.get(variable):
+            yield f"what is wished of {variable.partition(':')[2]} is another"
+
+
+def _told(title: str, name: str, was: Model, now: Model) -> str:
+    wire = (now.wires.get(name) or was.wires.get(name)) if title == "connection" else None
+    return f"{title} {wire.text or name if wire is not None else name}"
+
+
+def _knows(model: Model, variable: str) -> bool:
+    kind, _, name = variable.partition(":")
+    tables: dict[str, Mapping[str, Any]] = {
+        "cfg": model.keys,
+        "con": model.wires,
+        "cmp": model.units,
+        "act": model.units,
+        "mgr": model.managers,
+    }
+    return name in tables[kind] if kind in tables else True
+
+
+def _move(moves: Moves, kind: str, subject: str, value: str, cost: float) -> Move:
+    match kind:
+        case "start_manager":
+            made = moves.start(subject)
+        case "create" | "create_slave":
+            made = moves.create(subject, value)
+        case "configure":
+            made = moves.configure(subject, value)
+        case _:
+            makers = {
+                each.__name__: each
+                for each in (
+                    moves.load,
+                    moves.unload,
+                    moves.delete,
+                    moves.connect,
+                    moves.disconnect,
+                    moves.activate,
+                    moves.deactivate,
+                    moves.reset,
+                )
+            }
+            made = makers[kind](subject)
+    return replace(made, cost=cost)
+
+
+def _model(data: Mapping[str, Any]) -> Model:
+    tables = {
+        name: {key: _record(cls, told) for key, told in data[name].items()}
+        for name, cls in _TABLES.items()
+    }
+    managers = {
+        name: None if found is None else frozenset(found)
+        for name, found in data["managers"].items()
+    }
+    live, desired = (_tupled(data[name]) for name in ("live", "desired"))
+    needed = bool(data["slaves_need_modules"])
+    return Model(managers, live=live, desired=desired, slaves_need_modules=needed, **tables)
+
+
+def _tables(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        name: {each.name: _plain(getattr(record, each.name)) for each in fields(record)}
+        for name, record in table.items()
+    }
+
+
+def _record(cls: type, told: Mapping[str, Any]) -> Any:
+    return cls(**_tupled(told))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, frozenset):
+        return sorted(value)
+    return [_plain(each) for each in value] if isinstance(value, tuple) else value
+
+
+def _tupled(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _tupled(each) for key, each in value.items()}
+    return tuple(map(_tupled, value)) if isinstance(value, list) else value
+
+
+def _digest(data: Any) -> str:
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"))
+    return sha256(text.encode()).hexdigest()
