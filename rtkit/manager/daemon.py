@@ -38,7 +38,8 @@ from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.logs import open_log
 from rtkit.manager.processes.absent import estates_of_the_dead, living_slaves
 from rtkit.manager.processes.newborns import end_lost
-from rtkit.manager.processes.nursery import Nursery, become_subreaper
+from rtkit.manager.processes.nursery import Nursery
+from rtkit.manager.processes.subreaper import become_subreaper
 from rtkit.manager.report import Report
 from rtkit.manager.restarting import execute_again
 from rtkit.manager.settings import formats

@@ -77,10 +77,21 @@ def raise_(error):
 
 
 def start_children():
-    """Leave children: a plain one, one in a session of its own, an orphan in another one."""
+    """Leave children: a plain one, one in a session of its own, orphans in other ones."""
     subprocess.Popen(["sleep", "1000"])
     subprocess.Popen(["sleep", "1000"], start_new_session=True)
     subprocess.Popen(["sh", "-c", "setsid sleep 1000 & exit"]).wait()
+    bare = {"RTKIT_RUNTIME_DIR": os.environ["RTKIT_RUNTIME_DIR"]}
+    hidden = ["/usr/bin/setsid", "--fork", "sh", "-c", "/bin/sleep 1000; :"]
+    subprocess.Popen(hidden, env={**bare, "PATH": "/bin"}).wait()
+    child = os.fork()
+    if child:
+        os.waitpid(child, 0)
+        return
+    os.setsid()
+    if os.fork():
+        os._exit(0)
+    os.execve("/bin/sleep", ["sleep", "1000"], bare)
 
 
 def leak():
@@ -552,7 +563,7 @@ def leftovers() -> list[int]:
     for entry in Path("/proc").iterdir():
         try:
             is_ours = run_id in (entry / "environ").read_bytes()
-            is_asleep = (entry / "cmdline").read_bytes() == b"sleep\x001000\x00"
+            is_asleep = (entry / "cmdline").read_bytes().endswith(b"sleep\x001000\x00")
         except OSError:
             continue
         if entry.name.isdigit() and is_ours and is_asleep:
@@ -564,7 +575,7 @@ def leftovers() -> list[int]:
 def test_what_a_component_started_ends_with_its_slave(world: Tree, end: str) -> None:
     world.perform(faulty("A", "s", "on_activated", "children"))
     world.perform(activate("A"))
-    until(lambda: len(leftovers()) == 3, "the children")
+    until(lambda: len(leftovers()) == 5, "the children")
     left = leftovers()
     pid = slave_pid(world, "s")
     if end == "delete":

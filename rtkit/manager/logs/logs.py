@@ -85,13 +85,17 @@ class Log:
 
     @contextlib.contextmanager
     def lent(self, process: str, path: str) -> Iterator[None]:
-        """Be the log of another process for a while."""
+        """Be the log of another process for a while, of which nothing is shown."""
         before = self._formatters[0].process, self._file.path
         self.hand_over(process, path)
+        for handler in self._handlers[1:]:
+            handler.setLevel(logging.CRITICAL + 1)
         try:
             yield
         finally:
             self.hand_over(*before)
+            for handler in self._handlers[1:]:
+                handler.setLevel(logging.NOTSET)
 
     def close(self) -> None:
         """Write what is left, and have everything as it was before; once only."""

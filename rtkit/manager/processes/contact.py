@@ -27,6 +27,9 @@ PROTOCOL = 3
 _SEEK_S = 0.1
 """How often the next manager is looked for [s]."""
 
+_LEISURE_S = 30.0
+"""How long nothing is heard until there is leisure for other things [s]."""
+
 _log = late(__name__)
 
 
@@ -51,9 +54,21 @@ class Ending(Protocol):
 
 
 class Contact:
-    """The line of the process `name` to whatever manager listens at `path`, until `ending`."""
+    """The line of the process `name` to whatever manager listens at `path`, until `ending`.
 
-    def __init__(self, path: str, name: str, ending: Ending, *, is_guest: bool = False) -> None:
+    `at_leisure` is called every now and then while nothing is to be done.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        name: str,
+        ending: Ending,
+        *,
+        is_guest: bool = False,
+        at_leisure: Callable[[], object] | None = None,
+    ) -> None:
+        self._at_leisure = at_leisure
         self._path = path
         self._name = name
         self._is_guest = is_guest
@@ -116,7 +131,10 @@ class Contact:
     def _hear(self, channel: Channel, holder: Hearer) -> bool:
         """Hand the next messages to the holder; False at the end, or when the manager is gone."""
         sources: list[Any] = [channel, self._ending]
-        ready: list[object] = select.select(sources, [], [])[0]
+        wait_s = None if self._at_leisure is None else _LEISURE_S
+        ready: list[object] = select.select(sources, [], [], wait_s)[0]
+        if not ready and self._at_leisure is not None:
+            self._at_leisure()
         if self._ending in ready and self._shall_end():
             return False
         if channel not in ready:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Collection, Container, Iterator
+from collections.abc import Collection, Container, Iterator, Mapping
+from contextlib import suppress
 from typing import NamedTuple
 
 MARK = "RTKIT_SLAVE"
@@ -15,11 +16,16 @@ _LOOKS = 2
 """How often in succession nothing is to be left: a list of children may lack one now and then."""
 
 
+_BEGAN = 15
+"""Where the start is told, behind the session [ticks since the machine began]."""
+
+
 class _Process(NamedTuple):
     pid: int
     state: str
     parent: int
     session: int
+    began: int
 
     @property
     def is_over(self) -> bool:
@@ -80,6 +86,55 @@ def end_children() -> None:
             return
 
 
+def end_orphans(known: Container[int]) -> list[tuple[int, str]]:
+    """Kill the children of this process that are not `known`, and all below them.
+
+    They are reaped by who waits for children; what escapes them becomes a child in turn. Returns
+    pid and name of each.
+    """
+    ended = []
+    for child in [pid for pid in _children(os.getpid()) if pid not in known]:
+        for pid in (child, *(each.pid for each in _descendants(child))):
+            name = _name(pid)
+            if name:
+                _kill(pid)
+                ended.append((pid, name))
+    return ended
+
+
+def family(pid: int) -> dict[int, int]:
+    """Return what descends from a process: when each began, by pid."""
+    return {each.pid: each.began for each in _descendants(pid) if not each.is_over}
+
+
+def end_family(known: Mapping[int, int]) -> None:
+    """Kill what is left of such a family, and no stranger who got a pid of it."""
+    for pid, began in known.items():
+        process = _process(pid)
+        if process is not None and process.began == began:
+            _kill(pid)
+
+
+class Adopted:
+    """Reaps orphans that became children of this process and have ended since.
+
+    What code in this process started it waits for itself: so only what has been over since the
+    last look, and stands in nobody's way, is reaped.
+    """
+
+    def __init__(self) -> None:
+        self._over: set[int] = set()
+
+    def look(self) -> None:
+        """Reap what was over at the last look already."""
+        processes = [_process(pid) for pid in _children(os.getpid())]
+        over = {each.pid for each in processes if each is not None and each.is_over}
+        for pid in over & self._over:
+            with suppress(ChildProcessError):
+                os.waitid(os.P_PID, pid, os.WEXITED | os.WNOHANG)
+        self._over = over - self._over
+
+
 def is_stopped(pid: int) -> bool:
     """Whether a process was stopped and has not gone on yet."""
     process = _process(pid)
@@ -104,6 +159,15 @@ def reap_orphans(known: Container[int]) -> list[int]:
             continue
         reaped.append(pid)
     return reaped
+
+
+def _name(pid: int) -> str:
+    """Return what a process that is not over is called; empty for one that is."""
+    try:
+        with open(f"/proc/{pid}/comm", encoding="utf-8", errors="replace") as file:
+            return file.read().strip() if _is_alive(pid) else ""
+    except OSError:
+        return ""
 
 
 def _kill(pid: int) -> None:
@@ -161,5 +225,5 @@ def _process(pid: int) -> _Process | None:
             text = file.read()
     except (FileNotFoundError, ProcessLookupError):
         return None
-    state, parent, _group, session = text.rpartition(b")")[2].split()[:4]
-    return _Process(pid, state.decode(), int(parent), int(session))
+    state, parent, _group, session, *more = text.rpartition(b")")[2].split()
+    return _Process(pid, state.decode(), int(parent), int(session), int(more[_BEGAN]))

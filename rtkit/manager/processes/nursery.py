@@ -6,7 +6,6 @@ that their end is still told with its reason. A zygote that died is started agai
 
 from __future__ import annotations
 
-import ctypes
 import logging
 import os
 import signal
@@ -24,7 +23,9 @@ from rtkit.manager.processes.forkserver import ForkServer
 from rtkit.manager.processes.fosters import Fosters
 from rtkit.manager.processes.leftovers import (
     end_children,
+    end_family,
     end_sessions,
+    family,
     is_stopped,
     reap_orphans,
 )
@@ -45,15 +46,7 @@ _SWEEP_WITHIN_S = 1.0
 """When it is looked for at the latest [s]."""
 
 _log = logging.getLogger(__name__)
-_PR_SET_CHILD_SUBREAPER = 36
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
-
-
-def become_subreaper() -> None:
-    """Have orphans of this process's descendants become its children."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0):
-        raise OSError(ctypes.get_errno(), "cannot become subreaper")
 
 
 class Nursery:
@@ -80,6 +73,7 @@ class Nursery:
         self._over_since = 0.0
         self._is_all_ours = True
         self._zygotes: set[int] = set()
+        self._families: dict[int, dict[int, int]] = {}
         self._parents: dict[int, int] = {}
         self.sweep_at: float | None = None
         self.fosters = Fosters(self._settings["zygote"])
@@ -192,14 +186,21 @@ class Nursery:
     def halts(self) -> Iterator[ev.Event]:
         """Yield which of those slaves have been stopped since the last look, or have gone on.
 
-        A pidfd tells of neither, so somebody has to look.
+        A pidfd tells of neither, so somebody has to look; and at what descends from them, for no
+        zygote inherits it.
         """
+        for pid in self._keys:
+            if pid not in self._guests and not self._has_zygote(pid):
+                self._families[pid] = family(pid)
         for key, _ in self.orphans():
             pid = self._pids[key]
             is_halted = is_stopped(pid)
             if pid not in self._guests and is_halted is not (key in self._halted):
                 self._halted ^= {key}
                 yield ev.SlaveHalted(key, is_halted)
+
+    def _has_zygote(self, pid: int) -> bool:
+        return self.fosters.has(pid) or self._parents.get(pid, _NO_ZYGOTE) != _NO_ZYGOTE
 
     def signal(self, key: int, number: signal.Signals) -> None:
         """Send a signal to a slave; through its pidfd, so never to a stranger of the same pid."""
@@ -286,6 +287,8 @@ class Nursery:
         if self._over:
             over, self._over, self.sweep_at = self._over, set(), None
             is_all_ours, self._is_all_ours = self._is_all_ours, True
+            for pid in over:
+                end_family(self._families.pop(pid, {}))
             end_sessions(over, is_ancestor=is_all_ours)
 
     def close(self) -> None:

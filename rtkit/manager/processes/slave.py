@@ -24,8 +24,9 @@ from rtkit.manager.holding.maker import Maker
 from rtkit.manager.logs.logs import Log, hand_over
 from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes.contact import Contact
-from rtkit.manager.processes.leftovers import MARK, end_sessions
+from rtkit.manager.processes.leftovers import MARK, Adopted, end_children
 from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.manager.processes.subreaper import become_subreaper
 from rtkit.manager.processes.term import Term
 
 LAST_S = 5
@@ -66,7 +67,9 @@ class Slave:
         os.environ[MARK] = str(pid)
         fault.point("slave.begun")
         _name_process(f"rtkit {name}")
-        self._contact = contact = Contact(self._settings["control"], name, Term())
+        self._contact = contact = Contact(
+            self._settings["control"], name, Term(), at_leisure=Adopted().look
+        )
         self._holder.show_beats(Beats(beats_path(data, pid)))
         self._holder.write_down(Will(estate_path(data, pid), name))
         self._stacks = open_stacks(data, pid)
@@ -74,13 +77,13 @@ class Slave:
         fault.point("slave.greeting")
         contact.greet(key, self._settings["born_of"])
         os.setsid()  # until now it was to end with its zygote
+        become_subreaper()
         fault.point("slave.greeted")
         # One of `threading` touches 50 kB more, and waits until the other thread had its turn.
         _thread.start_new_thread(self._listen, ())
         self._holder.run()
         fault.point("slave.holds_nothing")
-        if contact.is_alone:
-            end_sessions({pid}, is_heir=False)  # a manager would do it
+        end_children()
 
     def put(self, message: Message) -> None:
         """Take a message of the manager, on the thread that hears it."""

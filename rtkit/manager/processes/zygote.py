@@ -24,9 +24,11 @@ from typing import Any, NoReturn
 from rtkit import fault
 from rtkit.manager.core.message import Message
 from rtkit.manager.logs.logs import Log, share_log
+from rtkit.manager.processes.leftovers import end_orphans
 from rtkit.manager.processes.packing import fill_gaps
 from rtkit.manager.processes.rehearsal import rehearse
 from rtkit.manager.processes.slave import Slave
+from rtkit.manager.processes.subreaper import become_subreaper
 from rtkit.manager.processes.wire import Channel
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
@@ -92,6 +94,7 @@ class Zygote:
         later: list[Callable[[], object]] = [self._rehearse] * _REHEARSALS
         later += [partial(importlib.import_module, name) for name in _AT_LEISURE]
         later.insert(0, self._pack)  # last of all
+        later.append(become_subreaper)  # first
         while self._channel is not None or self._children:
             ready = self._selector.select(0 if later else None)
             if not ready and later:
@@ -202,10 +205,18 @@ class Zygote:
                 return
             fault.point("zygote.reaped")
             if report.si_code in ENDS:
-                self._children.pop(report.si_pid, None)
-                self._tell({"ended": report.si_pid, "reason": reason(report)})
-            else:
+                name = self._children.pop(report.si_pid, None)
+                self._end_orphans(name)
+                if name is not None:
+                    self._tell({"ended": report.si_pid, "reason": reason(report)})
+            elif report.si_pid in self._children:
                 self._tell({"halted": report.si_pid, "is_halted": report.si_code in STOPS})
+
+    def _end_orphans(self, name: str | None) -> None:
+        """End what a slave that ended left behind, and then what that left: it has come to us."""
+        for pid, what in end_orphans(self._children):
+            whose = f"slave {name}" if name is not None else "it"
+            _log.warning("%s (pid %d) is ended: %s had left it behind", what, pid, whose)
 
 
 def main() -> None:

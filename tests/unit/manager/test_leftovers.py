@@ -11,8 +11,16 @@ from collections.abc import Iterator
 import pytest
 
 from rtkit.manager.processes import leftovers
-from rtkit.manager.processes.leftovers import MARK, end_sessions, reap_orphans
-from rtkit.manager.processes.nursery import become_subreaper
+from rtkit.manager.processes.leftovers import (
+    MARK,
+    Adopted,
+    end_family,
+    end_orphans,
+    end_sessions,
+    family,
+    reap_orphans,
+)
+from rtkit.manager.processes.subreaper import become_subreaper
 
 SLAVE = """
 import os, subprocess, sys
@@ -95,3 +103,42 @@ def test_orphans_are_reaped_but_for_those_that_somebody_waits_for() -> None:
         os.waitid(os.P_PID, each, os.WEXITED | os.WNOWAIT)
     assert sorted(reap_orphans(())) == sorted(left)
     assert started.wait() == 0
+
+
+def test_what_a_child_left_behind_is_ended_whatever_it_hides_from() -> None:
+    hidden = "import os; os.setsid(); os.fork() and os._exit(0); os.setsid(); print(os.getpid(), "
+    hidden += "flush=True); os.execve('/bin/sleep', ['sleep', '60'], {})"
+    command = [sys.executable, "-c", f"import os\nif os.fork() == 0: {hidden}"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+        assert child.stdout is not None
+        left = int(child.stdout.readline())
+        os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOWAIT)
+        kept = subprocess.Popen(["sleep", "60"])
+        assert (left, "sleep") in end_orphans({child.pid, kept.pid})
+    os.waitid(os.P_PID, left, os.WEXITED)
+    assert is_alive(kept.pid)
+    kept.kill()
+    kept.wait()
+
+
+def test_a_family_is_ended_and_no_stranger_with_a_pid_of_it() -> None:
+    pid, (shell, sleep) = slave("same")
+    known = family(os.getpid())
+    assert {shell, sleep} <= known.keys()
+    end_family({shell: known[shell], sleep: known[sleep] + 1})
+    os.waitid(os.P_PID, shell, os.WEXITED)
+    assert is_alive(sleep)
+    end_family({sleep: known[sleep], pid: 1})
+    os.waitid(os.P_PID, sleep, os.WEXITED)
+
+
+def test_adopted_ones_are_reaped_once_nobody_else_has_done_so() -> None:
+    _, left = slave("same")
+    for each in left:
+        os.kill(each, signal.SIGKILL)
+        os.waitid(os.P_PID, each, os.WEXITED | os.WNOWAIT)
+    adopted = Adopted()
+    adopted.look()
+    assert all(os.path.exists(f"/proc/{each}") for each in left)
+    adopted.look()
+    assert not any(os.path.exists(f"/proc/{each}") for each in left)
