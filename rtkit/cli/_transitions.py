@@ -66,6 +66,9 @@ def change(
         check_component_syntax(path)
     asked = _asked(app, paths, transition, _index(context), wait)
     results = app.tree.apply([action for _, action in asked], is_ordered=False)
+    for (path, _), result in zip(asked, results, strict=True):
+        if result.note:
+            app.fail(f"note: {result.note}: {path.typed}")
     failures = [
         (path.typed, error)
         for (path, action), result in zip(asked, results, strict=True)

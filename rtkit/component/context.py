@@ -409,7 +409,7 @@ class ExecutionContext:
         self.changed(each.component)
         if self.kind is ExecutionKind.EVENT_DRIVEN:
             self.stir()
-        return _OK
+        return (ReturnCode.OK, f"{name} failed: {failure}") if failure else _OK
 
     def _work(self, each: Participant, name: str) -> None:
         failure = self._call(each, name)

@@ -133,6 +133,10 @@ def _appeared(facts: ComponentFacts) -> Iterator[Happening]:
     yield _of(TREE_EVENT, facts, "", "APPEARED", facts.type.type_name)
     if facts.zombie:
         yield _of(TREE_EVENT, facts, "", "ZOMBIE", facts.zombie)
+        return
+    for context in facts.contexts:
+        if context.state in (LifeCycleState.ACTIVE, LifeCycleState.ERROR):
+            yield _status(facts, context)
 
 
 def _component(old: ComponentFacts, new: ComponentFacts) -> Iterator[Happening]:

@@ -7,6 +7,7 @@ for a password on one of its doors only.
 from __future__ import annotations
 
 import json
+import resource
 import socket
 import threading
 import time
@@ -23,6 +24,13 @@ from rtkit.link.zenoh import open_client, open_listener
 LOOPBACK = "127.0.0.1"
 _ROUTE_S = 5.0
 _AGAIN_S = 0.01
+_INTRODUCE_S = 1.0
+"""How long who connects has to prove that he knows the secret [s]."""
+_MOST = 500
+"""How many clients may be let in at a time, and how many may be about to prove that they may."""
+_SHARE = 8
+"""Which part of all descriptors each of those may take at most: slaves and the Unix socket need the
+rest."""
 
 
 class Identity(NamedTuple):
@@ -51,9 +59,13 @@ def open_door(port: int, inner_endpoint: str, secret_file: str) -> zenoh.Session
     Raises:
         Unreachable: The port is taken, or the door leads nowhere.
     """
+    most = str(min(_MOST, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // _SHARE))
     more = {
         "connect/endpoints": json.dumps([inner_endpoint]),
         "transport/auth/usrpwd/dictionary_file": json.dumps(secret_file),
+        "transport/unicast/accept_timeout": str(int(_INTRODUCE_S * 1000)),
+        "transport/unicast/accept_pending": most,
+        "transport/unicast/max_sessions": most,
     }
     session = open_listener(f"tcp/{LOOPBACK}:{port}", more=more)
     try:

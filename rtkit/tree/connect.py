@@ -63,6 +63,9 @@ def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
     try:
         session = door.enter(address.port, secret.read(), bounded(timeout_s))
     except Unreachable as error:
+        if not door.is_free(address.port):
+            why = "is in use, and lets nobody in: it is busy, or no manager of this user"
+            raise Unreachable(f"{address} {why}") from error
         hint = f"start one there with: rtmgr start NAME -p {address.port}"
         raise Unreachable(f"no manager of this user listens at {address} ({hint})") from error
     try:

@@ -16,7 +16,7 @@ ROUNDS = 15
 """How often in one process; a wrong order of closing panicked in an eighth of all cases."""
 
 SCRIPT = """
-import os, sys, threading
+import os, socket, sys, threading
 from contextlib import ExitStack
 from rtkit.link import door, keys, places, secret
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
@@ -36,7 +36,12 @@ for number in range(int(sys.argv[1])):
         daemon._open_front(state, session, inner, print, stack)
         stack.callback(link.withdraw)
         clients = []
-        if sys.argv[2] == "company":
+        silent = []
+        if sys.argv[2] == "silence":
+            silent = [socket.create_connection((door.LOOPBACK, state.port)) for _ in range(150)]
+            for each in silent:
+                each.send(b"abc")
+        if sys.argv[2] != "alone":
             clients = [door.enter(state.port, secret.read(), 20.0), open_client(inner, 20.0)]
         leaving = [threading.Thread(target=client.close) for client in clients]
         for thread in leaving[:1]:
@@ -62,6 +67,15 @@ def folder() -> Iterator[Path]:
 
 @pytest.mark.parametrize("company", ["alone", "company"])
 def test_a_manager_with_a_door_ends_in_silence(folder: Path, company: str) -> None:
+    assert run(folder, ROUNDS, company) == (0, "done\n", "")
+
+
+def test_who_connects_and_says_nothing_shuts_no_door(folder: Path) -> None:
+    assert run(folder, 1, "silence") == (0, "done\n", "")
+
+
+def run(folder: Path, rounds: int, company: str) -> tuple[int, str, str]:
+    """Open doors and close them; return status, output and errors of the process that does."""
     environment = {
         **os.environ,
         "PYTHONPATH": os.pathsep.join(sys.path),
@@ -69,10 +83,10 @@ def test_a_manager_with_a_door_ends_in_silence(folder: Path, company: str) -> No
         "RTKIT_STATE_DIR": str(folder / "state"),
     }
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(ROUNDS), company],
+        [sys.executable, "-c", SCRIPT, str(rounds), company],
         capture_output=True,
         text=True,
         env=environment,
         check=False,
     )
-    assert (done.returncode, done.stdout, done.stderr) == (0, "done\n", "")
+    return done.returncode, done.stdout, done.stderr

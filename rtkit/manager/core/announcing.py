@@ -26,6 +26,7 @@ class Announcer:
         self._connectors: dict[str, ConnectorProfile] = {}
         self._processes: list[tuple[object, ...]] = []
         self._claims: list[str] = []
+        self._held: list[Answer] | None = None
 
     @property
     def run_id(self) -> str:
@@ -39,8 +40,21 @@ class Announcer:
         elif self._known is None:
             self._begin()
 
+    def hold(self) -> None:
+        """Show no picture yet: what earlier managers left is not back, and would seem to end."""
+        self._held = []
+
+    def release(self) -> None:
+        """Show pictures from now on, first to who has waited."""
+        held, self._held = self._held, None
+        for answer in held or ():
+            self.send_picture(answer)
+
     def send_picture(self, answer: Answer) -> None:
         """Answer with all facts, after news without any, by which it is seen that news arrive."""
+        if self._held is not None:
+            self._held.append(answer)
+            return
         if self._known is None:
             self._begin()
         self.run()

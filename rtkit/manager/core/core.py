@@ -161,6 +161,7 @@ class Core:
 
     def _remember(self, event: Remembered) -> None:
         state = self.state
+        self._announcer.hold()
         bad = state.kept.read(event.rows)
         state.remark = event.remark
         if bad:
@@ -180,6 +181,8 @@ class Core:
                 state.kept.found(facts.instance)
 
     def _restore(self, answer: Answer) -> None:
+        self._announcer.release()
+
         def tell(results: list[Result]) -> None:
             self._out.append(AnswerClient(answer, Reply(results[0].value)))
 

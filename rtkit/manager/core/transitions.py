@@ -39,8 +39,8 @@ def change_state(state: State, action: act.ChangeState) -> Procedure:
         "instance": action.instance,
     }
     _forgive(state, action)
-    yield Ask(process, message, float(bound or 0))
-    return Result()
+    told = yield Ask(process, message, float(bound or 0))
+    return Result(note=told if isinstance(told, str) else "")
 
 
 def _forgive(state: State, action: act.ChangeState) -> None:

@@ -34,7 +34,7 @@ class Contexts:
 
         def done(code: ReturnCode, why: str) -> None:
             if is_awaited:
-                self._later(message, code, f"{why}: {component.instance}")
+                self._later(message, code, _of_component(code, why, component))
 
         is_wanted = partial(in_time, message) if is_awaited else always
         context.request(component, Transition(message["transition"]), done, is_wanted)
@@ -54,7 +54,7 @@ class Contexts:
     def _tick(self, message: Message) -> object:
         component, context = self._of(message)
         context.request_tick(
-            lambda code, why: self._later(message, code, f"{why}: {component.instance}"),
+            lambda code, why: self._later(message, code, _of_component(code, why, component)),
             partial(in_time, message),
         )
         return LATER
@@ -117,6 +117,11 @@ class Contexts:
 
     def _later(self, message: Message, code: ReturnCode, why: str) -> None:
         self._host.post(lambda: answer_code(self._host, message, code, why))
+
+
+def _of_component(code: ReturnCode, why: str, component: Component) -> str:
+    """Return why a component refused, with its name; what was done needs none."""
+    return why if code is ReturnCode.OK else f"{why}: {component.instance}"
 
 
 def release(

@@ -51,8 +51,11 @@ def in_time(message: Message) -> bool:
 
 
 def answer_code(host: Host, message: Message, code: ReturnCode, why: str) -> None:
-    """Answer a message with a return code; any but OK is a refusal."""
+    """Answer a message with a return code; any but OK is a refusal.
+
+    Of what was done, `why` tells what failed on the way.
+    """
     if code is ReturnCode.OK:
-        host.answer(message, "")
+        host.answer(message, why)
     else:
         host.refuse(message, Refused(why), code)

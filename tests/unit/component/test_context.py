@@ -332,6 +332,20 @@ def test_the_watch_sees_entry_and_exit_of_each_callback():
     ]
 
 
+def test_a_deactivation_that_fails_on_the_way_is_done_and_says_so():
+    class Leaver(Component):
+        def on_deactivated(self, context):
+            raise ValueError("not now")
+
+    leaver = Leaver("Leaver0")
+    context = alive(leaver)
+    context.activate_component(leaver)
+    code, why = context.perform(leaver, Transition.DEACTIVATE)
+    assert code is ReturnCode.OK
+    assert why.startswith("on_deactivated failed: ValueError: not now")
+    assert context.state_of(leaver) is LifeCycleState.INACTIVE
+
+
 def test_removing_an_active_component_deactivates_it():
     class Leaver(Component):
         left = False

@@ -86,6 +86,13 @@ CHANGES = {
     "stuck": (with_a(trouble="stuck"), ["TREE_EVENT A slave NOT_ANSWERING stuck"]),
     "gone": (replace(BEFORE, components=()), ["TREE_EVENT A slave VANISHED"]),
     "new": (replace(BEFORE, components=(A, B)), ["TREE_EVENT B slave APPEARED Thing"]),
+    "new and at work": (
+        replace(
+            BEFORE,
+            components=(A, replace(B, contexts=(replace(CONTEXT, state=LifeCycleState.ACTIVE),))),
+        ),
+        ["TREE_EVENT B slave APPEARED Thing", "RTC_STATUS B slave 0 ACTIVE"],
+    ),
     "lost": (
         replace(
             BEFORE,

@@ -6,6 +6,7 @@ import pytest
 
 from rtkit.deployment.actions import (
     Attach,
+    ChangeState,
     Detach,
     SetEventProfiles,
     SetRate,
@@ -14,6 +15,7 @@ from rtkit.deployment.actions import (
 )
 from rtkit.deployment.batch import Batch, batch_from_text, batch_to_text
 from rtkit.manager.fake import FakeShell
+from rtkit.rtc.enums import Transition
 
 
 @pytest.fixture
@@ -70,3 +72,11 @@ def test_both_must_exist(shell, kind):
     shell.make("A")
     for action in (kind("A", "0", "No"), kind("No", "0", "A")):
         assert shell.ask(action).result.why == "no component named No"
+
+
+def test_what_failed_at_a_transition_that_was_done_is_told(shell):
+    shell.make("A", "s")
+    asked = shell.ask(ChangeState("A", "0", Transition.DEACTIVATE))
+    shell.reply(shell.next("change_state"), "on_deactivated failed: ValueError: no")
+    assert asked.result.ok
+    assert asked.result.note == "on_deactivated failed: ValueError: no"

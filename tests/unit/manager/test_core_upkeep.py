@@ -6,8 +6,8 @@ import pytest
 from endings import come_back, do, heir, in_error, make, pass_time, restore
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.happenings import SUPERVISION, TREE_EVENT, Happening, happenings
-from rtkit.deployment.news import TREE, News, applied, picture_from_text
+from rtkit.deployment.happenings import SUPERVISION, Happening, happenings
+from rtkit.deployment.news import TREE, News, applied, news_between, picture_from_text
 from rtkit.deployment.upkeep import Upkeep
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import FakeShell, facts
@@ -237,9 +237,7 @@ def test_what_is_no_wish_any_more_is_not_remembered() -> None:
 
 
 @pytest.mark.parametrize("end", ["signal 9", "in Error: ValueError: no (a.py:1)"])
-def test_each_restart_is_told_once_and_none_of_an_earlier_manager(
-    end: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_each_restart_is_told_once(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also of one that is made again in its place, which is gone meanwhile."""
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
@@ -252,8 +250,20 @@ def test_each_restart_is_told_once_and_none_of_an_earlier_manager(
     come_back(shell)
     events = [each.event for each in heard if each.kind == SUPERVISION]
     assert events == ["RETURNING", "MADE_AGAIN"]
+
+
+def test_nothing_seems_to_have_ended_that_outlived_its_manager() -> None:
+    """Whoever asks meanwhile what there is, is answered when all are back."""
+    shell = FakeShell()
+    pid = shell.state.processes[make(shell, "A", restart="on-failure")].pid
+    before = shell.state.snapshot()
     other = heir(shell)
-    heard = listen(other, monkeypatch)
-    found(other)
+    replies: list[Reply] = []
+    other.feed(ev.PictureAsked(replies.append))
+    assert not replies
+    held = {**facts("A"), "create": before.components[0].create, "names": ["localhost/A.rtc"]}
+    other.feed(ev.SlaveFound(pid, "s", [held], []))
     restore(other)
-    assert {each.kind for each in heard} == {TREE_EVENT}
+    (reply,) = replies
+    after = picture_from_text(reply.value()).facts
+    assert list(happenings(before, news_between(before, after, "", 1))) == []
