@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeGuard
 import click
 
 from rtkit.cli import _process
+from rtkit.cli._choice import Number
 from rtkit.cli._out import printable
 from rtkit.errors import (
     BUG_EXIT,
@@ -336,7 +337,7 @@ def common_options(*, is_local: bool = False) -> list[click.Option]:
     """Return the options that every command has; one that asks nobody needs no time-out."""
     timeout = click.Option(
         ["--timeout"],
-        type=click.FloatRange(min=0.01),
+        type=Number(min=0.01),
         metavar="SECONDS",
         expose_value=False,
         callback=_set("timeout_s"),

@@ -1,4 +1,8 @@
-"""Values of options out of a few words: in any case of letters, and what was meant is guessed."""
+"""Values of options: words out of a few, with a guess what was meant, and numbers.
+
+Words are taken in any case of letters. Numbers are such as can be counted with: neither ``nan``
+nor infinite, which ``1e400`` is.
+"""
 
 from __future__ import annotations
 
@@ -35,3 +39,16 @@ class Words(click.Choice[str]):
 
         hint = did_you_mean(str(value), self.choices)
         self.fail(f"unknown {self._what}: {value}{hint}; known: {', '.join(self.choices)}")
+
+
+class Number(click.FloatRange):
+    """A number within bounds, as `click.FloatRange`, and finite."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Return the number that was typed."""
+        number: float = super().convert(value, param, ctx)
+        if number - number != 0.0:
+            self.fail(f"{value!r} is not a finite number.", param, ctx)
+        return number

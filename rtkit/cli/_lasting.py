@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 
 import click
 
+from rtkit.cli._choice import Number
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -16,7 +18,7 @@ def lasting(text: str = "Stop after this time.", long: str = "--timeout") -> Cal
         "-t",
         long,
         "duration_s",
-        type=click.FloatRange(min=0.0, min_open=True),
+        type=Number(min=0.0, min_open=True),
         metavar="SECONDS",
         help=text,
     )

@@ -128,10 +128,14 @@ def _unknown(name: str, verb: str) -> int:
     from rtkit.cli._out import printable
     from rtkit.rtc.nearest import did_you_mean
 
-    what, known = "verb", [*COMMANDS, *COMMANDS.values(), *WORDS]
+    what, known, all_of = (
+        "verb",
+        [*COMMANDS, *COMMANDS.values(), *WORDS],
+        f"{name} --help lists them",
+    )
     if verb.startswith("-"):
-        what, known = "option", ["--help", "--version"]
-    hint = did_you_mean(verb, known)
+        what, known, all_of = "option", ["--help", "--version"], "--help, --version"
+    hint = did_you_mean(verb, known) or f" ({all_of})"
     print(_USAGE.format(name), file=sys.stderr)
     print(printable(f"{name}: no such {what}: {verb}{hint}"), file=sys.stderr)
     return _BAD_LINE

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._choice import Number
 from rtkit.cli._properties import connected, joined, place_options, record, shown, write_raw
 from rtkit.cli._watch import MayWatch, WatchOption, watch
+from rtkit.errors import RtkitError
 
 
 @command("rtget", cls=MayWatch)
@@ -18,7 +22,7 @@ from rtkit.cli._watch import MayWatch, WatchOption, watch
     "--watch",
     "period_s",
     cls=WatchOption,
-    type=click.FloatRange(min=0.05),
+    type=Number(min=0.05),
     metavar="SECONDS",
     help="Get again, every second or --watch=SECONDS, until interrupted.",
 )
@@ -31,14 +35,15 @@ def main(
     is_raw: bool,
     period_s: float | None,
     targets: tuple[str, ...],
-) -> None:
+) -> int:
     """Print the values of live properties, a line each.
 
     TARGET is SERVICE.NAME, or a path such as /localhost/SERVICE/NAME; in place of a service it
     may be a component, a manager or this host (/localhost/Motor0.rtc.state). Elsewhere it is
     http://HOST:PORT/ps/SERVICE/NAME, ice://HOST:PORT/SERVICE/NAME or serial:DEVICE/NAME. Alone, a
     service stands for the names it has. Behind the name of a property .meta asks what is known of
-    it, .properties what is below, .parameters, .gui, .history more.
+    it, .properties what is below, .parameters, .gui, .history more. What cannot be got is told
+    behind the others.
     """
     if not targets:
         raise WrongArguments("No targets specified.")
@@ -47,26 +52,33 @@ def main(
     with connected(app, at) as places:
         from rtkit.tree.properties import asked
 
-        found = [places.find(target) for target in targets]
         more = joined(parameters)
 
-        def values() -> list[tuple[str, str | bytes]]:
-            return [
-                (place.typed, asked(lambda: end.ask(place.target(more)), place.typed))  # noqa: B023
-                for place, end in found
-            ]
+        def value(target: str) -> tuple[str, str | bytes]:
+            place, end = places.find(target)
+            return place.typed, asked(lambda: end.ask(place.target(more)), place.typed)
 
-        if is_raw:
-            for _, payload in values():
-                write_raw(payload)
-            return
-
-        def look() -> list[str]:
+        def told(values: Iterable[tuple[str, str | bytes]]) -> list[str]:
             if is_json:
-                return [record("property", typed, payload) for typed, payload in values()]
-            return [shown(payload) for _, payload in values()]
+                return [record("property", typed, payload) for typed, payload in values]
+            return [shown(payload) for _, payload in values]
 
-        if period_s is None:
-            _out.write(look())
+        if period_s is not None:
+            watch(lambda: told(map(value, targets)), period_s)
+            return 0
+        values, failures = [], []
+        for target in targets:
+            try:
+                values.append(value(target))
+            except RtkitError as error:
+                failures.append(error)
+        if is_raw:
+            for _, payload in values:
+                write_raw(payload)
         else:
-            watch(look, period_s)
+            _out.write(told(values))
+    for failure in failures[:-1]:
+        app.fail(str(failure))
+    if failures:
+        raise failures[-1]
+    return 0

@@ -11,6 +11,7 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._choice import Number
 from rtkit.cli._lasting import lasting
 from rtkit.cli._properties import connected, joined, place_options, record, shown, write_raw
 
@@ -27,9 +28,9 @@ _NS = 1_000_000_000
 @lasting(long="--duration")
 @click.option("--queue", type=click.IntRange(1, 10_000), metavar="N",
               help="Keep N events while they cannot be sent (default 1: the latest).")  # fmt: skip
-@click.option("--every", type=click.FloatRange(min=0.0), metavar="SECONDS",
+@click.option("--every", type=Number(min=0.0), metavar="SECONDS",
               help="At most one event in this time; the last one always comes.")  # fmt: skip
-@click.option("--deadband", type=click.FloatRange(min=0.0), metavar="NUMBER",
+@click.option("--deadband", type=Number(min=0.0), metavar="NUMBER",
               help="Only when a number has changed by this much.")  # fmt: skip
 @click.option("--mode", type=click.Choice(["change", "all", "diff"]),
               help="Each change (default), each set, or of names what came and went.")  # fmt: skip

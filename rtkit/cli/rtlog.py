@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, command
+from rtkit.cli._choice import Number
 from rtkit.cli._lasting import lasting
 from rtkit.errors import Malformed, Refused, UsageProblem
 
@@ -50,7 +51,7 @@ _NS = 1_000_000_000
 @click.option(
     "-r",
     "--rate",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=Number(min=0.0, min_open=True),
     metavar="FACTOR",
     help="Play so many times as fast; with -n so many entries each cycle (default 1).",
 )
@@ -63,7 +64,7 @@ _NS = 1_000_000_000
 @click.option(
     "-x",
     "--exec-rate",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=Number(min=0.0, min_open=True),
     metavar="HZ",
     help="Cycles a second with -n (default 100).",
 )

@@ -9,6 +9,7 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
+from rtkit.cli._choice import Number
 from rtkit.cli._service_listing import Listing, service_at
 from rtkit.cli._watch import MayWatch, Sight, WatchOption
 from rtkit.errors import Malformed, Unreachable
@@ -40,7 +41,7 @@ _STYLES = {
     "--watch",
     "period_s",
     cls=WatchOption,
-    type=click.FloatRange(min=0.05),
+    type=Number(min=0.05),
     metavar="SECONDS",
     help="List again whenever something has changed, after a second or --watch=SECONDS at least.",
 )

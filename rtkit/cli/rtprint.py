@@ -10,6 +10,7 @@ import click
 
 from rtkit.cli import _reader
 from rtkit.cli._app import App, command
+from rtkit.cli._choice import Number
 from rtkit.cli._data import module_options, named_streams
 from rtkit.cli._lasting import lasting
 from rtkit.errors import Refused, UsageProblem
@@ -29,7 +30,7 @@ LINES, STATS, PLOT = "lines", "stats", "plot"
 @click.option(
     "-r",
     "--rate",
-    type=click.FloatRange(min=0.0, min_open=True, max=100_000),
+    type=Number(min=0.0, min_open=True, max=100_000),
     metavar="HZ",
     help="Look this often and take the newest value of each port; -n then counts looks.",
 )

@@ -10,7 +10,7 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._choice import Words
+from rtkit.cli._choice import Number, Words
 from rtkit.cli._ears import write_now
 from rtkit.cli._lasting import lasting
 from rtkit.cli._patience import wait_for
@@ -59,7 +59,7 @@ _STYLES: dict[str, dict[str, object]] = {
 @click.option(
     "--since",
     "since_s",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=Number(min=0.0, min_open=True),
     metavar="SECONDS",
     help="Begin with what was logged in the last SECONDS.",
 )

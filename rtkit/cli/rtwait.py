@@ -10,6 +10,7 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._choice import Number
 from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ Problem = tuple[Goal, str]
     "--timeout",
     "-t",
     "timeout_s",
-    type=click.FloatRange(min=0.01),
+    type=Number(min=0.01),
     default=_DEFAULT_S,
     metavar="SECONDS",
     help="How long to wait at most (default 30).",

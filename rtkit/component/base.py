@@ -15,7 +15,7 @@ from rtkit.component.port import InPort, OutPort, Port
 from rtkit.component.service import ServicePort
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import ExecutionKind
-from rtkit.rtc.names import check_instance_name
+from rtkit.rtc.names import check_instance_name, check_port_name
 from rtkit.rtc.pattern import ContextPattern
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
 
@@ -268,6 +268,7 @@ class Component(Callbacks):
         if port.name in self.ports or not port.name:
             reason = "exists already" if port.name else "needs a name"
             raise Refused(f"{self.instance}: port {port.name or repr('')} {reason}")
+        check_port_name(port.name)
         self._merge_defaults(port)
         if isinstance(port, ServicePort):
             port.belong_to(self)

@@ -91,6 +91,21 @@ def check_instance_name(name: str) -> str:
     return name
 
 
+def check_port_name(name: str) -> str:
+    """Return `name` if a port may bear it.
+
+    Raises:
+        Malformed: Names the rule that it breaks.
+    """
+    bad = sorted({c for c in name if c in "/:" or not c.isprintable()})
+    if bad or not name or name != name.strip():
+        why = (
+            f"has characters that are not allowed: {bad}" if bad else "begins or ends with a blank"
+        )
+        raise Malformed(f"port name {name!r} {why}")
+    return name
+
+
 def is_local_host(host: str, hostname: str) -> bool:
     """Whether `host` (with or without ``:port``) means the machine named `hostname`."""
     names = (LOCAL, "127.0.0.1", "::1", "[::1]", hostname, hostname.split(".")[0])

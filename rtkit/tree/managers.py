@@ -26,6 +26,16 @@ class Status(NamedTuple):
     address: str
 
 
+def name_at(address: str, timeout_s: float) -> str:
+    """Return the name of the manager that listens at an address.
+
+    Raises:
+        Unreachable: None of this user answers there.
+    """
+    with connect(address, timeout_s) as tree:
+        return tree.manager
+
+
 def stop(name: str, timeout_s: float) -> None:
     """Stop a manager with all its slaves and return when its process has ended.
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App
-from rtkit.errors import Partial, Refused, Unreachable
+from rtkit.errors import Malformed, Partial, Refused, Unreachable
 from rtkit.link import places
+from rtkit.rtc.address import is_address
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name
 
 if TYPE_CHECKING:
@@ -27,8 +28,11 @@ def run_word(
     if word in ("start", "run"):
         return _launch(app, word, typed, wanted)
     chosen = typed or os.environ.get("RTKIT_MANAGER") or "manager"
-    check_instance_name(chosen)
     from rtkit.tree import managers
+
+    if is_address(chosen):
+        chosen = managers.name_at(chosen, app.timeout_s)
+    check_instance_name(chosen)
 
     if word == "restart":
         _restart(app, chosen)
@@ -45,6 +49,11 @@ def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...]
 
     wanted = configuration.Wanted(*options)
     name = configuration.name(typed, configuration.read(wanted).settings)
+    if is_address(name):
+        port = name.rpartition(":")[2]
+        where = "" if typed else " (of RTKIT_MANAGER)"
+        hint = f"rtmgr {word} NAME -p {port} has one listen there"
+        raise Malformed(f"an address is no name of a manager: {name}{where} ({hint})")
     check_instance_name(name)
     if word == "run":
         return launch.run(name, wanted)

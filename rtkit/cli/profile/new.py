@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._choice import Number
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ _OPTIONS = [
     ),
     _several("callbacks", "--callback", "NAME", "component: a callback that it implements."),
     click.Option(["--category"], help="component: its category (default Misc)."),
-    click.Option(["--rate"], type=click.FloatRange(min=0), metavar="HZ", help="component: rate."),
+    click.Option(["--rate"], type=Number(min=0), metavar="HZ", help="component: rate."),
     click.Option(
         ["--type", "component_type"],
         type=click.Choice(("STATIC", "UNIQUE", "COMMUTATIVE")),

@@ -247,3 +247,11 @@ def test_characters_that_the_output_lacks_are_escaped(monkeypatch: pytest.Monkey
 def test_every_error_knows_its_kind() -> None:
     assert issubclass(UsageProblem, RtkitError)
     assert len(COMMANDS) == len(set(COMMANDS.values()))
+
+
+@pytest.mark.parametrize("typed", ["nan", "inf", "1e400"])
+@pytest.mark.parametrize("line", ["rtls --timeout", "rtwait -t", "rtlog -x", "rtls --watch"])
+def test_numbers_are_finite(run: Run, line: str, typed: str) -> None:
+    outcome = run(f"{line}={typed} x" if "--" in line else f"{line} {typed} x")
+    assert outcome.status == 2
+    assert f"{typed!r} is not a finite number." in outcome.err

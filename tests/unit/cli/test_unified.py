@@ -53,10 +53,10 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     [
         ("lst", "no such verb: lst (did you mean ls"),
         ("rtlss", "no such verb: rtlss (did you mean rtls"),
-        ("xyzzy", "no such verb: xyzzy\n"),
+        ("xyzzy", "no such verb: xyzzy (rtkit --help lists them)\n"),
         ("--verison", "no such option: --verison (did you mean --version?)\n"),
-        ("-x", "no such option: -x\n"),
-        ("\x1b[2J", "no such verb: \\x1b[2J\n"),
+        ("-x", "no such option: -x (--help, --version)\n"),
+        ("\x1b[2J", "no such verb: \\x1b[2J (rtkit --help lists them)\n"),
     ],
 )
 def test_an_unknown_verb(verb: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.rtc.names import Path, check_instance_name, is_local_host, parse_path
+from rtkit.rtc.names import Path, check_instance_name, check_port_name, is_local_host, parse_path
 
 
 @pytest.mark.parametrize(
@@ -97,3 +97,14 @@ def test_names_that_are_refused(name: str) -> None:
 )
 def test_hosts(host: str, is_local: bool) -> None:
     assert is_local_host(host, "box.lan") is is_local
+
+
+@pytest.mark.parametrize("name", ["a/b", "a:b", "\x1b[2J", " a", "a ", "", "a\nb"])
+def test_names_that_no_port_may_bear(name: str) -> None:
+    with pytest.raises(Malformed, match=r"port name .* (not allowed|with a blank)"):
+        check_port_name(name)
+
+
+@pytest.mark.parametrize("name", ["in", "Arm0.out", "a b", "Größe", "a-b(1)"])
+def test_names_that_ports_may_bear(name: str) -> None:
+    assert check_port_name(name) == name
