@@ -9,6 +9,9 @@ from typing import Any
 from rtkit.guard import kind_and_text
 from rtkit.rtc.enums import ReturnCode
 
+_HOME = "rtkit.component."
+_ALIKE = 0.8
+"""How alike the name of a method is to that of a callback if it is meant to be one."""
 CO_GENERATOR, CO_COROUTINE, CO_ASYNC_GENERATOR = 0x20, 0x80, 0x200
 """Flags of code objects, as `inspect` has them, which takes long to import."""
 
@@ -60,6 +63,27 @@ class Callbacks:
 
 
 CALLBACKS = tuple(name for name in vars(Callbacks) if name.startswith("on_"))
+
+
+def near_misses(cls: type[Callbacks]) -> list[str]:
+    """Return what to tell of methods that nobody calls, though they look like callbacks."""
+    from rtkit.rtc.nearest import nearest
+
+    ours = {
+        name for each in cls.__mro__ if each.__module__.startswith(_HOME) for name in vars(each)
+    }
+    known = [name for name in vars(Callbacks) if name.startswith("on_")]
+    own = {
+        name: nearest(name, known, 1, _ALIKE)
+        for each in cls.__mro__
+        for name, value in vars(each).items()
+        if name not in ours and name.lower().startswith("on") and callable(value)
+    }
+    return [
+        f"{cls.__name__}.{name} is no callback (did you mean {near[0]}?)"
+        for name, near in own.items()
+        if near
+    ]
 
 
 def overrides(component: Callbacks, name: str) -> bool:

@@ -30,8 +30,9 @@ def load(state: State, action: act.Load) -> Procedure:
     path = action.path
     module = known(state, path, action.init)
     if module is None:
-        take(state, (yield from try_module(state, path, action.init)), path)
-        return Result(value=path)
+        tried = yield from try_module(state, path, action.init)
+        take(state, tried.module, path)
+        return Result(value=path, note="; ".join(tried.remarks))
     message = {"op": "fingerprint", "path": module.file or module.path}
     present: Any = yield Ask(state.processes[OWN_PROCESS], message)
     is_changed = present and present != state.tried.get(module.path, present)
@@ -57,9 +58,9 @@ def take_all(state: State, told: object) -> None:
         Malformed: It cannot be read.
     """
     for each in told if isinstance(told, list) else ():
-        module, fingerprint = read(each)
-        take(state, module)
-        state.tried.setdefault(module.path, fingerprint)
+        tried = read(each)
+        take(state, tried.module)
+        state.tried.setdefault(tried.module.path, tried.fingerprint)
 
 
 def unload(state: State, action: act.Unload) -> Procedure:

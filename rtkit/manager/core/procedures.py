@@ -292,16 +292,20 @@ def _make(
     facts = state.components.get(instance)
     if facts is None or facts.zombie:
         raise Refused(f"{instance} ended while it was made")
-    return again, _old_code(told, instance, process)
+    return again, _oddities(told, instance, process)
 
 
-def _old_code(told: object, instance: str, process: Process) -> str:
-    """Return what to tell of a component whose module was edited after it had been imported."""
-    path = told.get("changed") if isinstance(told, dict) else ""
-    if not path:
+def _oddities(told: object, instance: str, process: Process) -> str:
+    """Return what is odd in a component that was made: its options, code that was edited since."""
+    if not isinstance(told, dict):
         return ""
-    what = f"{instance} is made of {path} as {process.name} had loaded it, which has changed since"
-    return f"{what} (rtmgr -u {path} lets the next one have the new code)"
+    found = [str(each) for each in told.get("remarks") or ()]
+    path = told.get("changed")
+    if path:
+        what = f"{instance} is made of {path} as {process.name} had loaded it"
+        way_out = f"rtmgr -u {path} lets the next one have the new code"
+        found.append(f"{what}, which has changed since ({way_out})")
+    return "; ".join(found)
 
 
 def _make_here(state: State, own: Process, message: Message) -> Generator[Wish, Any, object]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Generator
-from typing import Any
+from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Result
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
@@ -26,8 +26,16 @@ _PATIENCE_S = 10.0
 """How long a trial that somebody else began is waited for [s]."""
 
 
-def try_module(state: State, path: str, init: str) -> Generator[Wish, Any, ModuleProfile]:
-    """Have another process import a module; return what it offers.
+class Tried(NamedTuple):
+    """A module that a process has imported, what tells its content from another, what is odd."""
+
+    module: ModuleProfile
+    fingerprint: int
+    remarks: tuple[str, ...]
+
+
+def try_module(state: State, path: str, init: str) -> Generator[Wish, Any, Tried]:
+    """Have another process import a module; return what it offers, and what is odd in it.
 
     Raises:
         RtkitError: It cannot be imported; tells why, and the line if there is one.
@@ -35,15 +43,15 @@ def try_module(state: State, path: str, init: str) -> Generator[Wish, Any, Modul
     process: Process = yield Need(TRIAL, trial_of=path)
     try:
         told = yield Ask(process, {"op": "load", "path": path, "init": init})
-        profile, fingerprint = read(told)
+        tried = read(told)
     except RtkitError as error:
         yield Later(_kill(process))
         failure = _explained(path, process, error) if isinstance(error, Unreachable) else error
         process.failure = failure
         raise failure from error
     yield Later(end_slaves([process]))
-    state.tried[path] = fingerprint
-    return profile
+    state.tried[path] = tried.fingerprint
+    return tried
 
 
 def share_trial(state: State, path: str, init: str) -> Generator[Wish, Any, None]:
@@ -62,15 +70,16 @@ def share_trial(state: State, path: str, init: str) -> Generator[Wish, Any, None
         raise trial.failure
 
 
-def read(told: Any) -> tuple[ModuleProfile, int]:
-    """Read what a process says of a module that it has loaded: what it offers, its fingerprint.
+def read(told: Any) -> Tried:
+    """Read what a process says of a module that it has loaded.
 
     Raises:
         Malformed: It cannot be read.
     """
     if not isinstance(told, dict) or not isinstance(told.get("fingerprint"), int):
         raise Malformed("what was told of the module cannot be read")
-    return decode(ModuleProfile, told.get("module")), told["fingerprint"]
+    remarks = tuple(map(str, told.get("remarks") or ()))
+    return Tried(decode(ModuleProfile, told.get("module")), told["fingerprint"], remarks)
 
 
 def _kill(process: Process) -> Procedure:

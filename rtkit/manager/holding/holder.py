@@ -232,7 +232,12 @@ class Holder:
             self._compose(message, component)
             return LATER
         self.tell(component)
-        return {"changed": maker.changed(component)}
+        odd = [text for each in found for text in each["remarks"]]
+        odd += maker.odd_options(component, create)
+        for text in odd:
+            component.report(text)
+        changed = maker.changed(component)
+        return {"changed": changed, "remarks": odd} if changed or odd else instance
 
     def hold(self, component: Component) -> None:
         """Initialise a component and drive its contexts; only on the thread of `run`.

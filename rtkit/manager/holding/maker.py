@@ -14,6 +14,7 @@ from rtkit.component.standin import stand_in
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core.message import Message
 from rtkit.manager.holding.process_settings import complete, configure
+from rtkit.manager.holding.remarks import odd_options
 from rtkit.manager.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.pattern import ComponentPattern
@@ -58,6 +59,10 @@ class Maker:
         """Return the path of a component's module if it has been edited since it was imported."""
         return self._loader.changed(component.type)
 
+    def odd_options(self, component: Component, create: CreateString) -> list[str]:
+        """Return what to tell of options that mean nothing to a component."""
+        return odd_options(component, create.options)
+
     @property
     def modules(self) -> list[Any]:
         """All modules of this process."""
@@ -69,7 +74,8 @@ class Maker:
 
     def _told(self, module: ModuleProfile) -> dict[str, Any]:
         fingerprint = self._loader.fingerprint(module.file)
-        return {"module": encode(module), "fingerprint": fingerprint}
+        odd = self._loader.remarks(module)
+        return {"module": encode(module), "fingerprint": fingerprint, "remarks": odd}
 
     def make(self, create: CreateString, message: Message) -> Component | dict[str, Any]:
         """Return a component that is not initialised, or which module has to be tried before.

@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
-from rtkit.component.callbacks import describe_failure
+from rtkit.component.callbacks import describe_failure, near_misses
 from rtkit.component.composite import TYPES as COMPOSITES
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
@@ -87,6 +87,7 @@ class Loader:
         self._modules: dict[tuple[str, str], ModuleProfile] = {}
         self._known: dict[tuple[str, str], ModuleProfile] = {}
         self._found: list[ModuleProfile] = []
+        self._remarks: dict[tuple[str, str], list[str]] = {}
 
     def configure(
         self, folders: Sequence[str], *, is_absolute_allowed: bool, is_search_allowed: bool
@@ -126,11 +127,17 @@ class Loader:
             )
         elif imported.fingerprint != fingerprint:
             raise Refused(f"module {path} has changed since it was loaded (rtmgr -u forgets it)")
-        types = self.factories.register_all(_initialise(imported.module, name, path))
+        classes = _initialise(imported.module, name, path)
+        types = self.factories.register_all(classes)
         self._imported[source.real] = imported
         profile = ModuleProfile(path, name, types, source.real)
         self._modules[source.real, name] = profile
+        self._remarks[source.real, name] = [t for each in classes for t in near_misses(each)]
         return profile
+
+    def remarks(self, module: ModuleProfile) -> list[str]:
+        """Return what is odd in the component classes of a module."""
+        return self._remarks.get((module.file, module.init), [])
 
     def fingerprint(self, path: str) -> int:
         """Return what tells the content of a loaded module from another."""

@@ -896,6 +896,19 @@ def test_a_module_that_a_process_found_by_itself_is_listed_and_can_be_forgotten(
     assert shell.told[-1] == (key, {"op": "unload", "path": "Thing.py"})
 
 
+def test_what_is_odd_in_a_module_or_in_options_is_a_note(shell):
+    asked = shell.ask(Load("a.py", "aInit"))
+    shell.fork(TRIAL)
+    call = shell.next("load")
+    shell.reply(call, {**module_of(call, "Thing"), "remarks": ["A.on_exectue is no callback"]})
+    assert asked.result.note == "A.on_exectue is no callback"
+    asked = shell.ask(create("Thing?instance_name=B"))
+    call = shell.next("create")
+    shell.say(call.key, facts=facts("B"))
+    shell.reply(call, {"changed": "", "remarks": ["one", "two"]})
+    assert asked.result.note == "one; two"
+
+
 def test_a_component_of_code_that_was_edited_since_is_made_with_a_note(shell):
     shell.make("A", "s")
     asked = shell.ask(create("Thing?instance_name=B&manager_name=s"))

@@ -76,6 +76,33 @@ def test_each_init_function_is_called_once_in_one_import(loader, folder):
             make(loader, name)
 
 
+NEAR = """
+from rtkit.component import Component
+
+class Base(Component):
+    def on_exectue(self, context): pass
+    def onActivated(self, context): pass
+
+class Near(Base):
+    def on_execute(self, context): pass
+    def on_button(self): pass
+    def once(self): pass
+    on_resett = 3
+
+def NearInit(manager):
+    manager.register_factory(Near)
+"""
+
+
+def test_methods_that_look_like_callbacks_are_told(loader, folder):
+    (folder / "Near.py").write_text(NEAR)
+    assert sorted(loader.remarks(loader.load("Near.py"))) == [
+        "Near.onActivated is no callback (did you mean on_activated?)",
+        "Near.on_exectue is no callback (did you mean on_execute?)",
+    ]
+    assert loader.remarks(loader.load("Thing.py")) == []
+
+
 def test_code_that_was_edited_is_told(loader, folder):
     component = make(loader, "Thing")
     assert [each.path for each in loader.found()] == ["Thing.py"]
