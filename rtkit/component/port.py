@@ -345,11 +345,14 @@ class OutPort(DataPort[T]):
         return status
 
     def _begin(self, value: T) -> bool:
+        return self._learn()(value)
+
+    def _learn(self) -> Callable[[T], bool]:
         """Have a test of values of this type made: at first use, most ports of a host have none."""
         from rtkit.component.carried import test_of
 
         self._may_pass = test_of(self.data_type)
-        return self._may_pass(value)
+        return self._may_pass
 
     def _carried(self, value: T) -> T:
         if not isinstance(value, self.data_type):
@@ -368,7 +371,9 @@ class OutPort(DataPort[T]):
 
         Raises:
             Refused: It is open already, or the port takes no more.
+            Malformed: Values of its type cannot be carried.
         """
+        self._learn()  # here, not in the period of the first value
         with self._lock:
             self._admit(connector_id)
             self._by_id[connector_id] = sink
