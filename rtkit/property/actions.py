@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.functional import Function
+from rtkit.property.lanes import first_only
 from rtkit.property.messages import DONE, Answer, Ask, Payload
 from rtkit.property.naming import Target
 from rtkit.property.parameters import COMMON, checked_parameters
@@ -59,15 +61,22 @@ def start(service: Service, node: Node, place: Place, target: Target, ask: Ask) 
         raise PropertyError("conflict", f"revision of {target.name} is {node.revision}")
     arguments = function.bind(_arguments(function, ask.payload), given)
     waits = common.get("echo") not in (None, False, 0)
+    told = first_only(ask.answer)
+    longest = common.get("timeout")
+    bounds: list[Callable[[], object]] = []
 
     def changed() -> None:
         has_changed = node.put(function.describe(), service.wall())
         if node.listeners:
             service.listeners.changed(node, has_changed)
         if waits and function.state != "running":
-            ask.answer(Answer(node.payload))
+            told(Answer(node.payload))
+            for end in bounds:
+                end()
 
     function.start(arguments, changed, service.user_code)
+    if waits and isinstance(longest, int | float) and function.state == "running":
+        bounds.append(service.user_code.refuse_after(max(longest, 1e-3), told))
     return None if waits else DONE
 
 

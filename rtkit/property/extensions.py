@@ -232,8 +232,11 @@ def set_extension(service: Service, place: Place, parameters: dict[str, Value], 
 def _listen(
     service: Service, place: Place, ref: str, parameters: dict[str, Value], caller: Caller
 ) -> None:
-    if read(ref) != Word("self"):
-        raise PropertyError("denied", f"events go to self only, not to {ref[:80]}")
+    if ref.strip() != "self":
+        if service.notifies is None:
+            raise PropertyError("denied", f"events go to self only, not to {ref[:80]}")
+        service.permit(caller, "SET", place.name)  # for it makes us set something
+        caller = service.notifies(ref.strip(), ".".join((place.name, *place.path)))
     if parameters.pop("remove", False) not in (False, 0):
         service.listeners.remove(place, caller)
         return

@@ -9,9 +9,11 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from rtkit.guard import guarded
 from rtkit.property.annotations import bare, choices_of, spec_of, type_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value
@@ -121,13 +123,33 @@ class Exported:
             present = self._unfolded.get(name, _UNSET)
             if is_known:
                 present = _present(thing, member)
-            if present is not _UNSET and is_nested(present):
-                if len(seen) < DEEPEST + 1 and id(present) not in seen:
-                    below = self._nested(holder, member, name, is_known=is_known)
-                    self._scan(below, present, f"{name}.", seen, found, is_plain=is_known)
+            held = self._nested(holder, member, name, is_known=is_known)
+            look = partial(self._below, held, present, name, seen, is_plain=is_known)
+            below = guarded(look)
+            if below.error is not None:
+                found[name] = _Found(holder, member)  # a GET of it tells why
+            elif below.result is not None:
+                found |= below.result
             elif present is _UNSET or is_data(present):
                 takes = _taken(thing, member)
                 found[name] = _Found(holder, member, present, is_known, takes=takes)
+
+    def _below(
+        self,
+        held: Callable[[], Any],
+        present: object,
+        name: str,
+        seen: tuple[int, ...],
+        *,
+        is_plain: bool,
+    ) -> dict[str, _Found] | None:
+        """Return the members below an object, None of what has none."""
+        if present is _UNSET or not is_nested(present):
+            return None
+        found: dict[str, _Found] = {}
+        if len(seen) < DEEPEST + 1 and id(present) not in seen:
+            self._scan(held, present, f"{name}.", seen, found, is_plain=is_plain)
+        return found
 
     def _nested(
         self, holder: Callable[[], Any], member: Member, name: str, *, is_known: bool

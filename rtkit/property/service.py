@@ -47,6 +47,7 @@ class Service:
         on_names: Called before names are told or missed, to have those that there are now.
         remembered: What is computed and has a history, by name.
         user_code: Calls what is not ours.
+        notifies: Returns who listens for a property elsewhere; None where none can.
         has_groups: Those who listen in the same way may share one listener.
     """
 
@@ -66,6 +67,7 @@ class Service:
         self.listeners = Listeners(self)
         self.on_refusal: Callable[[str, str, str], object] | None = None
         self.on_names: Callable[[], object] | None = None
+        self.notifies: Callable[[str, str], Caller] | None = None
         self._nodes = self.registry.nodes
         self.remembered: dict[str, Node] = {}
         self._histories: list[tuple[str, int]] = []

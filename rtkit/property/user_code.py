@@ -45,6 +45,10 @@ class UserCode(Protocol):
         """
         ...
 
+    def refuse_after(self, wait: float, refuse: Callable[[Answer], object]) -> Callable[[], object]:
+        """Refuse something that has not ended after some time [s]; return what takes that back."""
+        ...
+
     def post(self, work: Work) -> None:
         """Do something soon as the owner of the service; from any thread."""
         ...
@@ -110,6 +114,10 @@ class AtOnce:
         """See `UserCode.start`."""
         outcome = self.call(work)
         finished(outcome.result, outcome.error)
+
+    def refuse_after(self, wait: float, refuse: Callable[[Answer], object]) -> Callable[[], object]:
+        """See `UserCode.refuse_after`: here all has ended before anybody could ask."""
+        return lambda: None
 
     def post(self, work: Work) -> None:
         """See `UserCode.post`."""

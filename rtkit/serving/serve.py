@@ -10,6 +10,7 @@ from rtkit.errors import Malformed
 from rtkit.guard import Outcome, guarded
 from rtkit.property.access import Policy, read_policy
 from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Caller
 from rtkit.property.naming import canonical_segment
 from rtkit.property.objects import Exported
 from rtkit.property.service import Service
@@ -84,6 +85,7 @@ def serve(
     hide: Iterable[str] = (),
     history: Mapping[str, int] | None = None,
     rules: str | Policy = "",
+    notify: Iterable[str] = (),
     is_on_zenoh: bool = True,
 ) -> Served:
     """Serve an object: its attributes are properties, its methods actions; its class stays as is.
@@ -109,6 +111,8 @@ def serve(
         hide: Names that are not to be seen.
         history: Patterns of names, and how many values of each ``NAME.history`` tells.
         rules: Who may do what through which door, and how much: `rtkit.property.access`.
+        notify: Patterns of ``SERVICE/NAME``, of your services on this host, to which events may be
+            SET (``SET P.listen SERVICE/NAME``); none may, unless told.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.
 
     Raises:
@@ -128,6 +132,8 @@ def serve(
     if not isinstance(thing, Service):
         Exported(service, thing, hide)
     service.on_refusal = Refusals()
+    if allowed := tuple(notify):
+        service.notifies = _notifying(host, service, allowed)
     host.add(service)
     try:
         socket = open_unix(host, service.name)
@@ -148,6 +154,14 @@ def serve(
         raise
     host.start()
     return Served(host, service, socket, opened, web, objects)
+
+
+def _notifying(
+    host: Host, service: Service, allowed: tuple[str, ...]
+) -> Callable[[str, str], Caller]:
+    from rtkit.serving.notified import Notifying
+
+    return Notifying(host, service, allowed).caller_for
 
 
 def _open_http(host: Host, port: int) -> int:

@@ -27,6 +27,7 @@ MOST_THREADS = 64
 MOST_WAITING = 4096
 _MOST_ACTIONS = 64
 _CLOSING_S = 1.0
+LATE = Answer("the code behind it has not answered in time", "timeout")
 
 
 class _Job:
@@ -64,6 +65,7 @@ class Workers:
         self._idle = 0
         self._slow = 0
         self._actions = 0
+        self._late: dict[object, tuple[float, Callable[[Answer], object]]] = {}
         self._is_closed = False
         self._coroutines = Coroutines()
 
@@ -114,6 +116,12 @@ class Workers:
 
         threading.Thread(target=run, name="call", daemon=True).start()
 
+    def refuse_after(self, wait: float, refuse: Callable[[Answer], object]) -> Callable[[], object]:
+        """See `UserCode.refuse_after`."""
+        key = object()
+        self._late[key] = (monotonic() + wait, refuse)
+        return lambda: self._late.pop(key, None)
+
     def awaited(
         self, coroutine: Coroutine[Any, Any, object], cancellable: Callable[[Cancel], object]
     ) -> object:
@@ -124,8 +132,13 @@ class Workers:
 
     def check(self, now: float) -> float | None:
         """Refuse what takes too long, have others go on; return when to look again."""
+        for key, (until, refuse) in list(self._late.items()):
+            if until <= now:
+                del self._late[key]
+                refuse(LATE)
+        times = [until for until, _ in self._late.values()]
         if not self._jobs:
-            return None
+            return min(times, default=None)
         for job in [each for each in self._jobs if each.until <= now]:
             self._give_up(job)
         running = [job for job in self._jobs if job.began_at and not job.is_slow]
@@ -135,7 +148,7 @@ class Workers:
                 self._slow += 1
         if self._due:
             self._engage()
-        times = [job.until for job in self._jobs if job.refuse is not None]
+        times += [job.until for job in self._jobs if job.refuse is not None]
         if self._due:
             times += [job.began_at + HAND_OVER_S for job in running if not job.is_slow]
         return min(times, default=None)
@@ -144,7 +157,7 @@ class Workers:
         """Refuse what has not ended in time; what has not begun by now never does."""
         refuse, job.refuse = job.refuse, None
         if refuse is not None:
-            refuse(Answer("the code behind it has not answered in time", "timeout"))
+            refuse(LATE)
         if not job.began_at and self._lanes[job.lane][0] is not job:
             self._lanes[job.lane].remove(job)
             del self._jobs[job]

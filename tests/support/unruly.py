@@ -137,6 +137,8 @@ def check_only_its_own_request_suffers(door: Door, thing: Unruly) -> None:
             pass  # it is about to begin
         while 'state="stopped"' not in str(next(events).payload):
             pass
+        assert door.ask("warm_for_ever?echo&timeout=0.02", "").error == "timeout"
+        assert door.ask("warm_for_ever.stop", "true").error == ""
     with door.listen("warmth") as events:
         assert next(events).payload == "3.5"
     assert thing._called.count("stuck") == 1

@@ -8,6 +8,7 @@ import re
 import statistics
 import threading
 import typing
+from collections.abc import Mapping
 from enum import Enum
 from typing import Annotated
 
@@ -456,3 +457,38 @@ def test_annotations_in_init_count_as_those_of_the_class() -> None:
     assert refused(service, "names", "(1)") == "bad-value"
     assert refused(service, "steps", "4") == "read-only"
     assert service.get("lost") == "1"
+
+
+class Unlistable(Mapping[str, int]):
+    def __getitem__(self, key: str) -> int:
+        raise SystemExit(1)
+
+    def __iter__(self) -> typing.Iterator[str]:
+        raise SystemExit(2)
+
+    def __len__(self) -> int:
+        return 1
+
+
+class Untold:
+    def __str__(self) -> str:
+        raise SystemExit(3)
+
+
+class Spoilt:
+    def __init__(self) -> None:
+        self.fine = 1.0
+        self.table = Unlistable()
+        self.untold = [Untold()]
+
+    def give(self) -> Untold:
+        return Untold()
+
+
+def test_what_cannot_be_looked_at_is_no_harm_to_the_rest() -> None:
+    service = served(Spoilt())
+    assert service.get("properties?all") == "(give fine table untold)"
+    assert service.get("fine") == "1.0"
+    assert refused(service, "table") == "internal"
+    assert refused(service, "untold") == "internal"
+    assert "SystemExit: 3" in str(service.set("give?echo", ""))

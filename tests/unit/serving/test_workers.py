@@ -130,6 +130,16 @@ def test_a_coroutine_that_ends_its_process_ends_nothing(owner: Owner) -> None:
     ]
 
 
+def test_what_has_ended_in_time_is_not_refused(owner: Owner) -> None:
+    with owner.lock:
+        owner.workers.refuse_after(1.0, owner.refused.append)()
+        owner.workers.refuse_after(1.0, owner.refused.append)
+        assert owner.workers.check(monotonic()) is not None
+    owner.look(after_s=2.0)
+    owner.look(after_s=3.0)
+    assert [answer.error for answer in owner.refused] == ["timeout"]
+
+
 def test_actions_are_bounded(owner: Owner, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "_MOST_ACTIONS", 1)
     is_free = threading.Event()
