@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rtkit.builder.build import PROFILE, File, build, build_types
 from rtkit.builder.merge import Fate, Merged, merge
 from rtkit.builder.prepare import Sources, idl_files
-from rtkit.builder.standard_types import KNOWN
+from rtkit.builder.standard_types import IMAGES, KNOWN, expression
 from rtkit.errors import NotFound, Refused
 from rtkit.idl.read import read_idl
 from rtkit.profile.read import read_bytes, read_rtc
@@ -19,7 +19,7 @@ from rtkit.records import dataclass, field
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rtkit.idl.model import Definitions
+    from rtkit.idl.model import Definitions, Path
     from rtkit.profile.rtc_model import RtcProfile
 
 STDIN, STDIN_NAME = "-", "<stdin>"
@@ -126,9 +126,19 @@ def _types_alone(typed: str, folder: str, idl: _Idl) -> Project:
     name = os.path.basename(typed)
     definitions = read_idl(text, typed, idl.find, KNOWN)
     built, notes = build_types(definitions, name)
-    if not built:
+    stock = [path for path in definitions.by_path if path in KNOWN]
+    if stock and not built:
+        notes.append(f"{typed}: {_built_in(stock)}; there is nothing to generate")
+    elif not built:
         raise Refused(f"{typed}: nothing in it can be carried{_listed(notes)}")
     return Project(folder, built, notes)
+
+
+def _built_in(paths: Sequence[Path]) -> str:
+    """Return where code finds types that rtkit has."""
+    first = expression(paths[0])
+    where = IMAGES if first.startswith("images.") else "from rtkit import component as rt"
+    return f"its {len(paths)} types are built in ({where}; {first} …)"
 
 
 def _listed(notes: Sequence[str]) -> str:

@@ -1,4 +1,10 @@
-"""The grammar of IDL, for lark: OMG IDL 3.5 and the integer names and annotations of IDL 4."""
+"""The grammar of IDL, for lark: OMG IDL 3.5 and the types and annotations of IDL 4.
+
+The words that IDL 4 added (``map``, ``int8`` …) are names here, since older files use them as
+names; the reader knows where they are types. What annotations and value types refer to has rules
+of its own (``mark``, ``value_base``): they are followed by other words than a type is, and a
+parser that looks one word ahead would take those words for keywords behind types, too.
+"""
 
 from __future__ import annotations
 
@@ -53,24 +59,25 @@ valuetype: _value_kind? "valuetype" NAME _value_tail
 forward_value: _value_kind? "valuetype" NAME
 _value_kind: "custom" | "abstract"
 _value_tail: _value_bases? "{" _value_element* "}" | _type
-_value_bases: ":" "truncatable"? scoped ("," scoped)* supports? | supports
-supports: "supports" scoped ("," scoped)*
+_value_bases: ":" "truncatable"? value_base ("," value_base)* supports? | supports
+supports: "supports" value_base ("," value_base)*
+value_base: [ROOT] NAME ("::" NAME)*
 _value_element: _export | ("public" | "private") member | factory ";"
 factory: "factory" NAME "(" (parameter ("," parameter)*)? ")" raises?
 
 _type: basic | text | sequence | fixed | scoped | map
 basic: WORD+
 WORD.2: /\b(unsigned|short|long|float|double|char|wchar|boolean|octet|any|Object|ValueBase)\b/
-    | /\b(u?int(8|16|32|64))\b/
 text: TEXT ["<" _constant ">"]
 TEXT.2: /\bw?string\b/
 sequence: "sequence" "<" _type ["," _constant] ">"
-map: "map" "<" _type "," _type ["," _constant] ">"
+map: NAME "<" _type "," _type ["," _constant] ">"
 fixed: "fixed" ["<" _constant "," _constant ">"]
 scoped: [ROOT] NAME ("::" NAME)*
 ROOT: "::"
 
-annotation: "@" scoped ("(" (_argument ("," _argument)*)? ")")?
+annotation: "@" mark ("(" (_argument ("," _argument)*)? ")")?
+mark: [ROOT] NAME ("::" NAME)*
 _argument: _constant | NAME "=" _constant
 
 _constant: or

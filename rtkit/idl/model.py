@@ -39,6 +39,7 @@ class Kind(StrEnum):
     NATIVE = "native"
     FORWARD = "forward declaration"
     MISSING = "name that nothing defines"
+    BROKER = "type of the CORBA broker itself"
 
 
 class Basic(NamedTuple):

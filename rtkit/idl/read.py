@@ -41,6 +41,11 @@ if TYPE_CHECKING:
     from lark.exceptions import UnexpectedInput
 
 _LONGEST_EXPECTATION = 4
+_BROKER = "CORBA"
+"""The module whose names every file may use, and which no file defines."""
+
+_INTEGERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))
+"""Types that IDL 4 added; in older files these may be names of something else."""
 _WORDS = {
     "CHARACTER": "a character",
     "DIRECTION": "in, out or inout",
@@ -287,10 +292,9 @@ class _Reader:
 
     def _type(self, node: Any, scope: Path) -> Type:
         if node.data == "scoped":
-            found = self._look_up(node, scope)
-            if found.value is not None:
-                raise InvalidIdl(f"{self._place(node)}: {'::'.join(found.path)} is no type")
-            return Named(found.path)
+            return self._named(node, scope)
+        if node.data == "map" and str(node.children[0]) != "map":
+            raise InvalidIdl(f"{self._place(node)}: unexpected '<' after {node.children[0]}")
         if node.data == "sequence":
             item, *bound = node.children
             return SequenceOf(
@@ -300,6 +304,16 @@ class _Reader:
             return Basic(str(node.children[0]))
         words = [str(word) for word in node.children if word is not None]
         return Basic(" ".join(words) if node.data == "basic" else str(node.data))
+
+    def _named(self, node: Any, scope: Path) -> Type:
+        root, *names = node.children
+        if root is None and len(names) == 1 and names[0] in _INTEGERS:
+            if self.scopes.find((str(names[0]),), scope, is_absolute=False) is None:
+                return Basic(str(names[0]))
+        found = self._look_up(node, scope)
+        if found.value is not None:
+            raise InvalidIdl(f"{self._place(node)}: {'::'.join(found.path)} is no type")
+        return Named(found.path)
 
     def _size(self, node: Any, scope: Path) -> int:
         value = self._value(node, scope)
@@ -326,9 +340,10 @@ class _Reader:
         if found is not None:
             return found
         place, missing = self._place(node), self._source.missing
-        if not missing:
+        is_brokers = name[0] == _BROKER and len(name) > 1
+        if not missing and not is_brokers:
             raise InvalidIdl(f"{place}: {'::'.join(name)} is not defined")
-        self.scopes.declare(Opaque(name, place, Kind.MISSING))
+        self.scopes.declare(Opaque(name, place, Kind.BROKER if is_brokers else Kind.MISSING))
         return Found(name)
 
     def _place(self, node: Any) -> Place:
@@ -339,7 +354,9 @@ class _Reader:
 
 
 def _is_missing(declared: Declaration | None) -> bool:
-    return declared is None or (isinstance(declared, Opaque) and declared.kind is Kind.MISSING)
+    return declared is None or (
+        isinstance(declared, Opaque) and declared.kind in (Kind.MISSING, Kind.BROKER)
+    )
 
 
 def _name(token: Any) -> str:

@@ -226,6 +226,20 @@ def test_an_idl_file_alone_gives_its_types(place: Path, run: Run) -> None:
     assert err.startswith("rtbuild: none.idl: nothing in it can be carried: none.idl:1: I is left")
 
 
+def test_an_idl_file_of_built_in_types_needs_nothing(place: Path, run: Run) -> None:
+    (place / "BasicDataType.idl").write_text(
+        "module RTC { struct Time { unsigned long sec, nsec; };"
+        " struct TimedLong { Time tm; long data; }; };"
+    )
+    assert run("rtbuild BasicDataType.idl -o out") == (
+        0,
+        "",
+        "note: BasicDataType.idl: its 2 types are built in"
+        " (from rtkit import component as rt; rt.Time …); there is nothing to generate\n",
+    )
+    assert not (place / "out").exists()
+
+
 @pytest.mark.parametrize(
     ("line", "why"),
     [

@@ -303,3 +303,39 @@ def test_enumerations_and_typedefs_tell_what_they_are():
     assert ways == Typedef(
         ("Ways",), ways.place, ArrayOf(Named(("Way",)), (2,)), doc="Two of them."
     )
+
+
+@pytest.mark.parametrize(
+    "word", ["map", "int8", "uint64", "factory", "supports", "native", "getraises", "component"]
+)
+def test_a_word_that_is_no_keyword_there_is_a_name(word):
+    found = read(
+        f"struct T {{ long a; }}; struct S {{ T {word}; long b; }}; "
+        f"interface I {{ T {word}(in T {word}); }};"
+    )
+    assert found.by_path["S",].fields[0] == Field(word, Named(("T",)))
+    operation = found.interface("I").operations[0]
+    assert (operation.name, operation.parameters[0].name) == (word, word)
+
+
+@pytest.mark.parametrize("word", ["map", "int8"])
+def test_a_type_may_have_the_name_of_a_later_type(word):
+    found = read(f"struct {word} {{ long a; }}; struct S {{ {word} m; ::{word} n; }};")
+    assert [each.type for each in found.by_path["S",].fields] == [Named((word,))] * 2
+
+
+def test_types_of_idl_4_are_types_where_nothing_has_their_name():
+    found = read("struct S { int8 a; uint64 b; map<string, map<int8, long> > c; };")
+    kinds = [each.type for each in found.by_path["S",].fields]
+    assert kinds == [Basic("int8"), Basic("uint64"), Basic("map")]
+    assert fails("struct S { int9 a; };") == "a.idl:1: int9 is not defined"
+    assert fails("struct S { list<long, long> a; };") == "a.idl:1: unexpected '<' after list"
+
+
+def test_what_the_broker_defines_needs_no_definition():
+    found = read("struct S { CORBA::TypeCode code; sequence< ::CORBA::Policy> all; };")
+    declared = found.by_path["CORBA", "TypeCode"]
+    assert isinstance(declared, Opaque)
+    assert declared.kind is Kind.BROKER
+    own = read("module CORBA { struct TypeCode { long a; }; }; struct S { CORBA::TypeCode c; };")
+    assert isinstance(own.by_path["CORBA", "TypeCode"], Struct)
