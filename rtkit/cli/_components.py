@@ -12,19 +12,24 @@ MODULE_PATH = "RTKIT_MODULE_PATH"
 _LOAD_PATHS = ("manager.modules.load_path", "manager.modules.Python.load_paths")
 _MODULE = ".py"
 _USUAL = "RTC"
+_COMPONENTS = "rtc"
 _HEAD = 8192
 _MOST = 16 * 2**20
 
 
 def profiles(
-    paths: Sequence[str], tell: Callable[[str], object], *, with_shipped: bool = True
+    paths: Sequence[str],
+    tell: Callable[[str], object],
+    *,
+    systems: Sequence[str] = (),
+    with_shipped: bool = True,
 ) -> Iterator[tuple[str, bytes]]:
     """Yield name and content of what may be RTC profiles, each file once.
 
     First comes what was named, folders with all that is below them, last what is shipped. No
     code is run: of a module only a file beside it counts, of the same name or ``RTC.xml``.
-    Modules are looked for where a manager that is started here would. `tell` hears of places
-    that cannot be known.
+    Modules are looked for where a manager that is started here would. Of the repositories in
+    which `systems` lie ``rtc/NAME/RTC.xml`` counts. `tell` hears of places that cannot be known.
 
     Raises:
         NotFound: A file or folder that was named cannot be read.
@@ -32,7 +37,7 @@ def profiles(
     from rtkit.profile.forms import may_be_component
 
     seen: set[str] = set()
-    for path, is_named in _candidates(paths, tell, with_shipped):
+    for path, is_named in _candidates(paths, tell, systems, with_shipped):
         real = os.path.realpath(path)
         if real in seen:
             continue
@@ -48,7 +53,10 @@ def profiles(
 
 
 def _candidates(
-    paths: Sequence[str], tell: Callable[[str], object], with_shipped: bool
+    paths: Sequence[str],
+    tell: Callable[[str], object],
+    systems: Sequence[str],
+    with_shipped: bool,
 ) -> Iterator[tuple[str, bool]]:
     for path in paths:
         if os.path.isdir(path):
@@ -59,6 +67,8 @@ def _candidates(
         yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
     for folder in (os.curdir, *_load_path(tell), *_listed(MODULE_PATH)):
         yield from ((file, False) for file in _beside_modules(folder))
+    for folder in dict.fromkeys(each for system in systems for each in _around(system)):
+        yield from ((file, False) for file in _of_repository(folder))
     if with_shipped:
         from rtkit.resources import resource
 
@@ -105,6 +115,22 @@ def _beside_modules(folder: str) -> Iterator[str]:
     for name in _profiles(folder) if modules else ():
         if os.path.splitext(name)[0] in (*modules, _USUAL):
             yield os.path.normpath(os.path.join(folder, name))
+
+
+def _around(system: str) -> tuple[str, str]:
+    """Return the folder of a system, and the one above: most keep theirs in ``system/``."""
+    folder = os.path.dirname(system)
+    return folder, os.path.normpath(os.path.join(folder, os.pardir))
+
+
+def _of_repository(folder: str) -> Iterator[str]:
+    components = os.path.join(folder, _COMPONENTS)
+    try:
+        names = sorted(os.listdir(components))
+    except OSError:
+        return
+    paths = (os.path.join(components, name, f"{_USUAL}.xml") for name in names)
+    yield from (path for path in paths if os.path.isfile(path))
 
 
 def _is_module(name: str) -> bool:

@@ -109,7 +109,8 @@ def _checked(
             systems.append(opened(source.data, source.name, form=app.form, strict=options.strict))
     types = {name for each in systems if isinstance(each, Opened) for name in each.types}
     components = [*components, *(each.name for each in others)]
-    documents = (Document(*each) for each in profiles(components, app.tell))
+    files = [source.name for source in named if source.data is not None and source.name in paths]
+    documents = (Document(*each) for each in profiles(components, app.tell, systems=files))
     catalogue, troubles = stocked(documents, types, options)
     for each in systems:
         yield verdict(each, catalogue, options) if isinstance(each, Opened) else each

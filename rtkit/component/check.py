@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import Polarity, PortType
-from rtkit.rtc.interface_types import interface_name
+from rtkit.rtc.interface_types import canonical
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
 
 WRONG_TYPE = "Wrong port type."
@@ -73,8 +73,7 @@ def incompatible(key: str, value: str, port: PortProfile) -> str:
 
 
 def _words(key: str, text: str) -> set[str]:
-    words = {word.strip().lower() for word in text.split(",")}
-    return {interface_name(word) for word in words} if key.endswith("interface_type") else words
+    return {canonical(key, word) for word in text.split(",")}
 
 
 def _refused_interfaces(ports: Sequence[PortProfile]) -> str:

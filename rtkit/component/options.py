@@ -17,7 +17,10 @@ from rtkit.rtc.interface_types import (
     DATAFLOW_TYPE,
     DEFAULT_INTERFACE,
     INTERFACE_TYPE,
+    SUBSCRIPTION_TYPE,
+    SUBSCRIPTIONS,
     USUAL_DATAFLOW,
+    canonical,
     interface_name,
 )
 from rtkit.rtc.nearest import CLOSE, did_you_mean
@@ -120,7 +123,7 @@ _KEYS = (
     "dataport.outport.data_type",
     INTERFACE_TYPE,
     DATAFLOW_TYPE,
-    "dataport.subscription_type",
+    SUBSCRIPTION_TYPE,
     "dataport.publisher.push_policy",
     "dataport.publisher.skip_count",
     "dataport.publisher.push_rate",
@@ -136,10 +139,9 @@ _WORDS = {
         "zenoh", "direct", "shm", "corba_cdr", "data_service", "shared_memory", "csp_channel",
     ),
     DATAFLOW_TYPE: ("push", "pull", "duplex"),
-    "dataport.subscription_type": ("new", "flush", "periodic", "block", "nonblock"),
+    SUBSCRIPTION_TYPE: (*SUBSCRIPTIONS, "block", "nonblock"),
 }  # fmt: skip
 """Words that are known, here or in OpenRTM."""
-_SUBSCRIPTIONS = ("flush", "new", "periodic")
 P = TypeVar("P", bound=StrEnum)
 
 
@@ -152,7 +154,7 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
     for word in properties.get(_ENDIAN, "").split(","):
         if word.strip().lower() not in ("", "little", "big"):
             raise _bad(properties, _ENDIAN, "one of little, big")
-    subscription = _word(properties, "dataport.subscription_type", "new")
+    subscription = canonical(SUBSCRIPTION_TYPE, _word(properties, SUBSCRIPTION_TYPE, "new"))
     policy = _choice(PushPolicy, properties, "dataport.publisher.push_policy", PushPolicy.NEW)
     skip_count = _integer(properties, "dataport.publisher.skip_count", 0)
     if not 0 <= skip_count < MAX_LENGTH:
@@ -161,7 +163,7 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
         data_type=properties.get("dataport.data_type", ""),
         interface=interface_name(_word(properties, INTERFACE_TYPE, DEFAULT_INTERFACE)),
         dataflow=_word(properties, DATAFLOW_TYPE, USUAL_DATAFLOW),
-        subscription=subscription if subscription in _SUBSCRIPTIONS else "new",
+        subscription=subscription if subscription in SUBSCRIPTIONS else "new",
         push_policy=policy,
         skip_count=skip_count,
         push_rate=_push_rate(properties),

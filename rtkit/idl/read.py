@@ -307,9 +307,9 @@ class _Reader:
 
     def _named(self, node: Any, scope: Path) -> Type:
         root, *names = node.children
-        if root is None and len(names) == 1 and names[0] in _INTEGERS:
-            if self.scopes.find((str(names[0]),), scope, is_absolute=False) is None:
-                return Basic(str(names[0]))
+        is_later = root is None and len(names) == 1 and names[0] in _INTEGERS
+        if is_later and not self.scopes.find((str(names[0]),), scope, is_absolute=False):
+            return Basic(str(names[0]))
         found = self._look_up(node, scope)
         if found.value is not None:
             raise InvalidIdl(f"{self._place(node)}: {'::'.join(found.path)} is no type")

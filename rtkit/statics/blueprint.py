@@ -13,7 +13,7 @@ from rtkit.profile.rtc_model import Configuration, DataPort, RtcProfile, Service
 from rtkit.profile.words import property_value
 from rtkit.records import dataclass
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
-from rtkit.rtc.interface_types import interface_name
+from rtkit.rtc.interface_types import canonical
 from rtkit.rtc.profiles import PortInterfaceProfile, TypeProfile
 
 INTERFACE, DATAFLOW, SUBSCRIPTION = "interface_type", "dataflow_type", "subscription_type"
@@ -96,19 +96,16 @@ def blueprint(profile: RtcProfile, type: TypeProfile, source: str) -> Blueprint:
 @lru_cache(_REMEMBERED)
 def words(key: str, text: str | None) -> frozenset[str]:
     """Return the words of a list like ``push,pull``; none where it leaves everything open."""
-    found = _split(text)
-    return frozenset(map(interface_name, found)) if key == INTERFACE else found
+    return frozenset(canonical(f"dataport.{key}", word) for word in _split(text))
 
 
 @lru_cache(_REMEMBERED)
 def offered(key: str, text: str | None) -> frozenset[str]:
     """Return the words that a connector may use where a port offers these."""
-    found = _split(text)
-    if key != INTERFACE:
-        return found
-    known = set(map(interface_name, found))
+    found, known = _split(text), words(key, text)
     # What a port offers to other processes it offers within its own too.
-    return found | known | ({"direct"} if "zenoh" in known else set())
+    is_remote = key == INTERFACE and "zenoh" in known
+    return found | known | ({"direct"} if is_remote else set())
 
 
 def _split(text: str | None) -> frozenset[str]:

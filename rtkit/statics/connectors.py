@@ -12,6 +12,7 @@ from rtkit.profile.words import property_value
 from rtkit.report.finding import ERROR, NOTE, WARNING
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
+from rtkit.rtc.interface_types import SUBSCRIPTIONS
 from rtkit.statics.blueprint import DATAFLOW, INTERFACE, OFFERS, SUBSCRIPTION, words
 from rtkit.statics.ports import fits_type, type_names
 from rtkit.statics.remark import TOP, Place, Remark
@@ -19,7 +20,7 @@ from rtkit.statics.view import DataEnd, View, kinds_of, property_place
 
 _USUAL = {
     DATAFLOW: frozenset(("push", "pull")),
-    SUBSCRIPTION: frozenset(("flush", "new", "periodic")),
+    SUBSCRIPTION: frozenset(SUBSCRIPTIONS),
 }
 _RULES = {INTERFACE: "interface-type", DATAFLOW: "dataflow-type", SUBSCRIPTION: "subscription-type"}
 

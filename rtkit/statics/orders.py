@@ -34,6 +34,7 @@ def _order(
     order: Order, name: str, place: Place, contexts: Mapping[str, Sequence[str]]
 ) -> Iterator[Remark]:
     found: _Orders = {}
+    bounded: list[tuple[Target, Condition, Place]] = []
     places: dict[Target, Place] = {}
     for number, entry in enumerate(order.targets):
         where = place.below("targets", number)
@@ -44,6 +45,8 @@ def _order(
             yield Remark(ERROR, "condition-target", f"{name}: {error}", where)
             continue
         found[target] = (*found.get(target, ()), *conditions)
+        limit = where.below("preceding").at("timeout")
+        bounded += [(target, each, limit) for each in conditions if each.timeout_ms]
         places.setdefault(target, where)
     for _ in range(_MOST):
         circle = ring(found)
@@ -55,6 +58,36 @@ def _order(
         apart = set(circle)
         for target in circle:
             found[target] = tuple(c for c in found[target] if c.preceding not in apart)
+    else:
+        return
+    first = _earliest_ms(found)
+    for target, condition, where in bounded:
+        assert condition.preceding is not None
+        beginning = first.get(condition.preceding, 0)
+        if beginning + condition.is_sync > condition.timeout_ms:
+            waiting, other = named(target, contexts), named(condition.preceding, contexts)
+            text = (
+                f"{name}: {waiting} waits at most {condition.timeout_ms} ms for {other}, whose turn"
+                f" comes after {beginning} ms"
+            )
+            allowed = f"more than {beginning}, or 0 for no bound"
+            found_ms = str(condition.timeout_ms)
+            yield Remark(ERROR, "condition-wait", text, where, found_ms, allowed)
+
+
+def _earliest_ms(orders: _Orders) -> dict[Target, int]:
+    """Return when each target's turn comes if nothing takes time [ms]; orders have no circle."""
+    from graphlib import TopologicalSorter
+
+    before = {
+        target: [c.preceding for c in conditions if c.preceding is not None]
+        for target, conditions in orders.items()
+    }
+    first: dict[Target, int] = {}
+    for target in TopologicalSorter(before).static_order():
+        waits = [c.wait_ms for c in orders.get(target, ())]
+        first[target] = max([0, *waits, *(first[each] for each in before.get(target, ()))])
+    return first
 
 
 def _told(names: list[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 RULES: dict[str, str] = {
     "condition-circle": "Conditions wait for each other in a circle",
     "condition-target": "A condition names an execution context that is not there, or a bad time",
+    "condition-wait": "A condition waits less long than what it waits for",
     "connector-direction": "A data connector joins two out ports, or two in ports",
     "connector-property": "A property of a data connector is not known, or makes no sense",
     "connector-reversed": "A data connector names its in port first",

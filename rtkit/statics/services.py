@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from rtkit.deployment.described import interfaces_told
 from rtkit.profile.rts_model import ServicePortConnector
 from rtkit.profile.words import strip_instance
-from rtkit.report.finding import ERROR
+from rtkit.report.finding import ERROR, WARNING
 from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import Polarity
 from rtkit.rtc.profiles import PortInterfaceProfile
@@ -95,7 +95,10 @@ def _has(interfaces: _Interfaces, told: PortInterfaceProfile) -> bool:
 
 
 def _unmet(part: Part, met: Mapping[_Owner, list[_Interfaces | None]]) -> Iterator[Remark]:
-    """Yield the required interfaces that no connected port provides."""
+    """Yield the required interfaces that no connected port provides.
+
+    A warning: published systems leave them open where a component can do without.
+    """
     blueprint = part.blueprint
     for port, interfaces in blueprint.service_ports.items() if blueprint is not None else ():
         partners = met.get(((part.component.id, part.name), port), [])
@@ -107,7 +110,7 @@ def _unmet(part: Part, met: Mapping[_Owner, list[_Interfaces | None]]) -> Iterat
             why = "is connected to none" if partners else "is connected to nothing"
             text = f"{part.name}.{port} requires a provider of {each.type_name}, but {why}"
             allowed = f"a connector to a provider of {each.type_name}"
-            yield Remark(ERROR, "unconnected-service", text, _place(part, port), None, allowed)
+            yield Remark(WARNING, "unconnected-service", text, _place(part, port), None, allowed)
 
 
 def _is_provided(wanted: PortInterfaceProfile, partners: list[_Interfaces | None]) -> bool:

@@ -33,9 +33,9 @@ def main(
     Ports, directions, data types, service interfaces and who provides them, what connectors ask
     of ports, configuration parameters with their types and constraints, execution contexts,
     orders, names. RTC profiles are looked for in the folders given, $RTKIT_PROFILE_PATH, beside
-    modules (here and in $RTKIT_MODULE_PATH), and among those that ship; a component is known by
-    vendor, category and name. One that is not is a warning. The exit status is 1 when there is
-    an error.
+    modules (here and in $RTKIT_MODULE_PATH), as rtc/*/RTC.xml of the repository of a system, and
+    among those that ship; a component is known by vendor, category and name. One that is not is a
+    warning. The exit status is 1 when there is an error.
     """
     from rtkit.statics.verdict import Options
 

@@ -84,3 +84,11 @@ def test_an_rtc_conf_that_cannot_be_read_is_told_of(place: Path) -> None:
     told: list[str] = []
     assert len(list(profiles([], told.append))) == len(list(PROFILES.glob("*.xml")))
     assert told == [f"load paths are not known: {place}/rtc.conf:1: not KEY: VALUE: nonsense"]
+
+
+def test_a_repository_tells_the_components_of_its_systems(place: Path) -> None:
+    put(place, "rtc/Arm/RTC.xml", "rtc/Leg/RTC.xml", "rtc/Leg/Other.xml", "system/A.xml", "o/B.xml")
+    for system in ("system/A.xml", "A.xml", "o/B.xml"):
+        found = profiles([], lambda _: None, systems=[system], with_shipped=False)
+        assert [name for name, _ in found] == ["rtc/Arm/RTC.xml", "rtc/Leg/RTC.xml"]
+    assert not list(profiles([], lambda _: None, systems=["o/p/B.xml"], with_shipped=False))

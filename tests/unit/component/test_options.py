@@ -157,3 +157,8 @@ def test_what_differs_but_by_name():
     assert differing(usual, {}) == []
     assert differing({"dataport.dataflow_type": "pull"}, {}) == ["dataport.dataflow_type"]
     assert differing({}, kept) == []
+
+
+@pytest.mark.parametrize(("told", "meant"), [("block", "flush"), ("NonBlock", "new")])
+def test_subscription_types_of_openrtm_2_are_known(told: str, meant: str) -> None:
+    assert parse_options({"dataport.subscription_type": told}).subscription == meant

@@ -40,6 +40,7 @@ def test_plain_lines_tell_all_and_the_verdict() -> None:
         "c.xml: valid (RTC profile, 1 warning)",
         "d.xml: error: cannot be read [unreadable]",
         "d.xml: not checked",
+        "3 checked: 1 valid, 1 invalid, 1 not checked (2 errors, 1 warning, 1 note)",
     ]
 
 
