@@ -129,7 +129,7 @@ def _of_repository(folder: str) -> Iterator[str]:
         names = sorted(os.listdir(components))
     except OSError:
         return
-    paths = (os.path.join(components, name, f"{_USUAL}.xml") for name in names)
+    paths = (os.path.normpath(os.path.join(components, n, f"{_USUAL}.xml")) for n in names)
     yield from (path for path in paths if os.path.isfile(path))
 
 
