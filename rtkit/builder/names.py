@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 import keyword
 import re
 import sys
@@ -12,6 +13,8 @@ from rtkit.builder.text import width
 
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
 _WIDEST = 40
+_NEARLY = _WIDEST - 4
+_FUNCTIONS = frozenset(name for name in dir(builtins) if name.islower())
 _RESERVED = "/:?&=,@%"
 _ANNOTATIONS = ("bool", "bytes", "float", "int", "list", "object", "str", "tuple", "type")
 _OURS = ("pytest", "rtkit")
@@ -28,6 +31,20 @@ def identifier(text: str, fallback: str) -> str:
     if not name:
         return fallback
     return name if name.isidentifier() else f"{fallback}_{name}"
+
+
+def cut(what: str, text: str, name: str) -> list[str]:
+    """Return what to tell of an identifier that leaves out the end of what it stands for."""
+    is_whole = len(re.sub(r"\W|_", "", text)) <= len(name.replace("_", ""))
+    if is_whole or width(name) < _NEARLY:
+        return []
+    return [f"{what} {text} is called {name} in the code, where names are cut"]
+
+
+def attribute_name(text: str, fallback: str) -> str:
+    """Return an identifier in lower case that hides no function of Python."""
+    name = snake_case(text, fallback)
+    return f"{name}_" if name in _FUNCTIONS else name
 
 
 def snake_case(text: str, fallback: str) -> str:

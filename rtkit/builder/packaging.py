@@ -23,8 +23,8 @@ _DEVELOPMENT = (
     'testpaths = ["tests"]',
     "",
 )
-OWN_RULES = ("N802", "N999")
-FOREIGN_RULES = ("E741", "E743", "N802", "N803", "N999")
+OWN_RULES = ("E742", "N802", "N999")
+FOREIGN_RULES = ("E741", "E742", "E743", "N802", "N803", "N999")
 TYPE_RULES = ("E741", "E742", "E743", "N801", "N802", "N803", "N815", "N816", "N999")
 """Rules about names that do not hold in a file: our own, with names of IDL files, of types."""
 

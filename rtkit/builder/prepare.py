@@ -7,7 +7,14 @@ from dataclasses import dataclass, field, fields
 
 from rtkit.builder import standard_types
 from rtkit.builder.machine import machine_of
-from rtkit.builder.names import Taken, class_name, module_name, snake_case, type_name
+from rtkit.builder.names import (
+    Taken,
+    attribute_name,
+    class_name,
+    cut,
+    module_name,
+    type_name,
+)
 from rtkit.builder.obstacles import of_interface, of_type
 from rtkit.builder.settings import settings_of, unused
 from rtkit.builder.subject import Callback, Machine, Offer, Port, Service, Subject
@@ -30,6 +37,7 @@ from rtkit.profile.rtc_model import (
 NOTHING = Definitions({})
 EVENT_PORT = "EventPort"
 _KINDS = {"DataInPort": "InPort", "DataOutPort": "OutPort", EVENT_PORT: EVENT_PORT}
+_HELP = "-I DIR tells where IDL files are"
 _IN_CLASS = ("ClassVar", "I", "O", "idl", "images", "l", "rt", "super")
 
 
@@ -58,6 +66,24 @@ def idl_files(profile: RtcProfile) -> Iterator[str]:
         for each in service.service_interfaces:
             if each.idl_file:
                 yield each.idl_file
+
+
+def undefined(profile: RtcProfile, definitions: Definitions) -> list[str]:
+    """Return the types that ports and services name, and that nothing known declares."""
+    texts = [
+        each
+        for port in profile.data_ports
+        for each in (port.type, *(event.type or "" for event in port.events))
+    ]
+    services = profile.service_ports
+    texts += [each.type for port in services for each in port.service_interfaces]
+    return [text for text in dict.fromkeys(texts) if not is_declared(text, definitions)]
+
+
+def is_declared(text: str, definitions: Definitions) -> bool:
+    """Whether a type, as a profile names it, is declared or built in; no name is any type."""
+    path = standard_types.path_of(text)
+    return not path or path in standard_types.KNOWN or bool(_full(path, definitions))
 
 
 def prepare(profile: RtcProfile, sources: Sources) -> tuple[Subject, TypesCode]:
@@ -109,6 +135,7 @@ class _Preparation:
         name = type_name(info.name, class_name(self.sources.stem))
         if name != info.name:
             self.notes.append(f"{info.name!r} can be no name of a type; it is called {name}")
+        self.notes += cut("type", name, class_name(name))
         return name
 
     def _wanted(self) -> Iterator[Path]:
@@ -176,7 +203,8 @@ class _Preparation:
             name = self._port_name(each, names)
             text = "" if each.port_type == EVENT_PORT else each.type
             type, type_name = self._type(text, f"port {name}", types)
-            attribute = taken.add(snake_case(name, "port"))
+            attribute = taken.add(attribute_name(name, "port"))
+            self.notes += cut("port", name, attribute)
             yield Port(attribute, name, _KINDS[each.port_type], type, type_name, each)
 
     def _port_name(self, each: DataPort | ServicePort, names: set[str]) -> str:
@@ -199,14 +227,16 @@ class _Preparation:
         why = of_type(self.sources.definitions, Named(full))
         if not why:
             return f"idl.{types.name(full)}", name
-        self.notes.append(f"{where}: {why}; values of that type pass as bytes")
+        help = "" if is_declared(text, self.sources.definitions) else f" ({_HELP})"
+        self.notes.append(f"{where}: {why}; values of that type pass as bytes{help}")
         return "bytes", name
 
     def _services(self, types: TypesCode, taken: Taken, names: set[str]) -> Iterator[Service]:
         done: set[str] = set()
         for each in self.profile.service_ports:
             name = self._port_name(each, names)
-            attribute = taken.add(snake_case(name, "port"))
+            attribute = taken.add(attribute_name(name, "port"))
+            self.notes += cut("port", name, attribute)
             offers = [
                 self._offer(interface, name, types, taken, done)
                 for interface in each.service_interfaces
@@ -225,7 +255,8 @@ class _Preparation:
         name, type_name = each.name, "::".join(standard_types.path_of(each.type))
         found = self._interface(each)
         file = (each.idl_file or "").replace("\\", "/").rpartition("/")[2]
-        why = f"{file} was not found" if file else "no IDL file is named"
+        why = f"{file} was not found" if file else "no IDL file declares it"
+        why += f" ({_HELP})"
         if found is not None:
             why = of_interface(self.sources.definitions, found)
         if found is None or why:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from rtkit.builder.names import Taken, snake_case
+from rtkit.builder.names import Taken, attribute_name, cut
 from rtkit.builder.subject import Setting
 from rtkit.builder.text import one_line, told
 from rtkit.component.kinds import elements, read_bool, read_float, read_int
@@ -34,7 +34,9 @@ def settings_of(profile: RtcProfile, taken: Taken, note: _Note) -> tuple[Setting
         if name != each.name:
             why = "its name is taken" if each.name else "it has no name"
             note(f"configuration parameter {each.name!r} is called {name}: {why}")
-        attribute = taken.add(snake_case(name, "parameter"))
+        attribute = taken.add(attribute_name(name, "parameter"))
+        for text in cut("configuration parameter", name, attribute):
+            note(text)
         found.append(_setting(each, name, attribute, note))
     return tuple(found)
 

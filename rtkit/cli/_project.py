@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.builder.build import PROFILE, File, build, build_types
 from rtkit.builder.merge import Fate, Merged, merge
-from rtkit.builder.prepare import Sources, idl_files
+from rtkit.builder.prepare import Sources, idl_files, is_declared, undefined
 from rtkit.builder.standard_types import IMAGES, KNOWN, expression
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import InvalidDocument, NotFound, Refused
 from rtkit.idl.read import read_idl
 from rtkit.profile.read import read_bytes, read_rtc
 from rtkit.records import dataclass, field
@@ -73,20 +73,30 @@ class _Idl:
     """Finds IDL files and remembers which were read."""
 
     def __init__(self, folders: Iterable[str]) -> None:
-        self._folders = [folder for folder in folders if folder]
+        self.folders = [folder for folder in folders if folder]
         self.read: dict[str, str] = {}
 
     def find(self, name: str, including: str = "") -> tuple[str, str] | None:
         """Return path and text of a file, wherever it is; None when it is nowhere."""
         plain = name.replace("\\", "/").replace(f"<{_ROOT}>", os.environ.get(_ROOT, ""))
         folders = [os.path.dirname(including)] if including else []
-        for folder in [*folders, *self._folders]:
+        for folder in [*folders, *self.folders]:
             for tail in dict.fromkeys([plain, os.path.basename(plain)]):
                 path = os.path.join(folder, tail)
                 if tail and os.path.isfile(path):
                     path = os.path.normpath(path)
                     return path, self.text(path)
         return None
+
+    def others(self) -> Iterator[str]:
+        """Yield the paths of the files that lie where is looked and were not read yet."""
+        for folder in self.folders:
+            try:
+                names = sorted(os.listdir(folder))
+            except OSError:
+                continue
+            paths = (os.path.normpath(os.path.join(folder, name)) for name in names)
+            yield from (p for p in paths if p.lower().endswith(".idl") and p not in self.read)
 
     def text(self, path: str) -> str:
         """Return what a file says; comments may be of any encoding."""
@@ -110,11 +120,17 @@ def read(typed: str, output: str | None, folders: Sequence[str]) -> Project:
         return _types_alone(typed, folder, idl)
     data = sys.stdin.buffer.read() if typed == STDIN else read_bytes(typed)
     reading = read_rtc(data, typed if typed != STDIN else STDIN_NAME)
-    definitions, sources = _definitions(reading.profile, idl)
+    named = [path for name in idl_files(reading.profile) if (path := _path(idl, name))]
+    definitions = _definitions(named, idl)
+    more = _defining(undefined(reading.profile, definitions), idl)
+    if more:
+        definitions = _definitions([*named, *more], idl)
+    sources = {os.path.basename(path): text for path, text in idl.read.items()}
     stem = os.path.basename(typed).partition(".")[0] if typed != STDIN else "Component"
     drawn = _drawn(reading.profile, beside)
     built = build(reading.profile, Sources(stem, definitions, drawn), tuple(sources))
     project = Project(folder, dict(built.files), list(built.notes))
+    project.notes += [f"{path}: not named by the profile; types are taken from it" for path in more]
     project.remarks = [f"{typed}:{note.line}: {note.text}" for note in reading.notes]
     project.files |= {f"idl/{name}": File(text) for name, text in sources.items()}
     project.files.pop(PROFILE if _is_same(typed, os.path.join(folder, PROFILE)) else "", None)
@@ -145,13 +161,31 @@ def _listed(notes: Sequence[str]) -> str:
     return f": {'; '.join(notes)}" if notes else ""
 
 
-def _definitions(profile: RtcProfile, idl: _Idl) -> tuple[Definitions, dict[str, str]]:
-    """Return what the IDL files of a profile declare, and their texts by name."""
-    names = list(dict.fromkeys(idl_files(profile)))
-    found = [path for name in names if (path := _path(idl, name))]
-    text = "".join(f'#include "{path}"\n' for path in dict.fromkeys(found))
-    definitions = read_idl(text, "", lambda name, file: _included(idl, name, file), KNOWN)
-    return definitions, {os.path.basename(path): text for path, text in idl.read.items()}
+def _definitions(paths: Iterable[str], idl: _Idl) -> Definitions:
+    """Return what IDL files declare, together."""
+    text = "".join(f'#include "{path}"\n' for path in dict.fromkeys(paths))
+    return read_idl(text, "", lambda name, file: _included(idl, name, file), KNOWN)
+
+
+def _defining(types: Sequence[str], idl: _Idl) -> list[str]:
+    """Return the files, of those that no profile names, that declare these types.
+
+    Real profiles often leave open where the types of their data ports are. A file that cannot be
+    read is passed over: nobody asked for it.
+    """
+    found = []
+    wanted = set(types)
+    for path in idl.others() if types else ():
+        tried = _Idl(idl.folders)
+        try:
+            declared = _definitions([path], tried)
+        except (InvalidDocument, NotFound):
+            continue
+        here = {text for text in wanted if is_declared(text, declared)}
+        if here:
+            found.append(path)
+            wanted -= here
+    return found
 
 
 def _path(idl: _Idl, name: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 from rtkit.drawing.frames import framed
 from rtkit.drawing.layout import Layout, Point, laid_out
@@ -51,6 +52,8 @@ STYLE = """
 .rt-hit{fill:none;stroke:#000000;stroke-opacity:0;stroke-width:9}
 .rt-link:hover .rt-wire{stroke-width:3}
 .rt-joint{fill:#2b6cb0}
+.rt-joint.rt-w-service{fill:#2f855a}
+.rt-joint.rt-w-event{fill:#b7791f}
 .rt-back{fill:#ffffff}
 .rt-caption{font-size:15px;font-weight:bold;fill:#1a202c}
 """
@@ -88,7 +91,7 @@ def _scene_lines(scene: Scene, layout: Layout) -> list[str]:
         lines += [f'<path class="rt-halo" d="{path}"/>' for _, path in drawn]
         for wire, path in drawn:
             lines += _wire(wire, path)
-    lines += [f'<circle class="rt-joint" cx="{x}" cy="{y}" r="3"/>' for x, y in layout.joints]
+    lines += [_joint(point, scene, layout) for point in layout.joints]
     for box, place in zip(scene.boxes, layout.places, strict=True):
         lines += box_lines(box, place)
     return lines
@@ -193,13 +196,34 @@ def _groups(scene: Scene) -> list[list[int]]:
 
 
 def _wire(wire: Wire, drawn: str) -> Iterator[str]:
-    kind = f" rt-w-{wire.kind}" if wire.kind != DATA else ""
     yield '<g class="rt-link">'
     if wire.tip:
         yield f"<title>{escaped(wire.tip)}</title>"
-    yield f'<path class="rt-wire{kind}" d="{drawn}"/>'
+    yield f'<path class="rt-wire{_look(wire)}" d="{drawn}"/>'
     yield f'<path class="rt-hit" d="{drawn}"/>'
     yield "</g>"
+
+
+def _look(wire: Wire) -> str:
+    return f" rt-w-{wire.kind}" if wire.kind != DATA else ""
+
+
+def _joint(point: Point, scene: Scene, layout: Layout) -> str:
+    """Return the dot where wires part, which looks as they do."""
+    through = (
+        wire for wire, path in zip(scene.wires, layout.paths, strict=True) if _leads(path, point)
+    )
+    look = next(map(_look, through), "")
+    return f'<circle class="rt-joint{look}" cx="{point[0]}" cy="{point[1]}" r="3"/>'
+
+
+def _leads(path: Sequence[Point], point: Point) -> bool:
+    """Whether a path, upright and level lines only, leads over a point."""
+    return any(
+        min(one[0], other[0]) <= point[0] <= max(one[0], other[0])
+        and min(one[1], other[1]) <= point[1] <= max(one[1], other[1])
+        for one, other in pairwise(path)
+    )
 
 
 def rounded(points: Sequence[Point]) -> str:

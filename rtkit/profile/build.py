@@ -74,7 +74,7 @@ def _strictly(element: Any, spec: Spec, depth: int, one: _One) -> Any:
             seen_type = value
         else:
             raise NotStrict
-    if seen_type != spec.xsi_type_text or depth < 0:
+    if depth < 0 or (seen_type != spec.xsi_type_text and not _is_extended(seen_type, spec)):
         raise NotStrict
     if len(element):
         slots, last = spec.slots, 0
@@ -103,6 +103,10 @@ def _strictly(element: Any, spec: Spec, depth: int, one: _One) -> Any:
     if spec.tag_place is not None:
         args[spec.tag_place] = split(element.tag)[1]
     return spec.make(*args)
+
+
+def _is_extended(seen_type: str | None, spec: Spec) -> bool:
+    return seen_type is not None and seen_type == spec.extended_type
 
 
 def _children(element: Any, spec: Spec, args: list[Any], one: _One) -> tuple[ForeignElement, ...]:

@@ -153,7 +153,7 @@ def _supply(element: Any, spec: Spec, found: Findings) -> None:
 
 def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
     if spec.xsi_type is None or spec.xsi_type_text is None:
-        if seen is not None:
+        if seen is not None and not _is_extended(element, spec, seen, found):
             del element.attrib[XSI_TYPE]
             said = f"xsi:type {seen!r} dropped"
             found.repaired(element, "xsi-type", said, at=XSI_TYPE, seen=seen)
@@ -174,6 +174,12 @@ def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
         said = f"xsi:type is absent: taken as {spec.xsi_type_text!r}"
         found.repaired(element, "xsi-type", said, allowed=spec.xsi_type_text)
     set_type(element, spec.xsi_type_text, found)
+
+
+def _is_extended(element: Any, spec: Spec, seen: str, found: Findings) -> bool:
+    prefix, _, local = seen.strip().rpartition(":")
+    namespace = found.namespaces(element).get(prefix or None)
+    return spec.extended_type is not None and clark(spec.extended_type) == f"{{{namespace}}}{local}"
 
 
 def set_type(element: Any, wanted: str, found: Findings) -> None:

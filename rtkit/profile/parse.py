@@ -28,6 +28,9 @@ _LARGE = "too-large"
 # Compiled at use: most documents need none of them.
 _BEFORE_ROOT = rb"(?:\xef\xbb\xbf)?(?:\s+|<\?.*?\?>|<!--.*?-->)*"
 _PLACE = r"(?:,? line [0-9]+)?, line [0-9]+, column [0-9]+$"
+_ADVICE = r"[,;.]? *(?:please )?(?:use|try) (?:the )?XML_PARSE_HUGE(?: option)?"
+"""What libxml2 advises those who call it; users of a command cannot follow it."""
+
 _DOCTYPE = rb"<!DOCTYPE\s*([^\s\[>]*)"
 
 
@@ -66,7 +69,7 @@ def parse(data: bytes, source: str, *, drops_blanks: bool = False) -> Any:
     except etree.XMLSyntaxError as error:
         line = error.lineno or 1
         why = re.sub(_PLACE, "", str(error.msg).removesuffix(f" (<string>, line {error.lineno})"))
-        text = f"not well-formed: {_one_line(why)}"
+        text = f"not well-formed: {_one_line(re.sub(_ADVICE, '', why))}"
         raise InvalidProfile(source, [Note(line, text, rule="not-well-formed")]) from error
     _refuse_long_tags(root, data, source)
     doctype = root.getroottree().docinfo

@@ -337,7 +337,7 @@ _TARGET = Spec(
 )
 _LANGUAGE = Spec(
     m.Language,
-    [attribute("kind", "rtc:kind", required=True)],
+    [attribute("kind", "rtc:kind", supply="")],
     [child("targets", "rtcExt:targets", _TARGET, many=True), _PROPERTIES],
     xsi_type="rtcExt:language_ext",
     rule=rules.nested_language,
@@ -366,6 +366,8 @@ RTC_PROFILE = Spec(
                 children=[child("configurations", "rtc:Configuration", _CONFIGURATION, many=True)],
             ),
         ),
+        child("data_ports", "rtc:DataPorts", _DATA_PORT, many=True),
+        child("service_ports", "rtc:ServicePorts", _SERVICE_PORT, many=True),
         child(
             "parameters",
             "rtc:Parameters",
@@ -378,8 +380,6 @@ RTC_PROFILE = Spec(
             ),
             many=True,
         ),
-        child("data_ports", "rtc:DataPorts", _DATA_PORT, many=True),
-        child("service_ports", "rtc:ServicePorts", _SERVICE_PORT, many=True),
         child("language", "rtc:Language", _LANGUAGE),
     ],
     rule=present_version,

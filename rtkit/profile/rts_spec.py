@@ -231,6 +231,7 @@ RTS_PROFILE = Spec(
             many=True,
         ),
     ],
+    extended_type="rtsExt:rts_profile_ext",
     rule=rules.version_0_1,
     respellings={"Component": "Components", "VersionUpLog": "VersionUpLogs"},
 )

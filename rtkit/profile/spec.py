@@ -140,6 +140,16 @@ def child(
     return Child(field, clark(name), spec, many, least)
 
 
+_OLDER = {
+    "ConstraintHash": "ConstraintHashType",
+    "ConstraintList": "ConstraintListType",
+    "ConstraintUnit": "ConstraintUnitType",
+    "Property": "Properties",
+    "TransMethod": "TransMethods",
+}
+"""Names of elements in older trees of the usual tools, and the present ones."""
+
+
 class Spec:
     """How one model class looks in XML.
 
@@ -147,6 +157,8 @@ class Spec:
         make: The model class.
         xsi_type: The ``xsi:type`` that the strict form carries, as ``(namespace, local)``.
         also_types: Further types that are right as they stand.
+        extended_type: The ``xsi:type`` that is written where there is content of its namespace;
+            readers do without.
         tag_field: Field that holds the element's local name, for classes with several tags.
         wraps: Field of the only child, where the element has no model class of its own.
         foreign_field: Field for content of other namespaces.
@@ -154,6 +166,7 @@ class Spec:
         readers: Place among these and conversion of each attribute, at hand for speed.
         slots: Rank, place, table and whether it may be repeated, of each child, at hand for speed.
         checks: Whether each attribute is as it should be and whether it must be there.
+        is_choice: Whether it is one of its children and nothing else.
         needs: Fields that cannot do without children, and how many they need.
         rule: A repair of its own, run before the general ones.
         respellings: Old local names of attributes and children, and the present ones.
@@ -167,6 +180,7 @@ class Spec:
         *,
         xsi_type: str | None = None,
         also_types: Iterable[str] = (),
+        extended_type: str | None = None,
         tag_field: str | None = None,
         wraps: str | None = None,
         rule: Callable[[Any, Any], None] | None = None,
@@ -176,6 +190,7 @@ class Spec:
         self.xsi_type = split(clark(xsi_type)) if xsi_type else None
         self.xsi_type_text = xsi_type
         self.also_types = tuple(split(clark(name)) for name in also_types)
+        self.extended_type = extended_type
         self.tag_field = tag_field
         self.wraps = wraps
         self.rule = rule
@@ -190,7 +205,7 @@ class Spec:
         }
         self.checks = {item.name: (item.check, item.required) for item in self.attributes}
         self.required_count = sum(item.required for item in self.attributes)
-        self._respellings = respellings or {}
+        self._respellings = {**_OLDER, **(respellings or {})}
         self.attribute_by_local = self._locals(self.known)
         self.children: tuple[Child, ...] = ()
         self.index: dict[str, tuple[int, Child]] = {}
@@ -213,6 +228,8 @@ class Spec:
         self.many_places = tuple(
             {place for item, place in zip(self.children, places, strict=True) if item.is_many}
         )
+        fields = [item.field for item in self.children]
+        self.is_choice = len(fields) > 1 and not self.attributes and len(set(fields)) == 1
         self.needs = {item.field: item.least for item in self.children if item.least}
 
     def _locals(self, names: Iterable[str]) -> dict[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 from rtkit.profile.findings import Findings
@@ -24,6 +25,7 @@ from rtkit.profile.tree_form import (
     name_of,
 )
 from rtkit.profile.xmlnames import NAMESPACES, XSI_TYPE, clark, short
+from rtkit.xmltext import without_bad_characters
 
 _CHARACTER = "bad-character"
 _TRUE, _FALSE = ("true", "yes", "on", "y"), ("false", "no", "off", "n")
@@ -75,10 +77,11 @@ class _Filler:
             return
         if self._has_too_many(body):
             return
+        body = self._chosen(body, spec)
         parts: list[tuple[int, Child, Node]] = []
         others: list[tuple[Text, Node]] = []
         for key, value in _parts(body, spec):
-            local = key.text.rpartition("::")[2]
+            local = _local(key)
             attribute = spec.known.get(spec.attribute_by_local.get(local, ""))
             if attribute is not None and isinstance(value, Text):
                 self._look_at(key, attribute.name, element.tag)
@@ -101,6 +104,18 @@ class _Filler:
             else:
                 self._keep(element, key, value)
 
+    def _chosen(self, body: Table, spec: Spec) -> Table:
+        """Return what is meant by the parts of a choice that stand where the choice should."""
+        if not spec.is_choice or any(_child_of(spec, _local(key)) for key, _ in body.items):
+            return body
+        for choice in spec.children:
+            inner = choice.spec
+            if inner is not None and all(_child_of(inner, _local(key)) for key, _ in body.items):
+                key = key_of(choice.name, choice.name)
+                self._found.repaired_at(body.line, "key-name", f"{key!r} is absent: taken as meant")
+                return Table(body.line, ((Text(body.line, key), body),))
+        return body
+
     def _look_at(self, key: Text, name: str, tag: str) -> None:
         """Note a key that is not as it should be, for what it was taken as."""
         if (key.text, name, tag) in self._usual:
@@ -116,6 +131,7 @@ class _Filler:
         is_unit = part.spec is not None and not part.spec.attributes and not part.spec.children
         if isinstance(value, Text) and value.is_null and not is_unit:
             return
+        value = self._whole(part, value)
         for item in value.items if isinstance(value, Items) else (value,):
             made = self._made(element, part.name, item)
             if part.spec is None:
@@ -124,6 +140,16 @@ class _Filler:
             if part.spec.xsi_type_text is not None:
                 made.set(XSI_TYPE, part.spec.xsi_type_text)
             self.fill(made, item, part.spec)
+
+    def _whole(self, part: Child, value: Node) -> Node:
+        """Return what is meant by a list that stands where a table with that list should."""
+        inner = part.spec.children if part.spec is not None else ()
+        if part.is_many or not isinstance(value, Items) or len(inner) != 1 or not inner[0].is_many:
+            return value
+        key = key_of(inner[0].name, part.name)
+        said = f"a list taken as {key!r} of {key_of(part.name, part.name)!r}"
+        self._found.repaired_at(value.line, "key-name", said)
+        return Table(value.line, ((Text(value.line, key), value),))
 
     def _set(self, element: Any, attribute: Attr, value: Node) -> None:
         if attribute.kind == DATE and isinstance(value, Table):
@@ -233,6 +259,9 @@ class _Filler:
         try:
             element.set(name, text)
         except ValueError:
+            # It is there, however wrong: nobody is to be told also that it is missing.
+            with suppress(ValueError):
+                element.set(name, without_bad_characters(text))
             told = short(name)[:80]
             why = f"{told} has a name or a character that no profile can hold"
             self._wrong(node, why, _CHARACTER)
@@ -256,6 +285,10 @@ def _parts(body: Table, spec: Spec) -> Iterator[tuple[Text, Node]]:
             yield from value.items
         else:
             yield key, value
+
+
+def _local(key: Text) -> str:
+    return key.text.rpartition("::")[2]
 
 
 def _child_of(spec: Spec, local: str) -> tuple[int, Child] | None:

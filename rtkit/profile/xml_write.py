@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from rtkit.profile.common import Foreign, ForeignElement
-from rtkit.profile.spec import Child, Spec
+from rtkit.profile.spec import Attr, Child, Spec
 from rtkit.profile.written import check_text, checked_name, format_value, in_order
-from rtkit.profile.xmlnames import NAMESPACES, XML, short, split
+from rtkit.profile.xmlnames import NAMESPACES, XML, clark, short, split
 
 _DECLARATION = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>\n'
 _INDENT = "    "
@@ -50,8 +50,9 @@ class XmlWriter:
     def _element(self, value: Any, spec: Spec, tag: str, indent: str) -> None:
         foreign: Foreign = getattr(value, spec.foreign_field)
         parts = [f"{indent}<{tag}"]
-        if spec.xsi_type_text is not None:
-            parts.append(f' xsi:type="{spec.xsi_type_text}"')
+        xsi_type = spec.xsi_type_text or _extended_type(spec, value)
+        if xsi_type is not None:
+            parts.append(f' xsi:type="{xsi_type}"')
         for item in spec.attributes:
             field = getattr(value, item.field)
             if field is not None:
@@ -110,3 +111,14 @@ class XmlWriter:
             return f"xml:{local}"
         prefix = self._prefixes.setdefault(namespace, f"ns{len(self._prefixes)}")
         return f"{prefix}:{local}"
+
+
+def _extended_type(spec: Spec, value: Any) -> str | None:
+    """Return the type that allows for content of its namespace, where there is some."""
+    if spec.extended_type is None:
+        return None
+    namespace = split(clark(spec.extended_type))[0]
+    parts: list[Attr | Child] = [*spec.attributes, *spec.children]
+    fields = (part.field for part in parts if split(part.name)[0] == namespace)
+    has_some = any(getattr(value, field) not in (None, ()) for field in fields)
+    return spec.extended_type if has_some else None

@@ -34,6 +34,7 @@ def rewritten(
     *,
     form: str | None = None,
     to: str | None = None,
+    is_strict: bool = False,
 ) -> Rewriting:
     """Write a document anew.
 
@@ -42,6 +43,7 @@ def rewritten(
         file: Names it.
         form: ``xml``, ``yaml`` or ``json``; None finds out.
         to: The form to write; None keeps the one that it has.
+        is_strict: Take for an error what cannot be brought to the strict form: a fragment.
     """
     found = examine(data, file, form=form)
     if found.profile is None:
@@ -51,6 +53,9 @@ def rewritten(
     lost = _lost(found.profile, made, to or form)
     if lost:
         return Rewriting(None, tuple(findings_of(ERROR, lost, file)))
+    left = examine(made, file, form=to or form).repairs if is_strict else ()
+    if left:
+        return Rewriting(None, tuple(findings_of(ERROR, left, file)))
     findings = [
         *findings_of(NOTE, found.repairs, file),
         *findings_of(WARNING, uncarried(data, form), file),

@@ -80,5 +80,5 @@ def _rewritten(files: Sequence[str | None]) -> list[_Done]:
     done = []
     for file in files:
         name, data = read_bytes_of(file)
-        done.append(_Done(name, data, rewritten(data, name)))
+        done.append(_Done(name, data, rewritten(data, name, is_strict=True)))
     return done

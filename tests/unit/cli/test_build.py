@@ -190,7 +190,8 @@ def test_idl_files_are_looked_for(place: Path, run: Run, monkeypatch: pytest.Mon
     assert status == 0
     assert "Echo_idl.py" not in out
     assert err == (
-        "note: port voice: SimpleService::MyService: MyService.idl was not found; described only\n"
+        "note: port voice: SimpleService::MyService: MyService.idl was not found"
+        " (-I DIR tells where IDL files are); described only\n"
     )
     assert "a/Echo_idl.py" not in out
     status, out, err = run("rtbuild echo.xml -o b -I nowhere -I elsewhere")
@@ -200,6 +201,34 @@ def test_idl_files_are_looked_for(place: Path, run: Run, monkeypatch: pytest.Mon
     (place / "elsewhere").rename(place / "root" / "rtm" / "idl")
     monkeypatch.setenv("RTM_ROOT", str(place / "root"))
     assert "written    c/Echo_idl.py\n" in run("rtbuild echo.xml -o c").out
+
+
+def test_types_are_found_though_no_profile_names_their_file(place: Path, run: Run) -> None:
+    edit(place / "echo.xml", 'rtc:idlFile="C:\\idl\\MyService.idl"', "")
+    edit(place / "echo.xml", 'rtc:type="RTC::TimedLong"', 'rtc:type="Robot::State"')
+    (place / "own.idl").write_text("module Robot { struct State { long a; }; };")
+    (place / "idl" / "broken.idl").write_text("struct {")
+    status, out, err = run("rtbuild echo.xml -o out")
+    assert (status, err) == (
+        0,
+        "note: own.idl: not named by the profile; types are taken from it\n"
+        "note: idl/MyService.idl: not named by the profile; types are taken from it\n",
+    )
+    assert "written    out/idl/own.idl\n" in out
+    assert "broken" not in out
+    assert "in_ = rt.InPort(idl.State" in (place / "out" / "Echo.py").read_text()
+
+
+def test_names_that_are_cut_are_told_and_none_hides_a_function(place: Path, run: Run) -> None:
+    long = "distance_to_the_nearest_obstacle_in_front_of_the_robot"
+    edit(place / "echo.xml", 'rtc:name="in"', f'rtc:name="{long}"')
+    edit(place / "echo.xml", 'rtc:name="voice"', 'rtc:name="range"')
+    _, _, err = run("rtbuild echo.xml -o out")
+    made = "distance_to_the_nearest_obstacle_in_fron"
+    assert err == f"note: port {long} is called {made} in the code, where names are cut\n"
+    code = (place / "out" / "Echo.py").read_text()
+    assert f"    {made} = rt.InPort(" in code
+    assert "    range_ = rt." in code
 
 
 def test_a_mistake_in_an_idl_file_is_told_with_its_line(place: Path, run: Run) -> None:

@@ -163,6 +163,17 @@ def test_graphviz_takes_any_text() -> None:
     assert NASTY.replace("\x01", "") in [element.text for element in root.iter(f"{SVG}text")]
 
 
+def test_dots_look_as_the_wires_that_part_there() -> None:
+    service = [Port("p", RIGHT, SERVICE)], [Port("q", LEFT, SERVICE)]
+    boxes = [Box("a", "", tuple(service[0])), *(Box(n, "", tuple(service[1])) for n in "bc")]
+    wires = [Wire(End(0, 0), End(n, 0), SERVICE) for n in (1, 2)]
+    scene = Scene(tuple(boxes), tuple(wires))
+    root = checked(scene_svg(scene, laid_out(scene)))
+    dots = [each.get("class") for each in root.iter(f"{SVG}circle")]
+    assert dots
+    assert set(dots) == {"rt-joint rt-w-service"}
+
+
 def test_a_system_without_components_has_a_picture_too() -> None:
     scene = Scene((), ())
     assert laid_out(scene).size == (0, 0)

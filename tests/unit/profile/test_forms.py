@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -398,3 +399,65 @@ def test_no_code_runs(tmp_path: Path) -> None:
         with pytest.raises(InvalidProfile, match="is not allowed"):
             read_rts(text)
     assert not canary.exists()
+
+
+OLDER = """\
+rtcProfile:
+  id: RTC:a:b:C:1.0
+  version: '0.2'
+  configurationSet:
+    configuration:
+    - name: a
+      type: int
+      defaultValue: '1'
+      {properties}: [{{name: __widget__, value: text}}]
+      constraint:
+        {unit}
+  servicePorts:
+  - name: s
+    rtcExt::position: LEFT
+    {methods}: [{{kind: x}}]
+"""
+ONE = "propertyIsEqualTo: {matchCase: false, literal: '1'}"
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        f"constraintUnit: {{or: [{{constraintUnit: {{{ONE}}}}}, {{{ONE}}}]}}",
+        f"or: [{{constraintUnitType: {{{ONE}}}}}, {{{ONE}}}]",
+        f"constraintUnitType: {{or: {{constraint: [{{{ONE}}}, {{{ONE}}}]}}}}",
+    ],
+)
+def test_older_spellings_of_trees_are_understood(unit: str) -> None:
+    told = OLDER.format(properties='"rtcExt::property"', unit=unit, methods="transMethod")
+    usual = OLDER.format(
+        properties='"rtcExt::properties"',
+        unit=f"constraintUnitType: {{or: {{constraint: [{{constraintUnitType: {{{ONE}}}}},"
+        f" {{constraintUnitType: {{{ONE}}}}}]}}}}",
+        methods="transMethods",
+    )
+    reading = read_rtc(told, form="yaml")
+    assert reading.profile == read_rtc(usual, form="yaml").profile
+    assert {note.rule for note in reading.notes} >= {"key-name"}
+
+
+@pytest.mark.parametrize("form", ["json", "yaml"])
+def test_a_character_that_cannot_be_is_told_once(form: str) -> None:
+    text = '{"rtsProfile": {"id": "a\\u0000b", "version": "0.2"}}'
+    with pytest.raises(InvalidProfile) as caught:
+        read_rts(text, form=form)
+    (problem,) = caught.value.problems
+    assert problem.rule == "bad-character"
+
+
+def test_a_system_with_a_remark_has_the_type_that_allows_for_it() -> None:
+    plain = read_rts((SAMPLES / "rts.xml").read_bytes()).profile
+    assert b'xsi:type="rtsExt:rts_profile_ext"' in write_profile(plain)
+    bare = RtsProfile("a", "0.2", "2020-01-01T00:00:00", "2020-01-01T00:00:00")
+    assert b"rts_profile_ext" not in write_profile(bare)
+    remarked = write_profile(replace(bare, comment="hm"))
+    assert read_rts(remarked, strict=True).profile.comment == "hm"
+    loose = remarked.replace(b' xsi:type="rtsExt:rts_profile_ext"', b"")
+    assert loose != remarked
+    assert read_rts(loose, strict=True).profile.comment == "hm"

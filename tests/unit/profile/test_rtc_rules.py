@@ -352,3 +352,22 @@ def test_foreign_content_of_text_is_dropped_with_a_note() -> None:
     assert profile.configuration_set is not None
     (configuration,) = profile.configuration_set.configurations
     assert configuration.properties == (Property("__widget__", "slider.0.1"),)
+
+
+def test_a_language_may_leave_its_kind_open() -> None:
+    profile = repaired(document(f"{BASE}<rtc:Language/>"), "rtc:kind is absent: taken as ''",
+                       "xsi:type is absent: taken as 'rtcExt:language_ext'")  # fmt: skip
+    assert profile.language == Language("")
+
+
+def test_system_parameters_stand_behind_the_service_ports() -> None:
+    port = (
+        '<rtc:ServicePorts xsi:type="rtcExt:serviceport_ext" rtc:name="s" rtcExt:position="LEFT"/>'
+    )
+    old = '<rtc:Parameters rtc:name="a" rtc:defaultValue="1"/>'
+    profile = read_rtc(document(f"{BASE}{PORT}{port}{old}"), strict=True).profile
+    assert profile.parameters == (Parameter("a", "1"),)
+    assert write_rtc(profile).index(b"<rtc:ServicePorts") < write_rtc(profile).index(
+        b"<rtc:Parameters"
+    )
+    repaired(document(f"{BASE}{old}{PORT}"), "children of rtc:RtcProfile put in order")
