@@ -5,16 +5,20 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rtkit.closing import Closing
 from rtkit.component.base import Component
 from rtkit.component.fsm import EVENT_NAME, EventPort
+from rtkit.component.invocation import Direct, Served
+from rtkit.component.kinds import kind_of
 from rtkit.component.literal import zero_value
 from rtkit.component.port import InPort, OutPort
+from rtkit.component.service import ServicePort
 from rtkit.component.types import Time
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
@@ -39,17 +43,37 @@ class Trial(Closing, Generic[C]):
             trial.tick()
             assert [value.data for value in trial.received("out")] == [6]
 
+    With a `clock` it has a time of its own: each tick moves it on by a period, `wait` and
+    ``time.sleep`` by as much as they are told. Code that asks the module ``time`` sees it, as long
+    as one of the methods here runs it.
+
     Attributes:
         component: The component, initialised.
     """
 
-    def __init__(self, component_class: type[C], options: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        component_class: type[C],
+        options: Mapping[str, str] | None = None,
+        *,
+        clock: float | None = None,
+    ) -> None:
+        """Make and initialise the component.
+
+        Args:
+            component_class: Its class.
+            options: As a create string has them.
+            clock: When its own time begins [s since 1970]; None for the time of the machine.
+        """
+        self._clock = _Clock(clock) if clock is not None else None
         name = f"{component_class.type_profile().type_name}0"
         context = {"execution_contexts": _EXECUTION_CONTEXT}
-        self.component = component_class(name, {**context, **(options or {})})
+        with self._time():
+            self.component = component_class(name, {**context, **(options or {})})
         self._written: dict[str, list[Any]] = {}
         self._sinks: dict[str, Any] = {}
-        self.component.initialize()
+        with self._time():
+            self.component.initialize()
         self._context = next(iter(self.component.contexts.values()))
         for port_name, port in self.component.ports.items():
             if isinstance(port, OutPort):
@@ -67,7 +91,8 @@ class Trial(Closing, Generic[C]):
         Raises:
             Refused: on_activated failed, or the component is not Inactive.
         """
-        self._change(self._context.activate_component(self.component))
+        with self._time():
+            self._change(self._context.activate_component(self.component))
 
     def deactivate(self) -> None:
         """Make the component inactive.
@@ -75,7 +100,8 @@ class Trial(Closing, Generic[C]):
         Raises:
             Refused: It is not active.
         """
-        self._change(self._context.deactivate_component(self.component))
+        with self._time():
+            self._change(self._context.deactivate_component(self.component))
 
     def reset(self) -> None:
         """Bring the component from Error to Inactive.
@@ -83,7 +109,8 @@ class Trial(Closing, Generic[C]):
         Raises:
             Refused: It is not in Error, or on_reset failed.
         """
-        self._change(self._context.reset_component(self.component))
+        with self._time():
+            self._change(self._context.reset_component(self.component))
 
     def tick(self, count: int = 1) -> None:
         """Have the execution context do its cycle.
@@ -91,7 +118,59 @@ class Trial(Closing, Generic[C]):
         A failure leads to Error, as always; `component.cause` tells why.
         """
         for _ in range(count):
-            self._context.tick()
+            with self._time():
+                self._context.tick()
+            if self._clock is not None:
+                self._clock.move(1 / self._context.rate)
+
+    def wait(self, duration_s: float) -> None:
+        """Let time pass [s] without a tick.
+
+        Raises:
+            Refused: The trial has no clock of its own.
+        """
+        if self._clock is None:
+            raise Refused("this trial has no clock of its own: give it one, clock=0")
+        self._clock.move(duration_s)
+
+    def configure(self, values: Mapping[str, Any], set_id: str = "") -> None:
+        """Change parameters of a configuration set, by default of the active one, and activate it.
+
+        The values are in force at once.
+
+        Raises:
+            NotFound: No such set or parameter.
+            Malformed: A value that a parameter cannot have.
+        """
+        configuration = self.component.configuration
+        set_id = set_id or configuration.active_set
+        texts = {name: _text(value) for name, value in values.items()}
+        configuration.set(set_id, texts)
+        configuration.activate(set_id)
+        configuration.update()
+
+    def provide(self, port: str, implementation: object) -> None:
+        """Connect a port that needs services to an object that does them, in place of any other.
+
+        Raises:
+            NotFound: No port of that name needs a service.
+            Refused: The object lacks methods of an interface; names them.
+        """
+        found = self.component.ports.get(port)
+        if not isinstance(found, ServicePort) or not found.needed:
+            raise NotFound(f"{self.component.instance} has no port {port} that needs a service")
+        where = f"{self.component.instance}.{port}"
+        for interface in found.needed:
+            missing = ", ".join(interface.missing_in(implementation))
+            if missing:
+                what = f"{type(implementation).__name__} does not implement {interface.name}"
+                raise Refused(f"{where}: {what}: it lacks {missing}")
+        found.detach(f"trial {port}")
+        targets = {
+            interface.name: Direct(Served(interface, implementation, where, _nothing))
+            for interface in found.needed
+        }
+        found.attach(ConnectorProfile(f"trial {port}", port, ()), targets)
 
     def send(self, port: str, value: Any = None, *, event: str = "") -> None:
         """Let a value arrive at an in port, by default the one with everything zero.
@@ -114,7 +193,8 @@ class Trial(Closing, Generic[C]):
             self._sinks[key] = found.open(ConnectorProfile(key, key, (), properties))
         if value is None:
             kind = found.events[event] if isinstance(found, EventPort) else found.data_type
-            value = zero_value(kind, Time.now())
+            with self._time():
+                value = zero_value(kind, Time.now())
         self._sinks[key](value)
 
     def received(self, port: str) -> list[Any]:
@@ -131,12 +211,46 @@ class Trial(Closing, Generic[C]):
 
     def close(self) -> None:
         """Finalise the component."""
-        self.component.finalize()
+        with self._time():
+            self.component.finalize()
+
+    def _time(self) -> AbstractContextManager[None]:
+        return nullcontext() if self._clock is None else self._clock.installed()
 
     def _change(self, code: ReturnCode) -> None:
         cause = self.component.cause
         if code is not ReturnCode.OK or self.state is LifeCycleState.ERROR:
             raise Refused(f"{self.component.instance}: {cause or code} (it is {self.state})")
+
+
+class _Clock:
+    """A time that passes only when it is told to."""
+
+    def __init__(self, begin_s: float) -> None:
+        self._now_ns = round(begin_s * 1e9)
+
+    def move(self, duration_s: float) -> None:
+        """Let time pass [s]."""
+        self._now_ns += round(duration_s * 1e9)
+
+    @contextmanager
+    def installed(self) -> Iterator[None]:
+        """Have the module `time` tell this time."""
+        told = {name: lambda: self._now_ns / 1e9 for name in ("time", "monotonic", "perf_counter")}
+        told_ns = {f"{name}_ns": lambda: self._now_ns for name in told}
+        with ExitStack() as stack:
+            for name, function in {**told, **told_ns, "sleep": self.move}.items():
+                stack.callback(setattr, time, name, getattr(time, name))
+                setattr(time, name, function)
+            yield
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else kind_of(value).write(value)
+
+
+def _nothing() -> None:
+    """Hear of a call and do nothing about it."""
 
 
 @contextmanager

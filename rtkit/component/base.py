@@ -28,6 +28,9 @@ ACTIVE_SET = "configuration.active_config"
 _PORT_KINDS = ("inport", "outport", "service")
 
 
+_HOME = "rtkit.component."
+
+
 class Manager(Protocol):
     """What the init function of a module is given."""
 
@@ -52,6 +55,7 @@ class Component(Callbacks):
         rate: Of that context if it is periodic [Hz].
         composite_type: What profiles call this kind of composite; empty for what is none.
         has_machine: Whether it is a `rtkit.component.fsm.FsmComponent`.
+        own_attributes: What the base class keeps on each instance, by name.
         is_stand_in: Whether it has the outside of another component and no code of its own.
         instance: Its name.
         type: Identity of its type.
@@ -75,6 +79,20 @@ class Component(Callbacks):
     composite_type: ClassVar[str] = ""
     has_machine: ClassVar[bool] = False
     is_stand_in: ClassVar[bool] = False
+    own_attributes: ClassVar[tuple[str, ...]] = (
+        "cause",
+        "composite",
+        "configuration",
+        "contexts",
+        "instance",
+        "is_alive",
+        "member_components",
+        "options",
+        "participations",
+        "ports",
+        "report",
+        "type",
+    )
     _declared: ClassVar[Mapping[str, Port]] = {}
     _parameters: ClassVar[Mapping[str, Parameter[Any]]] = {}
 
@@ -87,6 +105,21 @@ class Component(Callbacks):
         }
         cls._declared = {n: v for n, v in found.items() if isinstance(v, Port)}
         cls._parameters = declared_parameters(cls)
+        cls._refuse_hiding()
+
+    @classmethod
+    def _refuse_hiding(cls) -> None:
+        """Refuse a port or parameter under a name that every component needs for something else."""
+        ours = [base for base in cls.__mro__ if base.__module__.startswith(_HOME)]
+        for name in (*cls._declared, *cls._parameters):
+            found = [vars(base)[name] for base in ours if name in vars(base)]
+            if name in cls.own_attributes or any(
+                not isinstance(each, (Port, Parameter)) for each in found
+            ):
+                raise Refused(
+                    f"{cls.__name__}.{name} hides what every component has under that name: write"
+                    f" {name}_ = …, the name for others stays {name}"
+                )
 
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
         self.instance = check_instance_name(instance)

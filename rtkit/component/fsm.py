@@ -175,6 +175,7 @@ class FsmComponent(Component):
 
     execution_type = "EventDrivenExecutionContext"
     has_machine = True
+    own_attributes = (*Component.own_attributes, "event_in", "ignored", "machine", "state")
     states: ClassVar[Table] = {}
     events: ClassVar[Mapping[str, type]] = {}
     event_port: ClassVar[str] = "event"

@@ -235,6 +235,12 @@ class ServicePort(Port):
             if use.profile.polarity is Polarity.PROVIDED
         )
 
+    @property
+    def needed(self) -> tuple[Interface, ...]:
+        """The interfaces that it needs."""
+        uses = (use for use in self._uses if use.profile.polarity is Polarity.REQUIRED)
+        return tuple(use.interface for use in uses)
+
     def attach(
         self, connector: ConnectorProfile, targets: Mapping[str, Target] | None = None
     ) -> None:

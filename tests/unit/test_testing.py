@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import time
+from typing import Protocol
 
 import pytest
 
@@ -13,9 +15,11 @@ from rtkit.component import (
     OutPort,
     Parameter,
     ReturnCode,
+    ServicePort,
+    Time,
     TimedLong,
 )
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.testing import Trial, own_manager
 
 
@@ -115,3 +119,64 @@ def test_a_manager_of_its_own_leaves_nothing_behind(tmp_path):
         assert tree.ls() == ["Mine0.rtc", "manager.mgr"]
     assert dict(os.environ) == before
     assert not os.path.exists(base)
+
+
+class Memory(Protocol):
+    def recall(self, key: str) -> str: ...
+
+
+class Asker(Component):
+    """Ask, and tell the time."""
+
+    rate = 4.0
+    memory = ServicePort.required(Memory)
+    out = OutPort(TimedLong)
+    key = Parameter("a", constraint="(a,b)")
+
+    def on_activated(self, context):
+        self.begin = time.monotonic()
+
+    def on_execute(self, context):
+        self.answer = self.memory.client.recall(self.key)
+        time.sleep(0.05)
+        self.out.write(TimedLong(Time.now(), round(1000 * (time.monotonic() - self.begin))))
+
+
+class Known:
+    def recall(self, key):
+        return f"all of {key}"
+
+
+def test_a_trial_provides_what_is_needed_and_changes_parameters():
+    with Trial(Asker) as trial:
+        trial.provide("memory", Known())
+        trial.activate()
+        trial.tick()
+        assert trial.component.answer == "all of a"
+        trial.configure({"key": "b"})
+        trial.tick()
+        assert trial.component.answer == "all of b"
+        trial.provide("memory", type("Other", (), {"recall": lambda self, key: "none"})())
+        trial.tick()
+        assert trial.component.answer == "none"
+        with pytest.raises(Malformed, match="key"):
+            trial.configure({"key": "c"})
+        with pytest.raises(NotFound, match="no port out that needs a service"):
+            trial.provide("out", Known())
+        with pytest.raises(Refused, match="int does not implement Memory: it lacks recall"):
+            trial.provide("memory", 3)
+
+
+def test_a_trial_has_a_time_of_its_own():
+    with Trial(Asker, clock=100.0) as trial:
+        trial.provide("memory", Known())
+        trial.activate()
+        trial.tick(2)
+        trial.wait(1.0)
+        trial.tick()
+        values = trial.received("out")
+        assert [value.data for value in values] == [50, 350, 1650]
+        assert values[0].tm == Time(100, 50_000_000)
+        assert time.time() > 1e9
+    with Trial(Scale) as trial, pytest.raises(Refused, match="clock=0"):
+        trial.wait(1.0)

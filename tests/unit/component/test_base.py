@@ -6,8 +6,10 @@ import logging
 
 import pytest
 
+from rtkit import component
 from rtkit.component import (
     Component,
+    FsmComponent,
     InPort,
     OutPort,
     Parameter,
@@ -310,3 +312,26 @@ def test_reports_go_to_the_log_of_the_instance(caplog):
     (record,) = caplog.records
     assert record.name == "S0"
     assert record.getMessage().startswith("on_finalize failed: ValueError: no (test_base.py:")
+
+
+@pytest.mark.parametrize("name", ["ports", "type", "logger", "on_execute", "rate", "initialize"])
+@pytest.mark.parametrize("kind", [lambda: OutPort(TimedLong), lambda: Parameter(1)])
+def test_no_port_or_parameter_hides_what_every_component_has(name, kind):
+    with pytest.raises(Refused) as caught:
+        type("Robot", (Component,), {name: kind()})
+    assert str(caught.value) == (
+        f"Robot.{name} hides what every component has under that name: write {name}_ = …,"
+        f" the name for others stays {name}"
+    )
+    made = type("Robot", (Component,), {f"{name}_": OutPort(TimedLong)})("r")
+    assert list(made.ports) == [name]
+
+
+def test_what_instances_keep_is_listed():
+    assert set(vars(Component("x"))) == set(Component.own_attributes)
+    fsm = type("Fsm", (FsmComponent,), {"states": {"A": {}}})
+    assert set(vars(fsm("x"))) == set(fsm.own_attributes)
+
+
+def test_names_can_be_found_by_looking():
+    assert {"Component", "InPort", "OutPort", "Parameter", "TimedLong"} <= set(dir(component))
