@@ -49,8 +49,8 @@ def toml(text: str) -> str:
     return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in plain) + '"'
 
 
-def pyproject(subject: Subject) -> str:
-    """Return ``pyproject.toml``, not yet stamped."""
+def pyproject(subject: Subject, made_of: Sequence[str] = ()) -> str:
+    """Return ``pyproject.toml``, not yet stamped; IDL files that it is `made_of` go with it."""
     module = subject.module
     rules: dict[str, Sequence[str]] = {}
     rules[f"{module}.py"] = FOREIGN_RULES if _has_foreign_names(subject) else OWN_RULES
@@ -80,6 +80,11 @@ def pyproject(subject: Subject) -> str:
         "",
         "[tool.hatch.build.targets.wheel]",
         f"only-include = [{_listed(rules)}]",
+        "",
+        "# Beside the module, where checks of systems find what the component is.",
+        "[tool.hatch.build.targets.wheel.force-include]",
+        f'"RTC.xml" = {toml(f"{module}.xml")}',
+        *([f"idl = {toml(f'{module}.idl')}"] if made_of else []),
         "",
         *linter(rules),
         '"tests/**" = ["D", "N999", "SLF"]',

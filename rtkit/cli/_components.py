@@ -28,7 +28,8 @@ def profiles(
 
     First comes what was named, folders with all that is below them, last what is shipped. No
     code is run: of a module only a file beside it counts, of the same name or ``RTC.xml``.
-    Modules are looked for where a manager that is started here would. Of the repositories in
+    Modules are looked for where a manager that is started here would, in installed packages last.
+    Of the repositories in
     which `systems` lie ``rtc/NAME/RTC.xml`` counts. `tell` hears of places that cannot be known.
 
     Raises:
@@ -67,6 +68,7 @@ def _candidates(
         yield from ((os.path.join(folder, name), False) for name in _profiles(folder))
     for folder in (os.curdir, *_load_path(tell), *_listed(MODULE_PATH)):
         yield from ((file, False) for file in _beside_modules(folder))
+    yield from ((file, False) for file in _of_packages())
     for folder in dict.fromkeys(each for system in systems for each in _around(system)):
         yield from ((file, False) for file in _of_repository(folder))
     if with_shipped:
@@ -115,6 +117,16 @@ def _beside_modules(folder: str) -> Iterator[str]:
     for name in _profiles(folder) if modules else ():
         if os.path.splitext(name)[0] in (*modules, _USUAL):
             yield os.path.normpath(os.path.join(folder, name))
+
+
+def _of_packages() -> Iterator[str]:
+    """Yield the profiles beside modules of installed packages."""
+    from rtkit.manager.modules.installed import installed
+
+    for each in installed().values():
+        stem, usual = os.path.splitext(each.file)[0], os.path.dirname(each.file)
+        paths = (f"{stem}.xml", os.path.join(usual, f"{_USUAL}.xml"))
+        yield from (path for path in paths if os.path.isfile(path))
 
 
 def _around(system: str) -> tuple[str, str]:

@@ -35,7 +35,7 @@ def installed() -> dict[str, Installed]:
     found: dict[str, Installed] = {}
     for folder in dict.fromkeys(sys.path):
         for name, module, init in _entries(folder):
-            file = "" if name in found else _file(module)
+            file = "" if name in found else file_of(module)
             if file:
                 found[name] = Installed(name, file, init)
     return found
@@ -69,8 +69,11 @@ def _group(file: str) -> Iterator[tuple[str, str, str]]:
                 yield entry[1], entry[2], entry[3]
 
 
-def _file(module: str) -> str:
-    """Return the file of a module; packages that it is in are looked into, not imported."""
+def file_of(module: str) -> str:
+    """Return the file of a module, empty if there is none.
+
+    Packages that it is in are looked into, not imported.
+    """
     first, *rest = module.split(".")
     spec = _found(first, None)
     for part in rest:

@@ -1,7 +1,8 @@
 """Finds modules: by name inside the load paths, by absolute path where that is allowed.
 
 A name leads to no other place: neither by ``..`` nor by a link. What is checked is what is read.
-One that no load path has may be that of a module of an installed package.
+One that no load path has may be that of a module of an installed package: as that package names
+it for components or, where absolute paths are allowed, as Python does (``robot.arm``).
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.modules.installed import installed
+from rtkit.manager.modules.installed import file_of, installed
 from rtkit.manager.settings.reading import find_private
 
 SUFFIX = ".py"
@@ -105,7 +106,10 @@ class Search:
                 if os.path.isfile(file):
                     return _Place(file, folder)
         known = installed().get(path.removesuffix(SUFFIX))
-        return _Place(known.file, init=known.init) if known else _Place()
+        if known is not None:
+            return _Place(known.file, init=known.init)
+        is_dotted = "." in path and all(part.isidentifier() for part in path.split("."))
+        return _Place(file_of(path) if is_dotted and self._is_absolute_allowed else "")
 
 
 def _is_inside(path: str, folder: str) -> bool:

@@ -356,7 +356,10 @@ def test_types_that_nobody_knows_pass_as_bytes(builder):
     assert (
         'bytes, properties={"dataport.data_type": "IDL:Mine/T:1.0"}' in built.files["Foo.py"].text
     )
-    assert built.notes == ("port a: Mine::T is not defined; values of that type pass as bytes",)
+    assert built.notes == (
+        "port a: Mine::T is not defined; values of that type pass as bytes"
+        " (-I DIR tells where IDL files are)",
+    )
 
 
 def test_types_of_idl_files(builder):

@@ -86,6 +86,19 @@ def test_an_rtc_conf_that_cannot_be_read_is_told_of(place: Path) -> None:
     assert told == [f"load paths are not known: {place}/rtc.conf:1: not KEY: VALUE: nonsense"]
 
 
+def test_installed_packages_tell_their_components(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(place, "site/Arm.xml", "site/Other.xml")
+    (place / "site" / "Arm.py").write_text("raise SystemExit('never run')")
+    (place / "site" / "arm-1.dist-info").mkdir()
+    entries = place / "site" / "arm-1.dist-info" / "entry_points.txt"
+    entries.write_text("[rtkit.components]\nArm = Arm:ArmInit\n")
+    monkeypatch.syspath_prepend(place / "site")
+    found = profiles([], lambda _: None, with_shipped=False)
+    assert [name for name, _ in found] == [str(place / "site" / "Arm.xml")]
+
+
 def test_a_repository_tells_the_components_of_its_systems(place: Path) -> None:
     put(place, "rtc/Arm/RTC.xml", "rtc/Leg/RTC.xml", "rtc/Leg/Other.xml", "system/A.xml", "o/B.xml")
     for system in ("system/A.xml", "A.xml", "o/B.xml"):

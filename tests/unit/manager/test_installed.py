@@ -150,3 +150,17 @@ def test_what_strangers_may_write_is_refused(site):
 def test_what_is_nowhere_is_told_so():
     with pytest.raises(NotFound, match=r"no module Nix .looked in /a and among installed packages"):
         Search(["/a"]).read("Nix")
+
+
+def test_a_module_of_a_package_may_be_named_as_python_does(site):
+    install(site, "", ["inner/deep/Arm.py"])
+    source = Search([]).read("inner.deep.Arm")
+    assert (source.file, source.init) == (str(site / "inner/deep/Arm.py"), "")
+    assert [each.type_name for each in Loader([]).load("inner.deep.Arm", "ArmInit").types] == [
+        "Arm"
+    ]
+    for name in ("inner.deep.Leg", "inner.none.Arm", "inner..Arm", "."):
+        with pytest.raises(NotFound):
+            Search([]).read(name)
+    with pytest.raises(NotFound):
+        Search([], is_absolute_allowed=False).read("inner.deep.Arm")
