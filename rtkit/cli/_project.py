@@ -34,12 +34,14 @@ class Project:
         files: By path.
         notes: What the user should know.
         remarks: What the user may want to know.
+        other: Type of the component to which the folder belongs, if that is another one.
     """
 
     folder: str
     files: dict[str, File]
     notes: list[str] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
+    other: str = ""
 
 
 class Change(NamedTuple):
@@ -133,8 +135,21 @@ def read(typed: str, output: str | None, folders: Sequence[str]) -> Project:
     project.notes += [f"{path}: not named by the profile; types are taken from it" for path in more]
     project.remarks = [f"{typed}:{note.line}: {note.text}" for note in reading.notes]
     project.files |= {f"idl/{name}": File(text) for name, text in sources.items()}
-    project.files.pop(PROFILE if _is_same(typed, os.path.join(folder, PROFILE)) else "", None)
+    present = os.path.join(folder, PROFILE)
+    if _is_same(typed, present):
+        project.files.pop(PROFILE)
+    elif os.path.isfile(present):
+        project.other = _other_type(present, built.subject.info.name)
     return project
+
+
+def _other_type(file: str, own: str) -> str:
+    """Return the type that a profile describes if it is another one than `own`."""
+    try:
+        info = read_rtc(read_bytes(file), file).profile.basic_info
+    except (InvalidDocument, NotFound):
+        return ""
+    return info.name if info is not None and info.name != own else ""
 
 
 def _types_alone(typed: str, folder: str, idl: _Idl) -> Project:

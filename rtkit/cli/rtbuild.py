@@ -66,6 +66,11 @@ def main(
     if len(files) != 1:
         raise Malformed("One RTC profile or IDL file has to be given.")
     project = _project.read(files[0], output, folders)
+    if project.other and not force:
+        raise Refused(
+            f"{project.folder or '.'} is the folder of component {project.other}:"
+            " -o DIR gives this one its own"
+        )
     for note in project.remarks:
         app.tell(note)
     for note in project.notes:

@@ -231,6 +231,20 @@ def test_names_that_are_cut_are_told_and_none_hides_a_function(place: Path, run:
     assert "    range_ = rt." in code
 
 
+def test_each_component_has_its_own_folder(place: Path, run: Run) -> None:
+    assert run("rtbuild echo.xml").status == 0
+    before = contents(place)
+    shutil.copy(place / "echo.xml", place / "other.xml")
+    edit(place / "other.xml", 'rtc:name="Echo"', 'rtc:name="Other"')
+    assert run("rtbuild other.xml") == (
+        1, "", "rtbuild: . is the folder of component Echo: -o DIR gives this one its own\n"
+    )  # fmt: skip
+    (place / "other.xml").rename(place.parent / "other.xml")
+    assert contents(place) == before
+    assert run(f"rtbuild {place.parent / 'other.xml'} -o o").status == 0
+    assert run("rtbuild echo.xml").status == 0
+
+
 def test_a_mistake_in_an_idl_file_is_told_with_its_line(place: Path, run: Run) -> None:
     edit(place / "idl" / "MyService.idl", "in string msg", "string msg")
     assert run("rtbuild echo.xml -o out") == (
