@@ -24,7 +24,6 @@ def export(app: App, name: str, form: str, part: Part) -> None:
 
     Raises:
         Malformed: It is no recording.
-        NotFound: Nobody defined a data type of it.
         Refused: There is nothing in the part that is wanted.
     """
     from rtkit.recording.mcap_file import Reader
@@ -38,7 +37,7 @@ def export(app: App, name: str, form: str, part: Part) -> None:
         return
     with metered(app, "export", is_writing=True) as show:
         entries = _watched(reader.entries(), info.entries, show)
-        lines = _lines(channels, part.of(entries), _FORMS[form](channels))
+        lines = _lines(app, channels, part.of(entries), _FORMS[form](channels))
         first = next(lines, None)
         if first is None:
             raise Refused(f"no values in that part: {name}" if part.start else f"no values: {name}")
@@ -58,12 +57,14 @@ def _watched(entries: Iterator[Entry], total: int, show: Show) -> Iterator[Entry
         show_count(number, total)
 
 
-def _lines(channels: dict[str, Channel], entries: Iterator[Entry], line: Line) -> Iterator[str]:
+def _lines(
+    app: App, channels: dict[str, Channel], entries: Iterator[Entry], line: Line
+) -> Iterator[str]:
     from rtkit.component.codec import codec_for
-    from rtkit.probe.types import data_type
+    from rtkit.probe.types import type_or_bytes
 
     decoders = {
-        name: codec_for(data_type(channel.data_type, f"stream {name}")).decode
+        name: codec_for(type_or_bytes(channel.data_type, f"stream {name}", app.say)).decode
         for name, channel in channels.items()
     }
     for entry in entries:

@@ -47,12 +47,12 @@ def record(
     """
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.probe.stats import stamp_reader
-    from rtkit.probe.types import data_type
+    from rtkit.probe.types import type_or_bytes
     from rtkit.rtc.enums import PortType
 
     app.bound(duration_s)
     streams = named_streams(app, ports, PortType.OUT, _name)
-    types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
+    types = {s.name: type_or_bytes(s.data_type, s.ends[0].path.typed, app.say) for s in streams}
     with (
         heard_by_main(),
         _ended_in_order(),

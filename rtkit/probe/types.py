@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from rtkit.component.typenames import type_by_name
@@ -44,3 +44,15 @@ def data_type(name: str, typed: str) -> type:
     if found is None:
         raise NotFound(f"Type not found: {name} of {typed} (-m imports the module that defines it)")
     return found
+
+
+def type_or_bytes(name: str, typed: str, say: Callable[[str], object]) -> type:
+    """Return the class of a data type; bytes, and say so, where nobody defined it.
+
+    One stream that cannot be understood here is no reason to lose all others.
+    """
+    try:
+        return data_type(name, typed)
+    except NotFound as error:
+        say(f"note: {error}; its values are taken as they are")
+        return bytes

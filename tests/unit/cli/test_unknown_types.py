@@ -1,0 +1,44 @@
+"""Data types by their names, and what becomes of values of those that nobody defined."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rtkit.component import TimedLong
+from rtkit.component.codec import codec_for
+from rtkit.errors import NotFound
+from rtkit.probe.types import data_type, type_or_bytes
+from rtkit.recording.entries import Channel, Entry
+from rtkit.recording.mcap_file import Writer
+
+
+def test_a_type_that_nobody_defined_is_told_and_taken_as_bytes() -> None:
+    said: list[str] = []
+    assert type_or_bytes("IDL:RTC/TimedLong:1.0", "Own0:n", said.append) is TimedLong
+    assert not said
+    assert type_or_bytes("IDL:No/Such:1.0", "Own0:out", said.append) is bytes
+    assert said == [
+        "note: Type not found: IDL:No/Such:1.0 of Own0:out (-m imports the module that defines it);"
+        " its values are taken as they are"
+    ]
+    with pytest.raises(NotFound):
+        data_type("IDL:No/Such:1.0", "Own0:out")
+
+
+def test_a_stream_of_unknown_type_stops_no_export(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Callable[[str], Any]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with open("a.mcap", "wb") as file, Writer(file) as writer:
+        writer.add_channel(Channel("a", "IDL:No/Such:1.0"), bytes)
+        writer.add_channel(Channel("b", "IDL:RTC/TimedLong:1.0"), TimedLong)
+        writer.write(Entry("a", 1, 1, b"\0\1\0\0\5"))
+        writer.write(Entry("b", 2, 2, codec_for(TimedLong).encode(TimedLong(data=7))))
+    status, out, err = run("rtlog --export text -f a.mcap")
+    assert status == 0
+    assert err.startswith("note: Type not found: No::Such of stream a")
+    assert [line.partition("\t")[2][:5] for line in out.splitlines()] == ["('a',", "('b',"]
