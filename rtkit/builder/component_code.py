@@ -124,7 +124,7 @@ def _class(subject: Subject, types: TypesCode) -> list[str]:
         [line for each in subject.settings for line in _setting(each)],
         *_callbacks(subject),
         *_operations(subject, types),
-        region("members", INDENT),
+        [*_others(subject), *region("members", INDENT)],
     ]
     for block in blocks:
         lines += ["", *block] if block else []
@@ -248,6 +248,20 @@ def _callbacks(subject: Subject) -> Iterator[list[str]]:
         ]
     if subject.machine:
         yield from _machine_callbacks(subject.machine, names)
+
+
+def _others(subject: Subject) -> Iterator[str]:
+    """Yield the callbacks that the profile does not ask for, as comments to copy from."""
+    there = {each.name for each in subject.callbacks}
+    if subject.machine:
+        there |= {*_DRIVEN}
+    names = [name for name in SUMMARIES if name not in there]
+    if subject.machine is None:
+        names.remove("on_action")
+    yield f"{INDENT}# Callbacks that the profile does not ask for, to be copied between the marks:"
+    for name in names:
+        given = "" if name in _UNHURRIED else ", context: str"
+        yield f"{INDENT}# def {name}(self{given}) -> None: ..."
 
 
 def callback_doc(name: str, doc: ActionDoc | None) -> list[str]:

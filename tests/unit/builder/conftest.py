@@ -52,7 +52,7 @@ class Builder:
         built = self.build(*arguments, **more)
         text = built.files[f"{built.subject.module}.py"].text
         body = text.partition("# </user code imports>\n")[2].partition(
-            "\n    # <user code members>"
+            "\n    # Callbacks that the profile does not ask for"
         )
         return body[0].strip("\n")
 

@@ -392,7 +392,7 @@ def test_execution_contexts(builder, type, line, note):
 
 def test_a_negative_rate_is_none(builder):
     built = builder.build(execution_rate=-1.0)
-    assert "rate" not in built.files["Foo.py"].text
+    assert "rate =" not in built.files["Foo.py"].text
     assert built.notes == ("a rate of -1 Hz is none; it is left out",)
 
 
@@ -408,3 +408,17 @@ def test_a_name_that_no_type_can_have(builder):
         "RTC.xml",
     ]
     assert built.notes == ("'a/b?' can be no name of a type; it is called a_b_",)
+
+
+def test_callbacks_that_are_not_asked_for_are_comments(builder):
+    built = builder.build(actions=Actions(on_execute=ActionStatus(True)))
+    comments = [
+        line.strip() for line in built.files["Foo.py"].text.splitlines() if "# def on_" in line
+    ]
+    assert comments[:3] == [
+        "# def on_initialize(self) -> None: ...",
+        "# def on_finalize(self) -> None: ...",
+        "# def on_startup(self, context: str) -> None: ...",
+    ]
+    assert len(comments) == 11
+    assert not any("on_execute" in each or "on_action" in each for each in comments)
