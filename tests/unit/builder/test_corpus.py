@@ -76,6 +76,7 @@ def test_its_rules_are_those_of_rtkit(folder: Path) -> None:
     assert rules(folder / "0" / "pyproject.toml") == rules(ROOT / "pyproject.toml")
 
 
+@pytest.mark.timeout(300)  # mypy looks at all components of the corpus
 def test_types_are_right(folder: Path, tmp_path: Path) -> None:
     """Strictly typed users can use what is generated: a state machine, many ports, bytes."""
     wanted = ("eventType", "ActArray", "PointCloudViewer", "testConfiguration")
