@@ -186,6 +186,8 @@ class TypesCode:
         for method in methods:
             lines += ["", *self._raises(method), *signature(method, "", INDENT)]
             lines += documentation(method, self.name, INDENT * 2)
+            # Type checkers miss a value where a body is nothing but a docstring.
+            lines += [f"{INDENT * 2}..."] if method.result != "None" else []
         return lines
 
     def _raises(self, method: Method) -> list[str]:

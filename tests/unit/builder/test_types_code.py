@@ -242,3 +242,11 @@ def test_a_file_alone_gives_what_can_be_carried(builder):
         "Arm.idl:72: Robot::Arm::Strange is left out: operation get: any has no form in CDR here"
     ]
     assert build_types(read("interface I { any f(); };"), "x.idl")[0] == {}
+
+
+def test_a_method_that_gives_something_has_a_body_for_type_checkers():
+    found = read_idl("interface I { long get(); void put(in long a); };")
+    text = TypesCode(found, [("I",)]).text(["x.idl"])
+    get, put = text.partition("def get(")[2].split("def put(")
+    assert get.rstrip().endswith('"""\n        ...')
+    assert "..." not in put
