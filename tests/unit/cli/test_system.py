@@ -15,7 +15,7 @@ from rtkit.cli import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.world import World
-from rtkit.errors import Unreachable
+from rtkit.errors import Refused, Unreachable
 from rtkit.profile.read import read_rts
 from rtkit.profile.words import property_value
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
@@ -113,13 +113,18 @@ def run(world, capsys):
 
 
 @pytest.fixture
-def absent(monkeypatch):
-    """No manager runs."""
+def absent(monkeypatch, tmp_path):
+    """No manager runs, and none can be started."""
 
     def connect(*_, **__):
         raise Unreachable("manager 'manager' is not running")
 
+    def start(*_, **__):
+        raise Refused("no memory")
+
+    monkeypatch.setenv("RTKIT_RUNTIME_DIR", str(tmp_path / "runtime"))
     monkeypatch.setattr("rtkit.tree.connect.connect", connect)
+    monkeypatch.setattr("rtkit.manager.launch.start", start)
 
 
 def executing(verb, *turns):
