@@ -10,6 +10,7 @@ from rtkit.cli import _out
 from rtkit.cli._app import App, command
 from rtkit.cli.system import planning, shared, step_times
 from rtkit.cli.system.document import is_saved_plan, parse_document, read_data
+from rtkit.errors import Refused
 
 
 @command("rtapply")
@@ -31,7 +32,7 @@ def main(
     wait_s: float,
     dry_run: bool,
     **options: Any,
-) -> None:
+) -> int:
     """Make the live system what an RTS profile says (FILE, or stdin), by the plan rtplan shows.
 
     FILE may also be a plan that rtplan --out saved. Just that plan is carried out, if everything
@@ -47,6 +48,9 @@ def main(
     Managers of this host that do not run and are needed are started first, as rtmgr start does.
     Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one is told who
     that is, and ends, or waits with --wait.
+
+    What a component does not have, a parameter or a set, is told; when all else is done the exit
+    status is 1 then, as that of rtcheck.
 
     --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
     noted: plans made later count with it.
@@ -68,10 +72,11 @@ def main(
         prepared = planning.prepare(
             app, document, is_dry=dry_run, parallel=parallel or 0, lease=lease, **options
         )
-    goal, snapshot, plan = prepared
+    goal, snapshot, plan, survey = prepared
     if dry_run:
         _out.write(map(_out.printable, lines(plan, goal.costs)))
-        return
+        return 0
     with step_times.noting(app, goal.system, snapshot) as taken:
-        applier = Applier(app.tree, goal, app.say, app.say, taken)
+        applier = Applier(app.tree, goal, app.say, app.say, taken, survey)
         applier.run(plan, snapshot, rolls_back=rollback, is_exact=is_saved)
+    return app.status(Refused()) if applier.unmet else 0

@@ -74,6 +74,7 @@ def main(
         raise UsageProblem("--components and --ignore are for --static")
     if is_diff and form != _static.TEXT:
         raise UsageProblem("--diff has a form of its own: no --json, no --format")
+    from rtkit.cli.system.present_code import present_code
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import Live
 
@@ -86,7 +87,8 @@ def main(
         return 0
     expected = None if state == UNKNOWN_STATE else LifeCycleState(state)
     live = Live(snapshot, system)
-    found = list(deviations(system, live, expected))
+    present = present_code(snapshot.components)
+    found = list(deviations(system, live, expected, present))
     if is_diff:
         _out.write(map(_out.printable, diff_lines([*found, *surplus(system, live)])))
     elif form != _static.TEXT:

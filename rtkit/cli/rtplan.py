@@ -50,6 +50,10 @@ def main(
     before, or with --costs table, what the table says (rtkit help plans). A profile may say what
     interrupting a component costs (rtkit.cost), and --cost goes before all.
 
+    All that a profile says is compared: rates, policies and names, too, which are changed without
+    a stop. What cannot be changed in place is told, and is part of a plan with --replace only; what
+    the profile does not name is removed with --prune only (rtkit help plans).
+
     When there is no plan it is told which wishes cannot hold together, and why; with --exit-detail
     the status is 7 then.
     """

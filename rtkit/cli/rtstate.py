@@ -43,6 +43,7 @@ def main(
     basis: str,
     stand_in: bool,
     transmit: bool,
+    replaces: bool,
     dry_run: bool,
     strict: bool,
     mapped: tuple[str, ...],
@@ -84,6 +85,7 @@ def main(
         basis=basis,
         stand_in=stand_in,
         transmit=transmit,
+        replaces=replaces,
         starts=is_led,
         lease=shared.leases(app, files, wait_s) if is_led and not dry_run else None,
     )

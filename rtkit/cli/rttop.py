@@ -63,7 +63,7 @@ def main(
     MEAN/ms   time of a cycle; MAX/ms of the longest one in the last second
     CPU% MEM  of the whole process, which several components may share
     IN/s      values read from in ports; OUT/s written to out ports
-    RST       how often it was made again after its process was lost, and not deleted
+    RST       how often its policy made it again after it was lost (rtkit.restart)
 
     A line below a component tells why it is in Error, does not answer or is a zombie.
     """

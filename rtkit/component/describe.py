@@ -11,6 +11,9 @@ from rtkit.records import replace
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile
 
+CODE = "_rtkit_code"
+"""Attribute of a component class that came from a file: its CRC-32 then, and where it is."""
+
 
 class Description(NamedTuple):
     """What others may know of a component, all of it plain data."""
@@ -26,6 +29,7 @@ class Description(NamedTuple):
     fsm_state: str = ""
     fsm_states: Mapping[str, Mapping[str, str]] = {}
     fsm_events: Mapping[str, str] = {}
+    code: str = ""
 
 
 def describe(component: Component) -> Description:
@@ -38,6 +42,7 @@ def describe(component: Component) -> Description:
         ),
         sets={set_id: dict(values) for set_id, values in configuration.sets.items()},
         active_set=configuration.active_set,
+        code=getattr(type(component), CODE, ""),
         contexts=tuple(context.profile_for(component) for context in component.participations),
         cause=component.cause,
         composite_type=component.composite_type,

@@ -95,6 +95,18 @@ class Unregister:
 
 
 @dataclass(frozen=True, slots=True)
+class Register:
+    """Give a component that lives a further name in the tree.
+
+    Attributes:
+        name: In full, as facts tell it: ``localhost/dir.host_cxt/Motor0.rtc``.
+    """
+
+    instance: str
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Connect:
     """Make a connection."""
 
@@ -145,6 +157,19 @@ class SetRate:
     instance: str
     context: str
     rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class SetPolicy:
+    """Change what is done about the end and the health of a component, which lives on.
+
+    Attributes:
+        policy: All of its properties ``rtkit.restart…``, ``rtkit.critical``, ``rtkit.health.…``;
+            those that are not named are taken away.
+    """
+
+    instance: str
+    policy: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,12 +224,14 @@ Action = (
     | Delete
     | EndSlave
     | Unregister
+    | Register
     | Connect
     | Disconnect
     | SetParameters
     | ActivateSet
     | ChangeState
     | SetRate
+    | SetPolicy
     | Tick
     | Attach
     | Detach

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
+from rtkit.deployment import drift
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, absence, context_of
 from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector, address
@@ -19,13 +20,16 @@ _BASE = (
     "dataport.subscription_type",
 )
 
+NO_FILES: Mapping[str, str] = {}
+
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
     """One difference between a profile and what lives.
 
     Attributes:
-        kind: ``component``, ``connection``, ``property``, ``active-set``, ``parameter``, ``state``.
+        kind: ``component``, ``connection``, ``property``, ``active-set``, ``parameter``,
+            ``constraint``, ``port``, ``rate``, ``policy``, ``create``, ``code`` or ``state``.
         path: The component, or the ports of a connection.
         item: What differs there; empty for the component or the connection itself.
         wanted: What the profile says; empty where it says nothing.
@@ -41,10 +45,17 @@ class Deviation:
     found: str = ""
 
 
-def deviations(system: System, live: Live, state: LifeCycleState | None) -> Iterator[Deviation]:
-    """Yield every deviation: components, connections, active sets, parameters, states.
+def deviations(
+    system: System,
+    live: Live,
+    state: LifeCycleState | None,
+    present_code: Mapping[str, str] = NO_FILES,
+) -> Iterator[Deviation]:
+    """Yield every deviation: components, connections, active sets, parameters, ports, states.
 
     With `state` None each component is to have no execution context at all (``Unknown``).
+    `present_code` has the CRC-32 of files as they are: that one has changed since it was loaded is
+    told, and nothing required.
     """
     for component in system.components:
         why = absence(component, live)
@@ -75,6 +86,12 @@ def deviations(system: System, live: Live, state: LifeCycleState | None) -> Iter
     for component, facts in there:
         yield from _parameters(component, facts)
     for component, facts in there:
+        yield from _manner(component, facts)
+        file = drift.changed_code(facts, present_code)
+        if file:
+            text = f"Component {component.path} runs code that has changed since ({file})"
+            yield Deviation("code", component.path, text, False, found=file)
+    for component, facts in there:
         yield from _states(component, facts, state)
 
 
@@ -91,6 +108,8 @@ def diff_lines(deviations: Iterable[Deviation]) -> Iterator[str]:
 def surplus(system: System, live: Live) -> Iterator[Deviation]:
     """Yield what lives and is not in the profile: components, and connections of its components.
 
+    Ports and parameters of its components, too, where it lists any of them.
+
     Nothing of it is required not to be there.
     """
     names = {component.instance for component in system.components}
@@ -102,12 +121,26 @@ def surplus(system: System, live: Live) -> Iterator[Deviation]:
             path = _path(facts)
             text = f"Component {path} is not in the profile"
             yield Deviation("component", path, text, False, found=facts.type.id)
+    for component in system.components:
+        living = _living(component, live)
+        if living is not None:
+            yield from _unnamed(component, living)
     for wire in live.snapshot.connectors:
         is_told = wire.connector_id in wanted or frozenset(wire.ports) in told
         if not is_told and any(end.instance in names for end in wire.ports):
             path = " ".join(_port_path(live, end) for end in wire.ports)
             text = f"Connection {wire.connector_id} is not in the profile"
             yield Deviation("connection", path, text, False, found=wire.connector_id)
+
+
+def _unnamed(component: WantedComponent, facts: ComponentFacts) -> Iterator[Deviation]:
+    for name in drift.unnamed_ports(component, facts):
+        text = f"Port {name} of component {component.path} is not in the profile"
+        yield Deviation("port", f"{component.path}:{name}", text, False, found=name)
+    for set_id, name, value in drift.unnamed_parameters(component, facts):
+        text = f"Parameter {name} in set {set_id} of component {component.path}"
+        where = f"{component.path} {set_id}.{name}"
+        yield Deviation("parameter", where, f"{text} is not in the profile", False, found=value)
 
 
 def _path(facts: ComponentFacts) -> str:
@@ -190,6 +223,33 @@ def _parameters(component: WantedComponent, facts: ComponentFacts) -> Iterator[D
                 text = f"{where} is missing"
             sides = (f"{set_id}.{name}", value, found or "")
             yield Deviation("parameter", component.path, text, component.is_required, *sides)
+
+
+def _manner(component: WantedComponent, facts: ComponentFacts) -> Iterator[Deviation]:
+    """Yield in what a component is otherwise than wanted, beside values and states."""
+    path, is_required = component.path, component.is_required
+    for each in drift.constraint_differences(component, facts):
+        yield _deviation("constraint", component, each)
+    # Of a stand-in its list of ports is told as a whole.
+    for name in () if facts.is_stand_in else drift.lacking_ports(component, facts):
+        text = f"Component {path} has no port {name}"
+        yield Deviation("port", path, text, is_required, f"port {name}", name, "")
+    for rate in drift.rates(component, facts):
+        wanted, found = drift.rate_text(rate.wanted), drift.rate_text(rate.found)
+        if wanted != found:
+            item = f"rate of execution context {rate.context}"
+            yield _deviation("rate", component, drift.Difference(item, wanted, found))
+    policy = drift.policy_difference(component, facts)
+    if policy is not None and policy.wanted != policy.found:
+        yield _deviation("policy", component, policy)
+    for each in drift.otherwise_made(component, facts):
+        yield _deviation("create", component, each)
+
+
+def _deviation(kind: str, component: WantedComponent, each: drift.Difference) -> Deviation:
+    item = each.item[0].upper() + each.item[1:]
+    text = f"{item} of component {component.path} is incorrect (value: {each.found})"
+    return Deviation(kind, component.path, text, component.is_required, *each)
 
 
 def _states(

@@ -114,6 +114,14 @@ def contexts_of(contexts: Iterable[ExecutionContext]) -> tuple[ContextPattern, .
     return tuple(made)
 
 
+def rates_of(contexts: Iterable[ExecutionContext]) -> tuple[float, ...]:
+    """Return the rates of periodic contexts [Hz]; 0 where none is stated."""
+    return tuple(
+        (each.rate or 0.0) if kind_of(each.kind) is ExecutionKind.PERIODIC else 0.0
+        for each in contexts
+    )
+
+
 def guests_of(component: Component) -> tuple[tuple[str, str], ...]:
     """Return context id and instance name of each other component that its contexts drive."""
     return tuple(

@@ -67,6 +67,28 @@ def is_policy(key: str) -> bool:
     return key in (RESTART, CRITICAL) or key.startswith((f"{RESTART}.", f"{CRITICAL}.", HEALTH))
 
 
+def policy_in(create: str) -> dict[str, str]:
+    """Return the properties of a policy in a create string; none in one that cannot be read."""
+    try:
+        options = parse_create(create).options if create else {}
+    except Malformed:
+        return {}
+    return {key: value for key, value in options.items() if is_policy(key)}
+
+
+def with_policy(create: str, policy: Mapping[str, str]) -> str:
+    """Return a create string with these properties for the policy that it has.
+
+    Raises:
+        Malformed: The create string cannot be read, or one of them is no property of a policy.
+    """
+    for key in policy:
+        if not is_policy(key):
+            raise Malformed(f"{key} is no property of restarts or health")
+    made = parse_create(create)
+    return str(made.with_options(**{**dict.fromkeys(policy_in(create), ""), **policy}))
+
+
 def options_of(facts: ComponentFacts) -> Mapping[str, str]:
     """Return the options of the create string that made a component."""
     try:

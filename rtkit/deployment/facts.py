@@ -42,6 +42,8 @@ class ComponentFacts:
         fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
         upkeep: What has been done about its ends and its health.
+        code: CRC-32 of the file of its module when that was loaded, eight hexadecimal digits, and
+            where that file is; empty for one that comes from no module.
     """
 
     instance: str
@@ -66,6 +68,7 @@ class ComponentFacts:
     fsm_states: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     fsm_events: Mapping[str, str] = field(default_factory=dict)
     upkeep: Upkeep = field(default_factory=Upkeep)
+    code: str = ""
 
     @property
     def state(self) -> str:

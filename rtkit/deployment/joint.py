@@ -142,7 +142,10 @@ def manager_for(action: Action, homes: Homes, wires: Iterable[ConnectorProfile],
             return usual if wire is None else homes.get(wire.ports[0].instance, usual)
         case act.Attach() | act.Detach():
             return homes.get(action.owner, usual)
-        case act.EndSlave() | act.Unregister():
+        case act.Unregister():
+            above = (m for m in homes.values() if inward(action.name, m) != action.name)
+            return next(above, usual)
+        case act.EndSlave():
             return usual
     return homes.get(action.instance, usual)
 
@@ -153,6 +156,8 @@ def sent(action: Action, manager: str) -> Action:
         return replace(action, manager="")
     if isinstance(action, act.Create):
         return replace(action, names=tuple(inward(name, manager) for name in action.names))
+    if isinstance(action, (act.Register, act.Unregister)):
+        return replace(action, name=inward(action.name, manager))
     return action
 
 

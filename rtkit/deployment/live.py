@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from rtkit.deployment.extension import stated_id
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.identity import is_same_id
 from rtkit.deployment.system import System, WantedComponent
+from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile, PortRef
 
@@ -15,7 +16,18 @@ from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile, PortRe
 class Live:
     """One snapshot, indexed for questions about one wanted system."""
 
-    def __init__(self, snapshot: Snapshot, system: System) -> None:
+    def __init__(
+        self, snapshot: Snapshot, system: System, *, takes_namesakes: bool = False
+    ) -> None:
+        """Index a snapshot.
+
+        Args:
+            snapshot: What lives.
+            system: What is wanted.
+            takes_namesakes: A component of the wanted instance name is the wanted one also where
+                it is not registered under the wanted name.
+        """
+        self._takes_namesakes = takes_namesakes
         self.snapshot = snapshot
         self._instances = {c.instance: c for c in snapshot.components}
         self._connectors = {wire.connector_id: wire for wire in snapshot.connectors}
@@ -52,6 +64,11 @@ class Live:
         belongs = self._belongs.get(instance, self.snapshot.manager)
         return self._lives.get(instance, belongs)
 
+    def is_guest(self, facts: ComponentFacts) -> bool:
+        """Whether a component came by itself, as data tools do, and ends by itself."""
+        manager = self._managers[self.home(facts.instance)]
+        return any(p.is_guest and p.name == facts.process for p in manager.processes)
+
     @property
     def managers(self) -> Mapping[str, Snapshot]:
         """What each manager that was asked knows of itself, by its name; the first one first."""
@@ -78,6 +95,22 @@ class Live:
         found = self._names.get((belongs, wanted.name))
         if found is not None:
             return found
+        return self._by_manager(wanted, belongs) or self._namesake_of(wanted, belongs)
+
+    def is_named(self, wanted: WantedComponent) -> bool:
+        """Whether the wanted component is to be found where its name leads."""
+        belongs = self._belongs.get(wanted.instance, "")
+        is_found = (belongs, wanted.name) in self._names
+        return is_found or self._by_manager(wanted, belongs) is not None
+
+    def _namesake_of(self, wanted: WantedComponent, belongs: str) -> ComponentFacts | None:
+        facts = self._instances.get(wanted.instance) if self._takes_namesakes else None
+        if facts is None or facts.zombie or wanted.unknown_host:
+            return None
+        return facts if self._lives.get(facts.instance, "") == belongs else None
+
+    def _by_manager(self, wanted: WantedComponent, belongs: str) -> ComponentFacts | None:
+        """Return a component that its path names below its manager, or its slave."""
         host, *rest = wanted.name.split("/")
         *directories, leaf = rest
         below = [d for d in directories if d.endswith(MANAGER_SUFFIX)]
@@ -114,16 +147,25 @@ def context_of(
     Those that are found by no id take the places that are left, so that no two mean the same one.
     While a composite drives the component, its context stands for those that rest meanwhile.
     """
-    found = _meant(facts, wanted, number)
+    found = own_context_of(facts, wanted, number)
     if not facts.composite or found is None or found.is_running:
         return found
     driving = (c for c in facts.contexts if c.is_running and c.owner != facts.instance)
     return next(driving, found)
 
 
-def _meant(
+def states_of(component: WantedComponent, facts: ComponentFacts) -> Iterator[LifeCycleState]:
+    """Yield the states of a component in the contexts that are wanted, as far as they live."""
+    for number in range(len(component.contexts)):
+        context = context_of(facts, component, number)
+        if context is not None:
+            yield context.state
+
+
+def own_context_of(
     facts: ComponentFacts, wanted: WantedComponent, number: int
 ) -> ExecutionContextProfile | None:
+    """Return the same, also while a composite drives the component."""
     live = {context.id: context for context in facts.contexts}
     ids = [context.id for context in wanted.contexts]
     if ids[number] in live:

@@ -105,10 +105,15 @@ def _sets(facts: ComponentFacts) -> list[Shown]:
     shown = [Shown("active_set", _name(facts.active_set), spec, _activation(facts, choices))]
     for set_id, values in facts.sets.items():
         for name, text in values.items():
-            path = f"configuration.{segment_of(set_id)}.{segment_of(name)}"
+            path = parameter_path(set_id, name)
             spec = Spec(parse_type("text"), doc=f"Parameter {name} of set {set_id}")
             shown.append(Shown(path, text, spec, _parameter(facts, set_id, name)))
     return shown
+
+
+def parameter_path(set_id: str, name: str) -> str:
+    """Return the property that a configuration parameter is shown as."""
+    return f"configuration.{segment_of(set_id)}.{segment_of(name)}"
 
 
 def _activation(facts: ComponentFacts, choices: Sequence[str]) -> Change:

@@ -55,6 +55,10 @@ class WantedComponent:
         hot: Parameters that may be changed while it is active; ``*`` for all.
         costs: What kinds of steps cost that are done to it, where the profile says so.
         manager: Which of the other managers of this host is to hold it; empty for the first.
+        rates: Of the contexts [Hz], in their order; 0 where the profile says none.
+        policy: All that is done about its end and its health; None where nothing is said of it.
+        is_create_stated: The profile itself says the create string.
+        kept: Set and name of parameters that are only set in a component just made.
     """
 
     id: str
@@ -74,6 +78,10 @@ class WantedComponent:
     hot: tuple[str, ...] = ()
     costs: Mapping[str, float] = field(default_factory=dict)
     manager: str = ""
+    rates: tuple[float, ...] = ()
+    policy: Mapping[str, str] | None = None
+    is_create_stated: bool = False
+    kept: frozenset[tuple[str, str]] = frozenset()
 
     def port(self, name: str) -> PortProfile | None:
         """Return the port of that name, or None."""

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
+from rtkit.deployment.extension import policy_in
 from rtkit.deployment.facts import Snapshot
 from rtkit.records import dataclass
 from rtkit.rtc.create import parse_create
@@ -62,7 +63,7 @@ def _settings(
     tried: Iterable[Action], before: Snapshot, now: Snapshot, made: set[str]
 ) -> Iterator[Trace]:
     for action in tried:
-        if not isinstance(action, (act.SetParameters, act.ActivateSet)):
+        if not isinstance(action, (act.SetParameters, act.ActivateSet, act.SetRate, act.SetPolicy)):
             continue
         instance = action.instance
         was, is_now = before.component(instance), now.component(instance)
@@ -72,6 +73,15 @@ def _settings(
             if was.active_set and was.active_set != is_now.active_set:
                 undo = act.ActivateSet(instance, was.active_set)
                 yield Trace(f"active set of {instance}", undo)
+            continue
+        if isinstance(action, act.SetRate):
+            rates = [c.rate for c in was.contexts if c.id == action.context]
+            for rate in rates:
+                undo_rate = act.SetRate(instance, action.context, rate)
+                yield Trace(f"rate of {instance}", undo_rate)
+            continue
+        if isinstance(action, act.SetPolicy):
+            yield Trace(f"policy of {instance}", act.SetPolicy(instance, policy_in(was.create)))
             continue
         old = _changed(action, was.sets.get(action.set_id, {}), is_now.sets.get(action.set_id, {}))
         if old:

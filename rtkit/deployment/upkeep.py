@@ -10,7 +10,7 @@ class Upkeep:
     """What its policy and its rules of health have led to; each text is empty where nothing has.
 
     Attributes:
-        restarts: How often it was made again after its loss, also by its user.
+        restarts: How often its policy made it again.
         why: For which end its policy made it again the last time.
         took_s: How long that took, from its end until it was as it had been [s].
         returning: For which end it is to be made again, as long as it is not.

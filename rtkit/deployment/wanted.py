@@ -16,6 +16,7 @@ from rtkit.deployment.described import (
     is_run_time,
     kind_of,
     properties_of,
+    rates_of,
     script_of,
     service_port,
     sets_of,
@@ -199,6 +200,8 @@ def _component(
         hot=tuple(filter(None, map(str.strip, own.get(extension.HOT, "").split(",")))),
         costs=_costs(component.instance_name, own.get(extension.COST, "")),
         manager=where.manager,
+        rates=rates_of(component.execution_contexts),
+        is_create_stated=extension.CREATE in own,
     )
     known = choices.known_types.get(component.id)
     create = own.get(extension.CREATE, "") or (known.create if known is not None else "")
@@ -209,13 +212,20 @@ def _component(
         stand_in = _as_stand_in(made, component, create, choices, is_marked)
         made_by = parse_create(stand_in.create)
         text = str(made_by.with_options(**_policy(policy, made_by, choices)))
-        return replace(stand_in, create=text), where.note
+        return _supervised(replace(stand_in, create=text), policy), where.note
     module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
     text = ""
     if create:
         made_by = _create(create, made)
         text = str(made_by.with_options(**_policy(policy, made_by, choices)))
-    return replace(made, create=text, module=module), where.note
+    return _supervised(replace(made, create=text, module=module), policy), where.note
+
+
+def _supervised(made: WantedComponent, own: Mapping[str, str]) -> WantedComponent:
+    """Return a component with its policy, if the profile says one, or all of how it is made."""
+    said = {**own, **extension.policy_in(made.create)}
+    policy = {key: value for key, value in said.items() if value}
+    return replace(made, policy=policy) if policy or made.is_create_stated else made
 
 
 def _policy(own: Mapping[str, str], create: CreateString, choices: _Choices) -> Mapping[str, str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from rtkit.deployment.actions import ActivateSet, Connect, SetParameters
+from rtkit.deployment import drift
+from rtkit.deployment.actions import ActivateSet, Connect, SetParameters, SetPolicy, SetRate
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, absence
 from rtkit.deployment.plan import Plan, Step, layer
@@ -18,6 +19,7 @@ def wiring_plan(system: System, live: Live, pending: Collection[str] = ()) -> Pl
     data = [wire for wire in system.connectors if wire.is_data]
     service = [wire for wire in system.connectors if not wire.is_data]
     settings = [s for c in system.components for s in _parameters(c, live, pending)]
+    settings += [s for c in system.components for s in _supervision(c, live, pending)]
     active = [s for c in system.components for s in _active_set(c, live, pending)]
     return Plan(
         layers=(
@@ -110,6 +112,30 @@ def _parameter(text: str, facts: ComponentFacts, wanted: SetParameters, path: st
     if present[name] == value:
         return Step(text, None, holds=True)
     return Step(text, wanted, where=path)
+
+
+def _supervision(
+    component: WantedComponent, live: Live, pending: Collection[str]
+) -> Iterator[Step]:
+    """Yield rates of contexts and the policy, where they are other or not known yet."""
+    facts = live.at(component.instance)
+    if component.instance in pending:
+        said = zip(component.contexts, component.rates, strict=True)
+        left = [(context.id, rate) for context, rate in said if rate and component.pattern is None]
+        policy = None  # the create string says it
+    elif facts is None or absence(component, live):
+        return
+    else:
+        rates = drift.rates(component, facts)
+        left = [(each.context, each.wanted) for each in rates if each.wanted != each.found]
+        policy = drift.policy_difference(component, facts)
+    at = f"component at path {component.path}"
+    for context, rate in left:
+        text = f"Set rate of execution context {context} on {at} to {drift.rate_text(rate)}"
+        yield Step(text, SetRate(component.instance, context, rate), where=component.path)
+    if policy is not None and policy.wanted != policy.found:
+        action = SetPolicy(component.instance, component.policy or {})
+        yield Step(f"Set policy on {at} to {policy.wanted}", action, where=component.path)
 
 
 def _active_set(component: WantedComponent, live: Live, pending: Collection[str]) -> Iterator[Step]:

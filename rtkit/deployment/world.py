@@ -13,6 +13,7 @@ from rtkit.component.period import check_rate
 from rtkit.deployment import actions as act
 from rtkit.deployment import world_composites as composites
 from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.extension import with_policy
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.lease import Immortal, Lease
 from rtkit.deployment.shown_ports import OwnEnds
@@ -158,6 +159,8 @@ class World:
                 self._end_slave(name)
             case act.Unregister():
                 self._unregister(action)
+            case act.Register(instance, name):
+                self._register(instance, name)
             case act.Connect(connector):
                 return self._connect(connector)
             case act.Disconnect(connector_id):
@@ -169,6 +172,9 @@ class World:
                 self._activate_set(instance, set_id)
             case act.ChangeState():
                 self._change_state(action)
+            case act.SetPolicy(instance, policy):
+                create = with_policy(self._living(instance).create, policy)
+                self.update(instance, create=create)
             case act.SetRate() | act.Tick():
                 self._drive(action)
             case act.Attach() | act.Detach():
@@ -321,6 +327,13 @@ class World:
         if bearer.zombie and not left:
             del self.components[bearer.instance]
             self._retire(bearer.process)
+
+    def _register(self, instance: str, name: str) -> None:
+        bearer = next((c for c in self.components.values() if name in c.names), None)
+        names = self._living(instance).names
+        if bearer is not None and bearer.instance != instance:
+            raise Refused(f"name /{name} is taken by {bearer.instance}")
+        self.update(instance, names=tuple(dict.fromkeys((*names, name))))
 
     def _set(self, action: act.SetParameters) -> None:
         known = self._living(action.instance)

@@ -50,6 +50,8 @@ class Goal:
         outlook: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there.
+        replaces: What cannot be changed in place is made again.
+        prunes: What is not in the system is not to be there.
     """
 
     system: System
@@ -60,6 +62,8 @@ class Goal:
     outlook: Outlook = NOTHING_KNOWN
     states: Mapping[str, LifeCycleState | None] = field(default_factory=lambda: NO_STATES)
     absent: frozenset[str] = frozenset()
+    replaces: bool = False
+    prunes: bool = False
 
     def survey(
         self, snapshot: Snapshot, began: Snapshot | None = None, *, is_back: bool = False
@@ -69,7 +73,7 @@ class Goal:
         Raises:
             Impossible: Something else lives where a required component belongs.
         """
-        live = Live(snapshot, self.system)
+        live = Live(snapshot, self.system, takes_namesakes=True)
         return survey(
             self.system,
             live,
@@ -79,6 +83,8 @@ class Goal:
             self.outlook,
             self.states,
             self.absent,
+            replaces=self.replaces,
+            prunes=self.prunes,
             is_back=is_back,
         )
 
@@ -101,7 +107,11 @@ class Goal:
 
 
 class Applier:
-    """Reaches a goal on one tree."""
+    """Reaches a goal on one tree.
+
+    Attributes:
+        unmet: In what required components are not what is wanted, as was seen last.
+    """
 
     def __init__(
         self,
@@ -110,6 +120,7 @@ class Applier:
         report: Talk,
         progress: Talk,
         taken: list[tuple[Action, float]] | None = None,
+        seen: Survey | None = None,
     ) -> None:
         """Prepare to reach `goal`.
 
@@ -119,7 +130,10 @@ class Applier:
             report: Is told what went otherwise than planned.
             progress: Is told each step when it is done.
             taken: Gets what the actions took that were done [s].
+            seen: What the plan was made from, if its notes are told already.
         """
+        self.unmet = seen.unmet if seen is not None else ()
+        self._noted = set(seen.notes if seen is not None else ())
         self._tree = tree
         self._goal = goal
         self._report = report
@@ -151,12 +165,25 @@ class Applier:
             self._is_exact = is_exact
             plan, before = self._with_managers(plan, before)
             doing = Doing(system, Live(before, system))
-            self._reach(plan, doing, lambda now: self._goal.survey(now, before).model, system)
+            self._reach(plan, doing, partial(self._see, before), system)
         except RtkitError as error:
             raise from_kind(error.kind, f"{error}; {self._after(before, rolls_back)}") from error
         except KeyboardInterrupt as error:
             told = self._after(before, rolls_back=rolls_back)
             raise KeyboardInterrupt("; ".join(filter(None, (str(error), told)))) from error
+
+    def _see(self, before: Snapshot, now: Snapshot) -> Model:
+        """Return the model of what lives now; tell what of the wanted system turned out not to be.
+
+        What nobody knew before is known as soon as a component lives.
+        """
+        survey = self._goal.survey(now, before)
+        self.unmet = survey.unmet
+        for note in survey.notes:
+            if note not in self._noted:
+                self._noted.add(note)
+                self._report(note)
+        return survey.model
 
     def _with_managers(
         self, plan: DeploymentPlan, before: Snapshot
@@ -314,5 +341,12 @@ def _obstacle(move: Move, model: Model) -> str:
     for variable in move.heeds if move.kind == "activate" else ():
         is_known = not variable.startswith("cfg:") or variable[4:] in model.keys
         if is_known and not model.allows(variable, model.now(variable)):
-            return f"{move.text} comes after {variable}"
+            return f"{move.text} comes after {_told(model, variable)}"
     return ""
+
+
+def _told(model: Model, variable: str) -> str:
+    """Return what is wished of a variable as the step that reaches it."""
+    wish = model.desired[variable]
+    key = model.keys.get(variable.removeprefix("cfg:"))
+    return f"{key.text}{wish}" if key is not None and isinstance(wish, str) else variable

@@ -90,8 +90,12 @@ def test_one_system_becomes_another(first, second):
     moved = {c.instance for c in goal.system.components if is_elsewhere(world, c)}
     why = attempt(world, goal)
     if why:
-        # What bears the name of another, or is no stand-in here, is told and not replaced.
-        assert "is at" in why or "ID of" in why
+        # Of another type, or a stand-in of another kind: that is told and not replaced.
+        assert "--replace makes it again" in why
+        why = attempt(world, replace(goal, replaces=True))
+        assert not why
+        assert differs(world, goal) == []
+        assert not is_left(world, goal)
         return
     assert differs(world, goal) == []
     assert not is_left(world, goal)

@@ -35,12 +35,24 @@ set_values = st.dictionaries(
 )
 
 
+rates = st.sampled_from([10.0, 12.5, 1000.0])
+policies = st.sampled_from(
+    [
+        {},
+        {"rtkit.restart": "always"},
+        {"rtkit.critical": "yes"},
+        {"rtkit.restart": "on-failure", "rtkit.restart.limit": "2"},
+    ]
+)
+
+
 @st.composite
-def components(draw: st.DrawFn, instance: str, stand_ins: bool) -> rts.Component:
+def components(draw: st.DrawFn, instance: str, stand_ins: bool, supervised: bool) -> rts.Component:
     slave = draw(st.sampled_from(["", "&manager_name=s1", "&manager_name=s2"]))
     told = [Property("rtkit.create", f"Node?x=y{slave}")]
     if stand_ins and draw(st.booleans()):
         told.append(Property("rtkit.stand-in", "yes"))
+    told += [Property(key, value) for key, value in (draw(policies) if supervised else {}).items()]
     sets = draw(set_values)
     return rts.Component(
         "RTC:::Node:",
@@ -57,16 +69,20 @@ def components(draw: st.DrawFn, instance: str, stand_ins: bool) -> rts.Component
             )
             for name, data in sets.items()
         ),
-        execution_contexts=(rts.ExecutionContext("0", "PERIODIC", 10.0),),
+        execution_contexts=(
+            rts.ExecutionContext("0", "PERIODIC", draw(rates) if supervised else 10.0),
+        ),
         properties=tuple(told),
     )
 
 
 @st.composite
-def profiles(draw: st.DrawFn, *, stand_ins: bool = True) -> rts.RtsProfile:
-    """Return a system of up to four components, with or without stand-ins among them."""
+def profiles(
+    draw: st.DrawFn, *, stand_ins: bool = True, supervised: bool = False
+) -> rts.RtsProfile:
+    """Return a system of up to four components, with stand-ins among them, or policies."""
     instances = INSTANCES[: draw(st.integers(1, len(INSTANCES)))]
-    made = tuple(draw(components(instance, stand_ins)) for instance in instances)
+    made = tuple(draw(components(instance, stand_ins, supervised)) for instance in instances)
     ends = st.sampled_from(instances)
     wires = draw(
         st.lists(st.tuples(ends, ends, st.sampled_from(["in", "in2"])), max_size=4, unique=True)
@@ -92,8 +108,17 @@ def profiles(draw: st.DrawFn, *, stand_ins: bool = True) -> rts.RtsProfile:
     )
 
 
+def _supervision(instance: st.SearchStrategy[str]) -> tuple[st.SearchStrategy[act.Action], ...]:
+    """Return what others do to rates, policies and names."""
+    return (
+        st.builds(act.SetRate, instance, st.just("0"), rates),
+        st.builds(act.SetPolicy, instance, policies),
+        st.builds(act.Unregister, instance.map(lambda name: f"localhost/{name}.rtc")),
+    )
+
+
 @st.composite
-def disturbances(draw: st.DrawFn) -> list[act.Action | str]:
+def disturbances(draw: st.DrawFn, *, supervised: bool = False) -> list[act.Action | str]:
     """Return what others did to the world: actions, and slaves that were killed."""
     instance = st.sampled_from(INSTANCES)
     one = st.one_of(
@@ -106,6 +131,7 @@ def disturbances(draw: st.DrawFn) -> list[act.Action | str]:
             st.sampled_from(["default", "fast"]),
             st.dictionaries(st.sampled_from("ab"), values, min_size=1, max_size=2),
         ),
+        *(_supervision(instance) if supervised else ()),
         st.sampled_from(["s1", "s2"]),
     )
     return draw(st.lists(one, max_size=6))

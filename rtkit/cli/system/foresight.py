@@ -6,13 +6,15 @@ from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
+from rtkit.cli.system.present_code import present_code
 from rtkit.errors import NotFound
+from rtkit.rtc.create import parse_create
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.live import Live
     from rtkit.deployment.planning.outlook import Making, Outlook
-    from rtkit.deployment.system import System
+    from rtkit.deployment.system import System, WantedComponent
     from rtkit.rtc.profiles import PortProfile
     from rtkit.statics.blueprint import Blueprint
 
@@ -29,7 +31,23 @@ def look_ahead(app: App, system: System, snapshot: Snapshot) -> Outlook:
     live = Live(snapshot, system)
     asked = makings(system, live)
     lacks = _lacking(app, asked, live)
-    return Outlook(lacks, _ports(app, system, live, asked.keys() - lacks.keys()))
+    pending = [system.component(name) for name in asked if name not in lacks]
+    types = _described(app, {each.instance: each.id for each in pending if _says_something(each)})
+    parameters = {
+        name: {key: each.declared for key, each in known.parameters.items()}
+        for name, known in types.items()
+    }
+    ports = _ports(system, live, pending, types)
+    code = present_code(snapshot.components)
+    return Outlook(lacks, ports, parameters, frozenset(types), code)
+
+
+def _says_something(component: WantedComponent) -> bool:
+    """Whether what a type has is to be compared; what a composite has shows when it is made."""
+    is_composite = (
+        "members" in parse_create(component.create).options if component.create else False
+    )
+    return bool(component.sets or component.ports) and not is_composite
 
 
 def lacking(app: App, system: System, snapshot: Snapshot) -> dict[str, str]:
@@ -70,23 +88,31 @@ def _lacking_at(app: App, manager: str, asked: Mapping[str, Making]) -> dict[str
 
 
 def _ports(
-    app: App, system: System, live: Live, pending: Collection[str]
+    system: System,
+    live: Live,
+    pending: Collection[WantedComponent],
+    types: Mapping[str, Blueprint],
 ) -> dict[str, tuple[PortProfile, ...]]:
     """Return the ports that components will have, of those that are to be connected.
 
     A living component of the same type shows them, else an RTC profile of the type says them.
     """
     ends = {end.instance for wire in system.connectors for end in wire.profile.ports}
-    wanted = {name: system.component(name).id for name in pending if name in ends}
     alive = {c.type.id: c.ports for c in live.snapshot.components if not c.zombie}
-    found = {name: alive[id] for name, id in wanted.items() if id in alive}
-    left = {name: id for name, id in wanted.items() if name not in found}
-    if left:
-        found.update(_described(app, left))
+    found = {}
+    for component in pending:
+        name = component.instance
+        if name in ends and component.id in alive:
+            found[name] = alive[component.id]
+        elif name in ends and name in types:
+            found[name] = _ports_of(types[name])
     return found
 
 
-def _described(app: App, wanted: dict[str, str]) -> dict[str, tuple[PortProfile, ...]]:
+def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
+    """Return what RTC profiles say of the types of components, where they say it of just that."""
+    if not wanted:
+        return {}
     from rtkit.cli._components import profiles
     from rtkit.deployment.identity import type_of
     from rtkit.statics.stock import Document, stocked
@@ -97,7 +123,7 @@ def _described(app: App, wanted: dict[str, str]) -> dict[str, tuple[PortProfile,
     for name, id in wanted.items():
         match = catalogue.find(id)
         if match is not None and not match.is_other_version and not match.others:
-            found[name] = _ports_of(match.blueprint)
+            found[name] = match.blueprint
     return found
 
 

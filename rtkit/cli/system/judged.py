@@ -20,10 +20,25 @@ RULES = {
     "live-connection": "A connection of the profile is missing",
     "live-property": "A connection has another property than the profile says",
     "live-active-set": "Another configuration set is active than the profile says",
+    "live-code": "The file of a component's module has changed since it was loaded",
+    "live-constraint": "A parameter has another constraint than the profile says",
+    "live-create": "A component was made otherwise than the profile says",
+    "live-policy": "Restarts or rules of health are others than the profile says",
+    "live-port": "A component lacks a port that the profile lists",
+    "live-rate": "An execution context has another rate than the profile says",
     "live-parameter": "A parameter has another value than the profile says",
     "live-state": "A component is in another state than was asked for",
 }
-_TWO_SIDED = ("property", "active-set", "parameter", "state")
+_TWO_SIDED = (
+    "property",
+    "active-set",
+    "parameter",
+    "constraint",
+    "rate",
+    "policy",
+    "create",
+    "state",
+)
 """Kinds of which both what is wanted and what is found is a text of its own."""
 
 

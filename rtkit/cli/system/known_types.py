@@ -6,7 +6,8 @@ import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rtkit.deployment.extension import CREATE, MODULE
+from rtkit.deployment.extension import CREATE, MODULE, stated_id
+from rtkit.deployment.identity import is_same_id
 from rtkit.deployment.system import KnownType
 from rtkit.errors import RtkitError
 from rtkit.rtc.create import CreateString
@@ -22,13 +23,14 @@ SEARCH_PATH = "RTKIT_PROFILE_PATH"
 def known_types(profile: RtsProfile, snapshot: Snapshot) -> dict[str, KnownType]:
     """Return how the components of `profile` are made that do not say it themselves.
 
-    Profiles are only read for components that do not live and that no loaded module makes.
+    Profiles are only read for components that do not live, or another one in their place, and that
+    no loaded module makes.
     """
-    alive = {c.instance for c in snapshot.components if not c.zombie}
+    alive = {c.instance: stated_id(c) for c in snapshot.components if not c.zombie}
     unknown = {
         component.id
         for component in profile.components
-        if component.instance_name not in alive
+        if not is_same_id(alive.get(component.instance_name, ""), component.id)
         and all(each.name != CREATE for each in component.properties)
     }
     found = {id: known for id, known in _loaded(snapshot) if id in unknown}

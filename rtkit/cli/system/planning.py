@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.planning.costs import Costs
     from rtkit.deployment.planning.model import Model
     from rtkit.deployment.planning.plan import DeploymentPlan
+    from rtkit.deployment.planning.survey import Survey
     from rtkit.deployment.system import System
     from rtkit.tree.applying import Goal
     from rtkit.tree.lease import Leases
@@ -37,6 +38,7 @@ class Prepared(NamedTuple):
     goal: Goal
     snapshot: Snapshot
     plan: DeploymentPlan
+    survey: Survey
 
 
 class Begun(NamedTuple):
@@ -56,7 +58,14 @@ def planning_options(function: Callable[..., Any]) -> Callable[..., Any]:
         default=STATES[0],
         help="State that every component is to be in (default Active).",
     )
-    return state(way_options(function))
+    prune = click.option(
+        "--prune",
+        "prunes",
+        is_flag=True,
+        help="End the other components of the managers of the profile, and remove the other"
+        " connections of its components.",
+    )
+    return state(way_options(prune(function)))
 
 
 def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -84,6 +93,13 @@ def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
             help="Generate what is missing from the profile, without its modules.",
         ),
         click.option("--transmit", is_flag=True, help="Stand-ins write values while active."),
+        click.option(
+            "--replace",
+            "replaces",
+            is_flag=True,
+            help="End and make again what cannot be changed in place: another type, another create"
+            " string, a stand-in with other ports.",
+        ),
     ]
     for decorator in reversed(decorators):
         function = decorator(function)
@@ -102,6 +118,8 @@ def prepare(
     basis: str,
     stand_in: bool,
     transmit: bool,
+    replaces: bool,
+    prunes: bool,
     parallel: int = 0,
     lease: Leases | None = None,
     make: Make | None = None,
@@ -123,15 +141,18 @@ def prepare(
         basis=basis,
         stand_in=stand_in,
         transmit=transmit,
+        replaces=replaces,
         parallel=parallel,
         starts=True,
         lease=lease,
     )
-    goal = replace(goal, state=None if state == ANY else LifeCycleState(state))
+    wished = None if state == ANY else LifeCycleState(state)
+    goal = replace(goal, state=wished, prunes=prunes)
     survey = goal.survey(snapshot)
     for note in survey.notes:
         app.fail(note)
-    return Prepared(goal, snapshot, (make or _cheapest)(goal, snapshot, survey.model))
+    plan = (make or _cheapest)(goal, snapshot, survey.model)
+    return Prepared(goal, snapshot, plan, survey)
 
 
 def _cheapest(goal: Goal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:
@@ -151,6 +172,7 @@ def begin(
     basis: str,
     stand_in: bool,
     transmit: bool,
+    replaces: bool,
     parallel: int = 0,
     starts: bool = False,
     lease: Leases | None = None,
@@ -181,7 +203,9 @@ def begin(
     ranks = _ranks(app, document, system)
     outlook = look_ahead(app, system, snapshot)
     table = settled_costs(app, costs, system, snapshot, is_measured=basis == MEASURED)
-    goal = Goal(system, ranks=ranks, costs=table, parallel=parallel, outlook=outlook)
+    goal = Goal(
+        system, ranks=ranks, costs=table, parallel=parallel, outlook=outlook, replaces=replaces
+    )
     return Begun(document, goal, snapshot)
 
 

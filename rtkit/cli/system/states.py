@@ -70,7 +70,9 @@ class States:
     def _goal(self, goal: Goal, state: str) -> Goal:
         from rtkit.deployment.states.wishes import variant
 
-        made = variant(goal.system, self.machine.wishes[state])
+        conditions = self.machine.conditions.values()
+        watched = {(each.component, each.name) for each in conditions}
+        made = variant(goal.system, self.machine.wishes[state], watched)
         return replace(goal, system=made.system, states=made.states, absent=made.absent)
 
 

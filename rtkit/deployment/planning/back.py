@@ -149,10 +149,13 @@ def way_back(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -
         was = before.now(f"act:{name}")
         # Nothing leads into Error; at rest it is as near to it as can be.
         desired[f"act:{name}"] = (ERROR, INACTIVE) if was == ERROR else was
-    for key in now.keys:
+    keys = dict(now.keys)
+    for key, known in now.keys.items():
         variable = f"cfg:{key}"
         if variable in before.live:
             desired[variable] = before.live[variable]
+            if known.is_fixed:  # what is made again is made as it was
+                keys[key] = replace(known, default=before.live[variable])
     for name in now.wires:
         if name not in before.wires:
             continue
@@ -168,7 +171,7 @@ def way_back(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -
     for variable in now.live:
         if variable.startswith("mod:"):
             desired[variable] = before.now(variable)
-    return replace(now, units=units, wires=wires, live=live, desired=desired)
+    return replace(now, units=units, wires=wires, keys=keys, live=live, desired=desired)
 
 
 def without(model: Model, before: Model, managers: Collection[str]) -> Model:

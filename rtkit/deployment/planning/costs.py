@@ -45,6 +45,8 @@ _KINDS: Mapping[type, str] = {
     act.Detach: "disconnect",
     act.SetParameters: "configure",
     act.ActivateSet: "configure",
+    act.SetRate: "configure",
+    act.SetPolicy: "configure",
 }
 _TRANSITIONS = {
     Transition.ACTIVATE: "activate",

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import zip_longest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.creation import split_module
+from rtkit.deployment.drift import policy_text
+from rtkit.deployment.extension import policy_in
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.live import Live, context_of
 from rtkit.deployment.plan import Layer, Step
+from rtkit.deployment.planning.manner import ACTIVE_SET, NAME, NAMELESS, POLICY, RATE
 from rtkit.deployment.planning.model import Model, is_inproc, owner_of
 from rtkit.deployment.planning.moves import Move
 from rtkit.deployment.planning.outlook import create_text
-from rtkit.deployment.planning.survey import ACTIVE_SET
 from rtkit.deployment.system import System
 from rtkit.errors import Refused
 from rtkit.rtc.create import parse_create
@@ -108,9 +110,28 @@ class Doing:
         key = move.subject.partition(".")[2]
         if key == ACTIVE_SET:
             yield act.ActivateSet(name, move.value)
-            return
+        elif key.startswith(NAME):
+            told = key.removeprefix(NAME)
+            is_back = move.value == NAMELESS
+            yield act.Unregister(told) if is_back else act.Register(name, told)
+        elif key == POLICY:
+            yield act.SetPolicy(name, self._policy(name, move.value))
+        elif key.startswith(RATE):
+            yield act.SetRate(name, key.removeprefix(RATE), float(move.value))
+        else:
+            yield from self._set(name, key, move.value, live)
+
+    def _policy(self, name: str, told: str) -> Mapping[str, str]:
+        """Return the policy that is told so: the wanted one, else the one of before."""
+        wanted = self._wanted.get(name)
+        if wanted is not None and wanted.policy is not None and policy_text(wanted.policy) == told:
+            return wanted.policy
+        was = self._before.namesake(name)
+        return policy_in(was.create) if was is not None else {}
+
+    def _set(self, name: str, key: str, value: str, live: Live) -> Iterator[Action]:
         set_id, _, parameter = key.partition(".")
-        yield act.SetParameters(name, set_id, {parameter: move.value})
+        yield act.SetParameters(name, set_id, {parameter: value})
         facts = live.namesake(name)
         if facts is not None and facts.active_set == set_id:
             # A component sees what is written only when the set is taken over again.

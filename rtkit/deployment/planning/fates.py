@@ -87,6 +87,8 @@ class Fates:
         cost, is_cold = 0.0, False
         for key in model.keys_of[name]:
             if not model.allows(f"cfg:{key}", model.now(f"cfg:{key}")):
+                if model.keys[key].is_fixed:
+                    return inf
                 cost += model.cost("configure", key)
                 is_cold = is_cold or not model.keys[key].is_hot
         now = model.now(f"act:{name}")
@@ -127,6 +129,8 @@ class Fates:
         cost = model.cost("create" if is_inproc(place) else "create_slave", name)
         for key in model.keys_of[name]:
             if not model.allows(f"cfg:{key}", model.usual(f"cfg:{key}")):
+                if model.keys[key].is_fixed:
+                    return inf
                 cost += model.cost("configure", key)
         return cost + self._turning(name, INACTIVE, is_rest_needed=False)
 

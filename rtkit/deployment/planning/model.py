@@ -60,6 +60,7 @@ class Unit:
         places: Where it may be made.
         why_not: Why it cannot be made, where there is no place for it.
         members: Other components that must be there while it is, as it is composed of them.
+        mates: Others that must have ended before it is made again, as they share a process.
     """
 
     name: str
@@ -67,6 +68,7 @@ class Unit:
     places: tuple[str, ...] = ()
     why_not: str = ""
     members: tuple[str, ...] = ()
+    mates: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,11 +79,13 @@ class Key:
         default: What it is in a component just made; `UNKNOWN` if nobody knows.
         is_hot: It may be set while the component is active.
         text: How setting it is told, up to the value; ``set C.KEY=`` if not told.
+        is_fixed: It is never set: only a component made again has the default.
     """
 
     default: str = UNKNOWN
     is_hot: bool = False
     text: str = ""
+    is_fixed: bool = False
 
 
 @dataclass(frozen=True, slots=True)

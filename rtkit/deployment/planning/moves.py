@@ -131,6 +131,7 @@ class Moves:
             ((f"cmp:{name}", place),),
             self._model.cost(kind, name),
             place,
+            heeds=tuple(f"cmp:{each}" for each in unit.mates),
         )
 
     def delete(self, name: str) -> Move:
@@ -251,7 +252,7 @@ class Moves:
                     yield self.create(name, place)
             yield from (self.delete(name), self.activate(name))
             yield from (self.deactivate(name), self.reset(name))
-        for key in model.keys:
+        for key in (each for each in model.keys if not model.keys[each].is_fixed):
             yield from (self.configure(key, value) for value in self._values(key))
         for name, wire in model.wires.items():
             yield self.disconnect(name)

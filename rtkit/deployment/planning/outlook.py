@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from rtkit.deployment.live import Live
 from rtkit.deployment.system import System, WantedComponent
 from rtkit.records import dataclass, field
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.profiles import PortProfile
+
+if TYPE_CHECKING:
+    from rtkit.component.fit import Declared
 
 Making = tuple[str, str]
 """Module, ``PATH:INIT`` or nothing, and create string."""
@@ -21,10 +25,17 @@ class Outlook:
     Attributes:
         lacks: By instance name, why it cannot be made: its module or its type is not found.
         ports: By instance name the ports that it will have, where a profile of its type tells.
+        parameters: By instance name what parameters it will have, where a profile of its type
+            tells.
+        code: CRC-32 of files of modules, as they are.
+        described: Of which all ports and parameters are known so.
     """
 
     lacks: Mapping[str, str] = field(default_factory=dict)
     ports: Mapping[str, tuple[PortProfile, ...]] = field(default_factory=dict)
+    parameters: Mapping[str, Mapping[str, Declared]] = field(default_factory=dict)
+    described: frozenset[str] = frozenset()
+    code: Mapping[str, str] = field(default_factory=dict)
 
 
 NOTHING_KNOWN = Outlook()

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from rtkit.component.check import refusal
 from rtkit.deployment.creation import is_loaded, split_module
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.live import Live, absence, context_of, mismatch
+from rtkit.deployment.live import Live, absence, mismatch, states_of
+from rtkit.deployment.planning import manner
+from rtkit.deployment.planning.manner import Setting
 from rtkit.deployment.planning.model import (
     ABSENT,
     ACTIVE,
@@ -38,8 +40,9 @@ from rtkit.deployment.planning.outlook import (
     is_place_open,
     place_name,
 )
+from rtkit.deployment.planning.stale import Stale
+from rtkit.deployment.planning.values import Values
 from rtkit.deployment.system import (
-    HIDDEN,
     System,
     WantedComponent,
     WantedConnector,
@@ -51,11 +54,6 @@ from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
-DEFAULT = "default"
-"""The set that is the active one in a component just made."""
-ACTIVE_SET = "@"
-"""Stands for the active configuration set where a parameter is named."""
-
 NO_STATES: Mapping[str, LifeCycleState | None] = {}
 
 
@@ -64,11 +62,13 @@ class Survey:
     """A model of what lives and what is wanted.
 
     Attributes:
-        notes: What of the wanted system is left out, because it cannot be and need not be.
+        notes: What of the wanted system is left out, because it cannot be.
+        unmet: Those of them without which a required component is not what is wanted.
     """
 
     model: Model
     notes: tuple[str, ...]
+    unmet: tuple[str, ...] = ()
 
 
 def survey(
@@ -81,6 +81,8 @@ def survey(
     states: Mapping[str, LifeCycleState | None] = NO_STATES,
     absent: Collection[str] = (),
     *,
+    replaces: bool = False,
+    prunes: bool = False,
     is_back: bool = False,
 ) -> Survey:
     """Return a wanted system over what lives as a model.
@@ -94,14 +96,20 @@ def survey(
         outlook: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there, by name.
+        replaces: What cannot be changed in place is made again.
+        prunes: What is not in the wanted system is not to be there.
         is_back: For the way back: what turned out to be another than wanted is taken in too.
 
     Raises:
-        Impossible: Something else lives where a required component belongs.
+        Impossible: Something else lives where a required component belongs, or one would have to
+            be made again, and that is not allowed.
     """
     began = began or live.snapshot
     surveying = _Surveying(system, live, state, costs, began, outlook, states, absent)
     surveying.is_back = is_back
+    # What was otherwise before is to be so again, and what was not there is to go again.
+    surveying.replaces = replaces or is_back
+    surveying.prunes = prunes
     return surveying.run()
 
 
@@ -136,6 +144,11 @@ class _Surveying:
         self._desired: dict[str, Wish] = {}
         self._notes: list[str] = []
         self._problems: list[str] = []
+        self._unmet: list[str] = []
+        self._named = {component.instance for component in system.components}
+        self._replaced: set[str] = set()
+        self._stale = Stale(live, self._named, outlook.code)
+        self.replaces = self.prunes = False
 
     def run(self) -> Survey:
         managers = self._live_facts.managers
@@ -145,6 +158,8 @@ class _Surveying:
             self._component(component)
         for wire in self._system.connectors:
             self._connector(wire)
+        if self.prunes:
+            self._prune()
         self._surplus([*self._snapshot.connectors, *self._began.connectors])
         for component in self._system.components:
             self._attachments(component)
@@ -160,7 +175,7 @@ class _Surveying:
             self._costs,
             slaves_need_modules=True,
         )
-        return Survey(model, tuple(self._notes))
+        return Survey(model, tuple(self._notes), tuple(self._unmet))
 
     # components
 
@@ -173,15 +188,20 @@ class _Surveying:
                 self._leaving(component, facts)
             return
         why_not = "" if facts is not None else self._why_not(component)
-        if wrong or (why_not and not component.is_required):
-            if self.is_back and facts is not None:
-                if facts.instance == component.instance:
-                    self._leaving(component, facts)
-            elif wrong and component.is_required:
-                self._problems.append(wrong)
-            else:
-                self._notes.append(wrong or why_not)
+        is_namesake = facts is not None and facts.instance == component.instance
+        if wrong and facts is not None and not (self.replaces and is_namesake and component.create):
+            if self.is_back and is_namesake:
+                self._leaving(component, facts)
+            hint = "; --replace makes it again" if is_namesake and component.create else ""
+            self._trouble(component, f"{wrong}{hint}")
             return
+        if why_not and not component.is_required:
+            self._notes.append(why_not)
+            return
+        settings, reasons = self._manner(component, facts, wrong)
+        is_another = bool(wrong or (reasons and component.pattern is not None))
+        if is_another:
+            self._replaced.add(component.instance)
         name = component.instance
         create = create_text(component, self._live_facts)
         made = parse_create(create) if create else None
@@ -191,14 +211,83 @@ class _Surveying:
         lack = why_not or self._lack(component)
         places = () if lack or not create else (place,)
         why = lack or ("" if create else f"nothing tells how to make {component.path}")
-        self._units[name] = Unit(name, self._module(component), places, why, members)
+        mates = self._stale.mates(name)
+        self._units[name] = Unit(name, self._module(component), places, why, members, mates)
         is_stated = bool(component.create) or entry is None
         is_stated = is_stated and not (made is not None and is_place_open(made))
         self._desired[f"cmp:{name}"] = self._place_wish(component, facts, place, is_stated)
         if facts is not None:
             self._live[f"cmp:{name}"] = self._place(name, facts.process)
-        self._parameters(component, facts)
+        # Of another one in its place nothing is kept.
+        self._parameters(component, None if is_another else facts)
+        self._take(component, settings)
+        if is_another and facts is not None:
+            self._note(facts)
         self._activity(component, facts)
+
+    def _manner(
+        self, component: WantedComponent, facts: ComponentFacts | None, wrong: str
+    ) -> tuple[list[Setting], list[str]]:
+        """Return what a component is beside its parameters, and why it is made again."""
+        was = self._before.get(component.instance)
+        found = list(manner.settings(component, None if wrong else facts, was))
+        is_named = None if facts is None else self._live_facts.is_named(component)
+        had_name = was is None or bool(was.zombie) or component.name in was.names
+        if is_named is False or not had_name:
+            found.append(manner.name(component, is_named))
+        reasons = self._reasons(component, facts)
+        if facts is not None and not self.is_back:
+            if self.replaces and not wrong:
+                reasons += self._stale.reasons(facts)
+            self._notes += () if reasons else self._stale.notes(facts, component.path)
+        if self.replaces and (reasons or self._reasons(component, was)):
+            found.append(manner.making(component, facts, reasons))
+        elif reasons:
+            told = f"{component.path} cannot be changed in place: {'; '.join(reasons)}"
+            self._trouble(component, f"{told}; --replace makes it again")
+        return found, reasons if self.replaces else []
+
+    def _trouble(self, component: WantedComponent, why: str) -> None:
+        is_fatal = component.is_required and not self.is_back
+        (self._problems if is_fatal else self._notes).append(why)
+
+    def _reasons(self, component: WantedComponent, facts: ComponentFacts | None) -> list[str]:
+        """Return why a component would have to be made again."""
+        if facts is None or facts.zombie:
+            return []
+        wrong = mismatch(component, facts)
+        return [wrong] if wrong else list(manner.reasons(component, facts))
+
+    def _prune(self) -> None:
+        """Have components end that live and are not wanted; those of guests end by themselves."""
+        alive = {facts.instance for facts in self._snapshot.components if not facts.zombie}
+        both = {facts.instance: facts for facts in self._began.components}
+        both.update((facts.instance, facts) for facts in self._snapshot.components)
+        for name, facts in both.items():
+            if name in self._named or facts.zombie or self._live_facts.is_guest(facts):
+                continue
+            self._units[name] = Unit(name, members=facts.members)
+            self._desired[f"cmp:{name}"] = ABSENT
+            if name in alive:
+                self._live.update(self._as_it_lives(facts))
+            self._note(facts, is_alive=name in alive)
+
+    def _note(self, facts: ComponentFacts, *, is_alive: bool = True) -> None:
+        """Take in the configuration of a component that is to go: a way back restores it."""
+        for each in manner.kept(facts):
+            key = key_of(facts.instance, each.parameter)
+            self._keys.setdefault(key, each.key)
+            if is_alive and each.live is not None:
+                self._live.setdefault(f"cfg:{key}", each.live)
+
+    def _as_it_lives(self, facts: ComponentFacts) -> dict[str, str]:
+        states = {context.state for context in facts.contexts}
+        found = {f"cmp:{facts.instance}": self._place(facts.instance, facts.process)}
+        if LifeCycleState.ERROR in states:
+            found[f"act:{facts.instance}"] = ERROR
+        elif LifeCycleState.ACTIVE in states:
+            found[f"act:{facts.instance}"] = ACTIVE
+        return found
 
     def _leaving(self, component: WantedComponent, facts: ComponentFacts) -> None:
         """Take in a component that lives and is to be ended."""
@@ -259,80 +348,29 @@ class _Surveying:
         return component.module
 
     def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
-        name = component.instance
-        now_active = facts.active_set if facts is not None else ""
-        used = component.active_set or now_active
-        for set_id, values in component.sets.items():
-            for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
-                key = key_of(name, f"{set_id}.{parameter}")
-                present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
-                if facts is not None and present is None:
-                    is_set = set_id in facts.sets
-                    what = f"parameter: {parameter}" if is_set else f"set: {set_id}"
-                    self._notes.append(f"No such configuration {what} (on {component.path})")
-                    continue
-                is_seen = set_id in (used, now_active)
-                is_hot = not is_seen or self._is_hot(component, parameter)
-                default = value if component.pattern is not None else UNKNOWN
-                shown = f"set {name}.{parameter if set_id == used else f'{set_id}.{parameter}'}="
-                self._keys[key] = Key(default, is_hot, shown)
-                self._desired[f"cfg:{key}"] = value
-                if present is not None:
-                    self._live[f"cfg:{key}"] = present
-        self._other_parameters(component, facts, used)
-        was = self._before.get(name)
-        wanted = component.active_set or (was.active_set if was is not None else "")
-        if wanted:
-            self._chosen_set(component, facts, wanted)
-
-    def _other_parameters(
-        self, component: WantedComponent, facts: ComponentFacts | None, used: str
-    ) -> None:
-        """Have what the profile does not name keep its value, also when the component moves."""
         was = self._before.get(component.instance)
-        if was is None or was.zombie:
-            return
-        has_stayed = facts is not None and facts.process == was.process
-        for set_id, values in was.sets.items():
-            for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
-                key = key_of(component.instance, f"{set_id}.{parameter}")
-                present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
-                if key in self._keys or (facts is not None and present is None):
-                    continue
-                name = parameter if set_id == used else f"{set_id}.{parameter}"
-                self._keys[key] = Key(text=f"set {component.instance}.{name}=")
-                self._desired[f"cfg:{key}"] = value
-                if present is not None:
-                    self._live[f"cfg:{key}"] = present
-                    if has_stayed:
-                        self._desired[f"cfg:{key}"] = present
+        declared = self._outlook.parameters.get(component.instance)
+        values = Values(component, facts, was, declared)
+        self._notes += values.missing
+        for why in values.misfits:
+            self._trouble(component, why)
+        if component.is_required:
+            self._unmet += values.missing
+        self._take(component, values.settings)
 
-    def _chosen_set(
-        self, component: WantedComponent, facts: ComponentFacts | None, wanted: str
-    ) -> None:
-        key = key_of(component.instance, ACTIVE_SET)
-        before = facts.sets.get(facts.active_set, {}) if facts is not None else {}
-        after = facts.sets.get(wanted, {}) if facts is not None else {}
-        if facts is not None and wanted not in facts.sets:
-            self._notes.append(f"No such configuration set: {wanted} (on {component.path})")
-            return
-        changed = [p for p in after if after[p] != before.get(p)]
-        default = wanted if component.pattern is not None else DEFAULT
-        is_hot = all(self._is_hot(component, parameter) for parameter in changed)
-        self._keys[key] = Key(default, is_hot, f"use set of {component.instance}: ")
-        self._desired[f"cfg:{key}"] = wanted
-        if facts is not None:
-            self._live[f"cfg:{key}"] = facts.active_set
-
-    @staticmethod
-    def _is_hot(component: WantedComponent, parameter: str) -> bool:
-        return "*" in component.hot or parameter in component.hot
+    def _take(self, component: WantedComponent, settings: Iterable[Setting]) -> None:
+        for each in settings:
+            key = key_of(component.instance, each.parameter)
+            self._keys[key] = each.key
+            self._desired[f"cfg:{key}"] = each.wanted
+            if each.live is not None:
+                self._live[f"cfg:{key}"] = each.live
 
     def _activity(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
         variable = f"act:{component.instance}"
         state = self._states.get(component.instance, self._state)
         is_wished = state is not None and bool(component.contexts)
-        if facts is not None and is_wished and len(list(_states(component, facts))) == 0:
+        if facts is not None and is_wished and len(list(states_of(component, facts))) == 0:
             self._notes.append(f"Component {component.path} has no execution context")
             is_wished = False
         if is_wished:
@@ -343,7 +381,7 @@ class _Surveying:
 
     def _live_state(self, component: WantedComponent, facts: ComponentFacts) -> None:
         variable = f"act:{component.instance}"
-        states = set(_states(component, facts))
+        states = set(states_of(component, facts))
         if LifeCycleState.ERROR in states:
             self._live[variable] = ERROR
         elif LifeCycleState.ACTIVE in states:
@@ -363,7 +401,8 @@ class _Surveying:
         if any(end.instance not in self._units for end in wire.ports):
             return  # that an end is left out is told already
         known = live.wire(id)
-        pending = [end.instance for end in wire.ports if live.at(end.instance) is None]
+        names = [end.instance for end in wire.ports]
+        pending = [each for each in names if live.at(each) is None or each in self._replaced]
         why = missing_end(self._system, live, wire, pending) or self._refused(wanted, pending)
         why = parting(self._system, live, wire) or why
         if why and not wanted.is_required and known is None:
@@ -390,7 +429,9 @@ class _Surveying:
         for end in wanted.profile.ports:
             port = self._port(end, is_pending=end.instance in pending)
             if port is None:
-                return ""
+                is_known = end.instance in pending and end.instance in self._outlook.described
+                path = address(self._system, end)
+                return f"port missing: {path} (its type has none)" if is_known else ""
             found.append(port)
         why = refusal(found, wanted.profile.properties)
         told = " to ".join(address(self._system, end) for end in wanted.profile.ports)
@@ -420,8 +461,9 @@ class _Surveying:
                 if name not in self._units:
                     self._bystander(name)
             self._wires[id] = Wire(tuple(names), "", self._wire_text(id, wire.ports))
+            is_kept = not self.prunes or any(self._units[name].why_not for name in names)
             if self._absent.isdisjoint(names):
-                self._desired[f"con:{id}"] = YES
+                self._desired[f"con:{id}"] = YES if is_kept else NO
             self._live[f"con:{id}"] = NO if self._live_facts.wire(id) is None else YES
 
     def _is_gone(self, name: str) -> bool:
@@ -452,10 +494,3 @@ class _Surveying:
 def attachment(owner: str, context: str, guest: str) -> str:
     """Return how it is called here that a context of one component drives another."""
     return f"{owner}\n{context}\n{guest}"
-
-
-def _states(component: WantedComponent, facts: ComponentFacts) -> Iterator[LifeCycleState]:
-    for number in range(len(component.contexts)):
-        context = context_of(facts, component, number)
-        if context is not None:
-            yield context.state

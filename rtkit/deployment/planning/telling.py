@@ -51,7 +51,7 @@ def changes(plan: DeploymentPlan) -> Iterator[str]:
     for move in plan.moves:
         variable, value = move.changes[0]
         before = state.get(variable, plan.model.now(variable))
-        yield _change(move, _shown(before), value)
+        yield _replacing(plan, move) or _change(move, _shown(before), value)
         state.update(move.changes)
 
 
@@ -122,6 +122,16 @@ def _change(move: Move, before: str, after: str) -> str:
     if move.kind in ("activate", "deactivate", "reset"):
         return f"{move.subject} {before} -> {after}"
     return f"{before} -> {after}" if {before, after} - {NO, YES} else ""
+
+
+def _replacing(plan: DeploymentPlan, move: Move) -> str:
+    """Return why a component is ended though it is wanted: what cannot be changed in place."""
+    model = plan.model
+    if move.kind != "delete":
+        return ""
+    fixed = (f"cfg:{key}" for key in model.keys_of[move.subject] if model.keys[key].is_fixed)
+    told = [model.now(each) for each in fixed if not model.allows(each, model.now(each))]
+    return f"replace: {'; '.join(told)}" if told else ""
 
 
 def _subject(move: Move) -> str:

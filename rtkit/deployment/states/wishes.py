@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from rtkit.deployment.properties import parameter_path
 from rtkit.deployment.system import System, WantedComponent
 from rtkit.errors import Malformed
 from rtkit.rtc.enums import LifeCycleState
@@ -99,8 +100,17 @@ def component_of(name: str, known: Iterable[str]) -> tuple[str, str]:
     return component, name[len(component) + 1 :]
 
 
-def variant(system: System, wished: Iterable[Wish]) -> Variant:
-    """Return a system as it is to be with these wishes."""
+def variant(
+    system: System, wished: Iterable[Wish], watched: Collection[tuple[str, str]] = ()
+) -> Variant:
+    """Return a system as it is to be with these wishes.
+
+    Args:
+        system: As its profile says.
+        wished: Differences from it.
+        watched: Component and property of each value that leads from state to state. Who lives
+            keeps it: it was changed so that something happens, not to be set back.
+    """
     of: dict[str, dict[str, str]] = {}
     for wish in wished:
         of.setdefault(wish.component, {})[wish.what] = wish.value
@@ -110,16 +120,30 @@ def variant(system: System, wished: Iterable[Wish]) -> Variant:
         name: None if word in ("Any", "Absent") else LifeCycleState(word)
         for name, word in words.items()
     }
-    components = tuple(_changed(c, of.get(c.instance, {})) for c in system.components)
+    components = tuple(
+        _changed(c, of.get(c.instance, {}), {name for each, name in watched if each == c.instance})
+        for c in system.components
+    )
     absent = frozenset(name for name, word in words.items() if word == "Absent")
     return Variant(replace(system, components=components), states, absent)
 
 
-def _changed(component: WantedComponent, wished: Mapping[str, str]) -> WantedComponent:
+def _changed(
+    component: WantedComponent, wished: Mapping[str, str], watched: Collection[str]
+) -> WantedComponent:
     active = wished.get(ACTIVE_SET, component.active_set)
     sets = {name: dict(values) for name, values in component.sets.items()}
+    said = set()
     for what, value in wished.items():
         set_id, dot, parameter = what.partition(".")
         if dot:
-            sets.setdefault(set_id or active or "default", {})[parameter] = value
-    return replace(component, sets=sets, active_set=active)
+            set_id = set_id or active or "default"
+            sets.setdefault(set_id, {})[parameter] = value
+            said.add((set_id, parameter))
+    led_by = frozenset(
+        (set_id, name)
+        for set_id, values in sets.items()
+        for name in values
+        if parameter_path(set_id, name) in watched and (set_id, name) not in said
+    )
+    return replace(component, sets=sets, active_set=active, kept=led_by)

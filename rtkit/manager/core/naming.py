@@ -6,6 +6,7 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core.message import Message
+from rtkit.manager.core.registration import check_free
 from rtkit.manager.core.state import State
 from rtkit.manager.core.wishes import Procedure, Tell
 
@@ -30,6 +31,28 @@ def unregister(state: State, action: act.Unregister) -> Procedure:
         state.kept.forget(facts.instance)
     elif process is not None and process.is_ready:
         yield Tell(process, remember(state, facts.instance))
+    return Result()
+
+
+def register(state: State, action: act.Register) -> Procedure:
+    """Give a component a further name, which no other may have.
+
+    Raises:
+        NotFound: There is no such component.
+        Refused: The name is not free.
+    """
+    facts = state.components.get(action.instance)
+    if facts is None:
+        raise NotFound(f"no component named {action.instance}")
+    if action.name in facts.names:
+        return Result()
+    check_free(state, (action.name,), action.instance)
+    names = (*facts.names, action.name)
+    state.update(action.instance, names=names)
+    state.kept.named(action.instance, names)
+    process = state.process_of(action.instance)
+    if process is not None and process.is_ready:
+        yield Tell(process, remember(state, action.instance))
     return Result()
 
 

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.extension import with_policy
 from rtkit.deployment.health import Reaction, read_rules
 from rtkit.deployment.supervision import Policy, Restart, read_policy, restart_of
+from rtkit.errors import NotFound, Refused
+from rtkit.manager.core.naming import remember
 from rtkit.manager.core.state import State
+from rtkit.manager.core.wishes import Procedure, Tell
 from rtkit.rtc.create import parse_create
 
 DEFAULT = "manager.restart"
@@ -25,3 +31,21 @@ def policy_of(state: State, create: str) -> Policy:
     if any(rule.reaction is Reaction.RESTART for rule in rules) and default is Restart.NEVER:
         default = Restart.ON_FAILURE
     return read_policy(made.options, default)
+
+
+def set_policy(state: State, action: act.SetPolicy) -> Procedure:
+    """Change the policy of a component; its create string says it from now on."""
+    facts = state.components.get(action.instance)
+    if facts is None:
+        raise NotFound(f"no component named {action.instance}")
+    if not facts.create:
+        raise Refused(f"{action.instance} was not made here: it has no policy")
+    create = with_policy(facts.create, action.policy)
+    policy_of(state, create)
+    state.update(action.instance, create=create)
+    state.kept.change(action.instance, create=create)
+    (state.ruled.add if read_rules(action.policy) else state.ruled.discard)(action.instance)
+    process = state.process_of(action.instance)
+    if process is not None and process.is_ready:
+        yield Tell(process, remember(state, action.instance))
+    return Result()

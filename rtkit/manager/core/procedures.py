@@ -21,9 +21,9 @@ from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.message import Message
 from rtkit.manager.core.modules import load, unload
-from rtkit.manager.core.naming import remember, unregister
+from rtkit.manager.core.naming import register, remember, unregister
 from rtkit.manager.core.noting import note
-from rtkit.manager.core.policies import policy_of
+from rtkit.manager.core.policies import policy_of, set_policy
 from rtkit.manager.core.registration import late_names
 from rtkit.manager.core.state import Claim, Process, State
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
@@ -70,6 +70,8 @@ def _steps(action: Action, state: State) -> Procedure:
             return end_slave(state, action)
         case act.Unregister():
             return unregister(state, action)
+        case act.Register():
+            return register(state, action)
         case act.Connect():
             return connect(state, action.connector)
         case act.Disconnect():
@@ -83,6 +85,8 @@ def _steps(action: Action, state: State) -> Procedure:
         case act.SetRate() | act.Tick() | act.SetStructure() | act.SetEventProfiles():
             plain: Message = {"op": _OPERATIONS[type(action)], **encode(action)}
             return _tell(state, action.instance, plain)
+        case act.SetPolicy():
+            return set_policy(state, action)
         case act.Attach() | act.Detach():
             return _share(state, action)
 
@@ -172,8 +176,8 @@ def _enter(state: State, action: act.Create, instance: str, made: str, *, is_ren
     state.kept.made(instance, made, state.components[instance].names, action.pattern)
     if is_revived and before.pending:
         state.watch(instance, restarts=before.restarts + 1, why=before.pending)
-    elif not is_revived and is_renewed:  # by a user, after its loss: all is forgiven
-        state.watch(instance, restarts=before.restarts + 1, why=before.why)
+    elif not is_revived and before.restarts:  # by a user: no restart, and all is forgiven
+        state.watch(instance, restarts=before.restarts, why=before.why, took_s=before.took_s)
     state.tell_upkeep(instance)
     return note
 

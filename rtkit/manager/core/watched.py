@@ -13,7 +13,7 @@ class Watched:
 
     Attributes:
         ledger: By what the law of restarts judges; its times are of this run of the machine.
-        restarts: How often it was made again.
+        restarts: How often its policy made it again.
         why: For which end it was the last time.
         took_s: How long that took [s].
         pending: For which end it is to be made again; empty when it is not.

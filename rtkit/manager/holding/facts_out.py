@@ -26,4 +26,5 @@ def facts_of(component: Component) -> ComponentFacts:
         fsm_state=described.fsm_state,
         fsm_states=described.fsm_states,
         fsm_events=described.fsm_events,
+        code=described.code,
     )

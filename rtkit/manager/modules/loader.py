@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure, near_misses
 from rtkit.component.composite import TYPES as COMPOSITES
+from rtkit.component.describe import CODE
 from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.modules.bytecode import code_of
@@ -129,6 +130,8 @@ class Loader:
             raise Refused(f"module {path} has changed since it was loaded (rtmgr -u forgets it)")
         classes = _initialise(imported.module, name, path)
         types = self.factories.register_all(classes)
+        for each in classes:
+            setattr(each, CODE, f"{fingerprint:08x} {source.real}")
         self._imported[source.real] = imported
         profile = ModuleProfile(path, name, types, source.real)
         self._modules[source.real, name] = profile

@@ -25,7 +25,7 @@ from rtkit.deployment.world import World
 from rtkit.errors import Unreachable
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.profiles import PortProfile, TypeProfile
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
 from rtkit.tree.fake import fake_tree
 
 PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
@@ -144,15 +144,17 @@ def console(
 def test_a_plan_is_shown_with_costs_changes_and_what_is_done_at_once(console):
     assert console.run("rtplan") == (
         0,
-        "plan: 7 steps, cost 14 (optimal)\n"
+        "plan: 9 steps, cost 16 (optimal)\n"
         "  1  create Source0 on manager in slave s    6  absent -> manager:slave/s\n"
         "  2  create Sink0 on manager                 3  absent -> manager:inproc\n"
         "  3  set Source0.gain=2                      1  ? -> 2\n"
-        "  4  set Sink0.gain=1                        1  ? -> 1\n"
-        "  5  connect Source0.out to Sink0.in (wire)  1\n"
-        "  6  activate Source0                        1  Source0 inactive -> active\n"
-        "  7  activate Sink0                          1  Sink0 inactive -> active\n"
-        "at once: 1-2; 3-5; 6-7\n"
+        "  4  set rate of Source0=1000                1  ? -> 1000\n"
+        "  5  set Sink0.gain=1                        1  ? -> 1\n"
+        "  6  set rate of Sink0=1000                  1  ? -> 1000\n"
+        "  7  connect Source0.out to Sink0.in (wire)  1\n"
+        "  8  activate Source0                        1  Source0 inactive -> active\n"
+        "  9  activate Sink0                          1  Sink0 inactive -> active\n"
+        "at once: 1-2; 3-7; 8-9\n"
         "kept: 1 manager\n",
         "",
     )
@@ -216,6 +218,7 @@ def test_one_that_moves_is_made_anew_with_its_connections_and_values(console):
         "create Source0 on manager in slave other",
         "set Source0.gain=2",
         "set Source0.mode=z",
+        "set rate of Source0=1000",
         "connect Source0.out to Sink0.in (wire)",
         "activate Source0",
     ]
@@ -340,10 +343,10 @@ def test_apply_notes_what_steps_took(console):
 def test_json_tells_what_must_be_done_before(console):
     (record,) = jsonrecords.checked(console.run("rtplan --json")[1])
     assert record["schema"] == "rtkit.plan/1"
-    assert (record["cost"], record["optimal"], record["gap"]) == (14, True, 0)
+    assert (record["cost"], record["optimal"], record["gap"]) == (16, True, 0)
     assert record["kept"] == {"managers": 1, "components": 0, "connections": 0}
-    assert [step["layer"] for step in record["steps"]] == [1, 1, 2, 2, 2, 3, 3]
-    assert record["steps"][4]["after"] == [1, 2]
+    assert [step["layer"] for step in record["steps"]] == [1, 1, 2, 2, 2, 2, 2, 3, 3]
+    assert record["steps"][6]["after"] == [1, 2]
     assert record["steps"][2]["subject"] == "Source0.default.gain"
 
 
@@ -352,9 +355,10 @@ def test_dot_is_a_graph(console):
     assert status == 0
     lines = out.splitlines()
     assert lines[0] == "digraph plan {"
-    # What follows from other edges has none of its own: s6 is also after s1.
-    told = ["s1 -> s3", "s2 -> s4", "s1 -> s5", "s2 -> s5", "s3 -> s6", "s5 -> s6", "s4 -> s7"]
-    assert [each for each in lines if "->" in each] == [f"  {e};" for e in [*told, "s5 -> s7"]]
+    # What follows from other edges has none of its own: s8 is also after s1.
+    told = ["s1 -> s3", "s1 -> s4", "s2 -> s5", "s2 -> s6", "s1 -> s7", "s2 -> s7"]
+    told += ["s3 -> s8", "s4 -> s8", "s7 -> s8", "s5 -> s9", "s6 -> s9", "s7 -> s9"]
+    assert [each for each in lines if "->" in each] == [f"  {e};" for e in told]
     assert lines[-1] == "}"
     assert console.run("rtplan --dot --json")[0] == 2
 
@@ -431,7 +435,7 @@ def test_another_component_in_the_place_is_not_replaced(console):
     assert status == 1
     assert err == (
         "rtapply: ID of component at /localhost/Source0.rtc is RTC:Me:test:Sink:1.0,"
-        " not RTC:Me:test:Source:1.0\n"
+        " not RTC:Me:test:Source:1.0; --replace makes it again\n"
     )
 
 
@@ -524,16 +528,18 @@ def test_what_turns_out_to_be_another_is_taken_back(console):
 
 def test_what_becomes_impossible_on_the_way_is_told_and_taken_back(console):
     def fault(action: act.Action) -> Result | None:
+        if not isinstance(action, act.Create) or "Sink0" not in action.create:
+            return None
         console.world.fault = lambda _: None
-        console.world.perform(act.Create("Sink?instance_name=Sink0", ("localhost/other/S.rtc",)))
-        return None
+        console.world.perform(act.Create("Sink?instance_name=Other", ("localhost/Sink0.rtc",)))
+        return Result()
 
     console.world.fault = fault
     status, _, err = console.run("rtapply --rollback --exit-detail --parallel 1")
     assert status == 7
-    assert "(Sink0 is at /localhost/other/S.rtc)" in err
+    assert "Instance name of component at /localhost/Sink0.rtc is Other, not Sink0" in err
     assert err.endswith("; everything is as it was before\n")
-    assert list(console.world.components) == ["Sink0"]
+    assert list(console.world.components) == ["Other"]
 
 
 def test_what_dies_meanwhile_is_planned_anew(console):
@@ -685,3 +691,180 @@ def test_only_a_saved_plan_is_replaced_and_only_rtapply_takes_one(saving, tmp_pa
     saving.file.write_text('{"rtkit": 1}')
     assert saving.apply()[0] == 1
     assert not console.world.components
+def test_drift_of_rate_and_policy_is_planned_and_reached_without_a_stop(console):
+    console.up()
+    console.world.perform(act.SetRate("Source0", "0", 50.0))
+    console.world.perform(act.SetPolicy("Sink0", {"rtkit.restart": "always"}))
+    assert "set rate of Source0=1000  1  50 -> 1000\n" in console.run("rtplan")[1]
+    assert console.steps() == ["set rate of Source0=1000", "set policy of Sink0=none"]
+    console.world.performed.clear()
+    assert console.run("rtapply")[0] == 0
+    assert [type(each) for each in console.world.performed] == [act.SetRate, act.SetPolicy]
+    assert console.steps() == []
+
+
+def test_what_cannot_be_changed_in_place_is_made_again_on_request_only(console):
+    console.up()
+    console.change("Source?manager_name=s", "Source?manager_name=s&amp;speed=9")
+    why = (
+        "/localhost/Source0.rtc cannot be changed in place: its create string is Source,"
+        " not Source?speed=9; --replace makes it again\n"
+    )
+    for name in ("rtplan", "rtapply"):
+        assert console.run(f"{name} --exit-detail") == (7, "", f"{name}: {why}")
+    assert console.world.performed == []
+    told = console.run("rtplan --replace")[1]
+    assert "replace: its create string is Source, not Source?speed=9\n" in told
+    assert console.run("rtapply --replace")[0] == 0
+    assert "speed=9" in console.world.components["Source0"].create
+    assert console.run("rtplan --replace")[1].startswith("nothing to do")
+
+
+def test_a_component_of_another_type_is_replaced_on_request(console):
+    console.world.perform(act.Create("Sink?instance_name=Source0", ("localhost/Source0.rtc",)))
+    assert console.run("rtapply --replace")[0] == 0
+    assert console.world.components["Source0"].type.type_name == "Source"
+    assert console.run("rtplan")[1].startswith("nothing to do")
+
+
+def test_what_the_profile_does_not_name_goes_on_request_only(console):
+    console.up()
+    console.world.perform(act.Create("Sink?instance_name=Extra0"))
+    wire = console.world.connectors["wire"]
+    ends = (wire.ports[0], PortRef("Extra0", "in"))
+    console.world.perform(act.Connect(ConnectorProfile("more", "more", ends)))
+    assert console.steps() == []
+    (record,) = jsonrecords.checked(console.run("rtplan --prune --json")[1])
+    assert [s["text"] for s in record["steps"]] == [
+        "disconnect Source0.out to Extra0.in (more)",
+        "delete Extra0",
+    ]
+    assert console.run("rtapply --prune")[0] == 0
+    assert list(console.world.components) == ["Source0", "Sink0"]
+    assert list(console.world.connectors) == ["wire"]
+
+
+def test_a_name_that_was_taken_away_is_given_back(console):
+    console.up()
+    console.world.perform(act.Unregister("localhost/Sink0.rtc"))
+    assert console.steps() == ["register Sink0 as /localhost/Sink0.rtc"]
+    assert console.run("rtapply")[0] == 0
+    assert console.world.components["Sink0"].names == ("localhost/Sink0.rtc",)
+
+
+def test_a_parameter_that_there_is_not_is_told_and_decides_the_status(console):
+    console.change('rts:name="gain" rts:data="2"', 'rts:name="gian" rts:data="2"')
+    status, _, err = console.run("rtapply")
+    assert status == 1
+    told = "No such configuration parameter: gian (on /localhost/Source0.rtc)\n"
+    assert err.count(told) == 1
+    assert console.world.state_of("Source0") == "Active"
+    for _ in range(2):
+        assert console.run("rtapply") == (1, "", f"rtapply: {told}")
+
+
+def test_a_value_that_a_component_would_refuse_is_told_before_anything_is_done(console):
+    console.up()
+    console.world.update(
+        "Source0",
+        sets={**console.world.components["Source0"].sets, "__constraints__": {"gain": "0<=x<=3"}},
+    )
+    console.write(gain="9")
+    console.world.performed.clear()
+    for name in ("rtplan", "rtapply"):
+        status, out, err = console.run(f"{name} --exit-detail")
+        assert (status, out) == (7, "")
+        assert "/localhost/Source0.rtc: default.gain cannot be '9': " in err
+    assert console.world.performed == []
+
+
+TYPE = """<?xml version="1.0" encoding="UTF-8"?>
+<rtc:RtcProfile xmlns:rtc="http://www.openrtp.org/namespaces/rtc"
+  rtc:id="RTC:Me:test:Source:1.0" rtc:version="0.3">
+ <rtc:BasicInfo rtc:name="Source" rtc:componentType="STATIC" rtc:activityType="PERIODIC"
+  rtc:componentKind="DataFlowComponent" rtc:category="test" rtc:vendor="Me" rtc:version="1.0"
+  rtc:creationDate="2025-01-01T00:00:00" rtc:updateDate="2025-01-01T00:00:00"/>
+ <rtc:ConfigurationSet>
+  <rtc:Configuration rtc:name="gain" rtc:type="double" rtc:defaultValue="1"/>
+ </rtc:ConfigurationSet>
+ <rtc:DataPorts rtc:portType="DataOutPort" rtc:name="out" rtc:type="RTC::TimedLong"/>
+ <rtc:Language rtc:kind="Python"/>
+</rtc:RtcProfile>
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ('rts:data="2"', 'rts:data="much"', "default.gain cannot be 'much': it is no number"),
+        ("Source0.out", "Source0.aus", "/localhost/Source0.rtc:aus (its type has none)"),
+    ],
+)
+def test_what_a_type_cannot_have_is_told_before_anything_is_made(
+    console, tmp_path, monkeypatch, old, new, why
+):
+    (tmp_path / "types").mkdir()
+    (tmp_path / "types" / "Source.xml").write_text(TYPE)
+    monkeypatch.setenv("RTKIT_PROFILE_PATH", str(tmp_path / "types"))
+    assert console.run("rtplan")[0] == 0
+    console.change(old, new)
+    for name in ("rtplan", "rtapply"):
+        status, out, err = console.run(f"{name} --exit-detail")
+        assert (status, out) == (7, "")
+        assert why in err
+    assert console.world.performed == []
+
+
+def test_a_parameter_that_a_type_does_not_have_is_told_before_it_is_made(
+    console, tmp_path, monkeypatch
+):
+    (tmp_path / "types").mkdir()
+    (tmp_path / "types" / "Source.xml").write_text(TYPE)
+    monkeypatch.setenv("RTKIT_PROFILE_PATH", str(tmp_path / "types"))
+    console.change('rts:name="gain" rts:data="2"', 'rts:name="gian" rts:data="2"')
+    status, out, err = console.run("rtplan")
+    assert status == 0
+    assert "No such configuration parameter: gian (on /localhost/Source0.rtc)" in err
+    assert "gian" not in out
+
+
+def test_changed_code_is_told_and_replaced_with_all_that_shares_its_slave(console, tmp_path):
+    file = tmp_path / "Source.py"
+    file.write_text("edited since")
+    console.change('"Sink"/>', '"Sink?manager_name=s"/>')
+    console.up()
+    console.world.update("Source0", code=f"00000000 {file}")
+    told = (
+        f"rtplan: /localhost/Source0.rtc: its code has changed since it was loaded ({file});"
+        " --replace makes it again\n"
+    )
+    status, out, err = console.run("rtplan")
+    assert (status, err) == (0, told)
+    assert out.startswith("nothing to do")
+    (record,) = jsonrecords.checked(console.run("rtplan --replace --json")[1])
+    layer_of = {step["text"]: step["layer"] for step in record["steps"]}
+    made = [layer for text, layer in layer_of.items() if text.startswith("create")]
+    ended = [layer for text, layer in layer_of.items() if text.startswith("delete")]
+    assert (len(made), len(ended)) == (2, 2)
+    assert max(ended) < min(made)
+    assert console.run("rtapply --replace")[0] == 0
+    assert console.run("rtplan --replace")[1].startswith("nothing to do")
+
+
+@pytest.mark.parametrize("where", ["manager", "shared"])
+def test_changed_code_that_cannot_be_replaced_says_what_helps(console, tmp_path, where):
+    file = tmp_path / "Sink.py"
+    file.write_text("edited since")
+    console.up()
+    instance = "Sink0" if where == "manager" else "Source0"
+    console.world.perform(act.Create("Sink?instance_name=Stranger&manager_name=s"))
+    console.world.update(instance, code=f"00000000 {file}")
+    helps = {
+        "manager": "rtmgr restart loads it anew",
+        "shared": "its slave s holds Stranger, too: not in the profile",
+    }
+    for options in ("", " --replace"):
+        status, out, err = console.run(f"rtplan{options}")
+        assert status == 0
+        assert helps[where] in err
+        assert out.startswith("nothing to do")

@@ -97,9 +97,9 @@ def test_states_are_shown_with_the_way_to_each(console: Console) -> None:
     status, out, err = console.run()
     assert (status, err) == (1, "")
     assert out == (
-        "  standby   4 steps, cost 14\n"
-        "  explore   6 steps, cost 16\n"
-        "  degraded  3 steps, cost 8\n"
+        "  standby   6 steps, cost 16\n"
+        "  explore   8 steps, cost 18\n"
+        "  degraded  4 steps, cost 9\n"
         "between states\n"
     )
     assert console.world.performed == []
@@ -147,11 +147,29 @@ def test_what_is_no_state_or_event_is_told(console: Console) -> None:
     assert "it tells no states (rtkit.states of the system)" in console.run()[2]
 
 
+def test_a_value_that_led_to_a_state_is_not_set_back_by_it(console: Console) -> None:
+    console.write(
+        event__motor_lost="Motor0.configuration.default.gain > 5",
+        state__degraded="Eye0=Inactive",
+    )
+    assert console.run("-g explore")[0] == 0
+    set_gain = act.SetParameters("Motor0", "default", {"gain": "9"})
+    assert console.world.perform(set_gain).ok
+    assert '"state": "explore"' in console.run("--json")[1]
+    assert console.run("-e motor_lost")[0] == 0
+    assert console.world.components["Motor0"].sets["default"]["gain"] == "9"
+    assert '"state": "degraded"' in console.run("--json")[1]
+    # What a state itself wishes is reached, and what is made anew is as the profile says.
+    console.world.perform(act.Delete("Motor0"))
+    assert console.run("-g explore")[0] == 0
+    assert console.world.components["Motor0"].sets["default"]["gain"] == "1"
+
+
 def test_a_state_that_cannot_be_says_why(console: Console) -> None:
     console.world.lacking = {"Motor": "no module Motor.py"}
     (record,) = jsonrecords.checked(console.run("--json")[1])
     told = {state["name"]: state for state in record["states"]}
-    assert told["degraded"]["steps"] == 3
+    assert told["degraded"]["steps"] == 4
     assert told["explore"]["steps"] is None
     assert "no module Motor.py" in told["explore"]["impossible"]
     assert "no module Motor.py" in console.run("-g explore")[2]

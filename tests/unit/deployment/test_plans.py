@@ -65,6 +65,8 @@ def test_dry_run_of_a_resurrection(make, world):
                 ("fast", "gain", "9"),
             )
         ),
+        f"Set rate of execution context 0 on component at path {source} to 1000",
+        f"Set rate of execution context 0 on component at path {sink} to 1000",
         f'Set configuration set "fast" active on component at path {source}',
         f'Set configuration set "fast" active on component at path {sink}',
     ]

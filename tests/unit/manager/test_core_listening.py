@@ -149,10 +149,10 @@ def test_figures_that_are_none_change_nothing(shell: FakeShell, listener: Listen
     assert len(listener.figures()) >= 1
 
 
-def test_what_is_made_again_after_a_loss_is_a_restart(shell: FakeShell) -> None:
+def test_what_a_user_makes_again_is_no_restart(shell: FakeShell) -> None:
     key = shell.make("A", "slave")
     shell.say(key, facts=facts("A"))
     assert shell.state.components["A"].upkeep.restarts == 0
     shell.end(key)
     shell.make("A", "slave")
-    assert shell.state.components["A"].upkeep.restarts == 1
+    assert shell.state.components["A"].upkeep.restarts == 0

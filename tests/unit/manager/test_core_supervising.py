@@ -423,3 +423,44 @@ def test_nobody_is_asked_for_figures_when_there_is_no_rule() -> None:
     shell.told.clear()
     shell.wait(100.0)
     assert not shell.told
+
+
+def test_the_policy_of_what_lives_is_changed_without_interrupting_it() -> None:
+    shell = FakeShell()
+    key = make(shell, "A")
+    policy = {"rtkit.restart": "on-failure", "rtkit.health.stuck": "degrade"}
+    asked = shell.ask(act.SetPolicy("A", policy))
+    assert asked.result.ok
+    assert not shell.calls
+    assert shell.state.ruled == {"A"}
+    (told,) = (m for k, m in shell.told if k == key and m["op"] == "remember")
+    assert "rtkit.restart=on-failure" in told["kept"]["create"]
+    assert "rtkit.restart=on-failure" in shell.rows["component", "A"]
+    shell.end(key)
+    come_back(shell)
+    assert not shell.state.components["A"].zombie
+    do(shell, act.SetPolicy("A", {}))
+    assert shell.state.ruled == set()
+    shell.end(shell.state.holders["A"])
+    assert not come_back(shell)
+
+
+def test_a_policy_that_makes_no_sense_changes_nothing() -> None:
+    shell = FakeShell()
+    make(shell, "A", restart="always")
+    before = shell.state.components["A"].create
+    for bad in ({"rtkit.restart": "often"}, {"manager_name": "t"}):
+        assert shell.ask(act.SetPolicy("A", bad)).result.kind == "malformed"
+    assert shell.ask(act.SetPolicy("B", {})).result.kind == "not-found"
+    assert shell.state.components["A"].create == before
+
+
+def test_what_a_user_makes_again_counts_as_no_restart() -> None:
+    shell = FakeShell()
+    shell.end(make(shell, "A", restart="on-failure"))
+    come_back(shell)
+    do(shell, act.SetPolicy("A", {}))
+    shell.end(shell.state.holders["A"])
+    make(shell, "A")
+    upkeep = shell.state.components["A"].upkeep
+    assert (upkeep.restarts, upkeep.why) == (1, "signal 9")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
+import zlib
 
 import pytest
 
+from rtkit.component.describe import describe
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import parse_create
@@ -124,7 +126,11 @@ def test_a_module_is_found_by_name_or_path(loader, folder, form):
     profile = loader.load(path)
     assert (profile.path, profile.init) == (path, "ThingInit")
     assert [each.type_name for each in profile.types] == ["Thing"]
-    assert make(loader, "Thing").type.description == "One"
+    component = make(loader, "Thing")
+    assert component.type.description == "One"
+    crc, _, file = describe(component).code.partition(" ")
+    assert crc == f"{zlib.crc32((folder / 'Thing.py').read_bytes()):08x}"
+    assert file == str(folder / "Thing.py")
 
 
 def test_what_no_other_process_has_imported_is_not_imported_by_a_manager(loader, folder):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.actions import Create, Unregister
+from rtkit.deployment.actions import Create, Register, Unregister
 from rtkit.manager.fake import OWN, FakeShell
 
 
@@ -134,3 +134,18 @@ def test_names_below_directories_do_not_hide_each_other(shell: FakeShell) -> Non
         asked = shell.ask(Create("Thing", (f"localhost/{name}",)))
         shell.serve()
         assert asked.result.ok
+
+
+def test_a_component_that_lives_is_given_a_name_again(shell: FakeShell) -> None:
+    key = shell.make("A", "s")
+    shell.make("B")
+    shell.ask(Unregister("localhost/A.rtc"))
+    told = len(shell.told)
+    assert shell.ask(Register("A", "localhost/x/A.rtc")).result.ok
+    assert names(shell, "A") == ("localhost/x/A.rtc",)
+    assert shell.state.kept.components["A"].names == ("localhost/x/A.rtc",)
+    assert [each[0] for each in shell.told[told:]] == [key]
+    assert shell.ask(Register("A", "localhost/x/A.rtc")).result.ok
+    assert shell.ask(Register("A", "localhost/B.rtc")).result.kind == "refused"
+    assert shell.ask(Register("C", "localhost/C.rtc")).result.kind == "not-found"
+    assert names(shell, "A") == ("localhost/x/A.rtc",)

@@ -195,9 +195,9 @@ def test_of_a_batch_that_failed_it_is_told_what_was_done() -> None:
     before = host.fleet.snapshot()
     done: list[str] = []
     applier = Applier(host.fleet, goal := Goal(host.system), lambda _: None, done.append)
-    with pytest.raises(Refused, match="no luck; 3 steps left"):
+    with pytest.raises(Refused, match="no luck; 5 steps left"):
         applier.run(goal.plan(before), before)
-    assert done == ["[1/2] create Here on manager"]
+    assert done == ["[1/3] create Here on manager"]
 
 
 def test_the_way_back_leaves_out_what_was_in_a_manager_that_ended() -> None:
@@ -260,7 +260,7 @@ def test_a_manager_that_does_not_run_is_started_and_what_it_brings_back_is_kept(
 ) -> None:
     host = Starting(monkeypatch)
     assert host.attempt() == ""
-    assert host.told[0] == "[1/3] start manager m1"
+    assert host.told[0] == "[1/4] start manager m1"
     assert host.worlds["m1"].components["There"].state == "Active"
 
     host = Starting(monkeypatch)

@@ -1,0 +1,128 @@
+"""What a component is beside its parameters, as keys of a model: name, rates, policy, making."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from rtkit.deployment import drift
+from rtkit.deployment.drift import rate_text
+from rtkit.deployment.extension import policy_in
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.planning.model import UNKNOWN, Key
+from rtkit.deployment.system import HIDDEN, WantedComponent
+from rtkit.rtc.enums import ExecutionKind
+
+DEFAULT = "default"
+"""The set that is the active one in a component just made."""
+ACTIVE_SET = "@"
+"""Stands for the active configuration set where a parameter is named."""
+RATE, NAME, POLICY, MADE = "@rate:", "@name:", "@policy", "@made"
+"""Stand for these likewise; the first two with the id of a context, or the name, behind it."""
+NAMELESS = "none"
+AS_WANTED = "as the profile says"
+
+
+class Setting(NamedTuple):
+    """One of them.
+
+    Attributes:
+        parameter: What it is called among the parameters of its component.
+        live: Its value now; None where the component does not live.
+    """
+
+    parameter: str
+    key: Key
+    wanted: str
+    live: str | None = None
+
+
+def settings(
+    component: WantedComponent, facts: ComponentFacts | None, was: ComponentFacts | None
+) -> Iterator[Setting]:
+    """Yield rates and policy of a component: as wanted, else as they were when it began.
+
+    Args:
+        component: What is wanted.
+        facts: As it lives, if it does.
+        was: As it lived when a plan began, if it did; who moves keeps the rates of then.
+    """
+    yield from _rates(component, facts, was)
+    if component.policy is None:
+        return
+    wanted = drift.policy_text(component.policy)
+    live = None
+    if facts is not None:
+        told = drift.policy_difference(component, facts)
+        live = told.found if told is not None else drift.policy_text(policy_in(facts.create))
+    default = wanted if component.create else UNKNOWN  # who is made so has it from the beginning
+    yield Setting(POLICY, Key(default, True, f"set policy of {component.instance}="), wanted, live)
+
+
+def _rates(
+    component: WantedComponent, facts: ComponentFacts | None, was: ComponentFacts | None
+) -> Iterator[Setting]:
+    now = dict(_own_rates(facts)) if facts is not None else {}
+    wished = dict(_own_rates(was)) if was is not None and _has_left(was, facts) else {}
+    if facts is not None:
+        wished.update((each.context, each.wanted) for each in drift.rates(component, facts))
+    else:
+        told = zip(component.contexts, component.rates, strict=False)
+        wished.update((context.id, rate) for context, rate in told if rate)
+    is_alone = len(component.contexts) < 2
+    for context, rate in wished.items():
+        if facts is not None and context not in now:
+            continue
+        default = rate_text(rate) if component.pattern is not None else UNKNOWN
+        where = "" if is_alone else f" in {context}"
+        text = f"set rate of {component.instance}{where}="
+        live = rate_text(now[context]) if context in now else None
+        yield Setting(f"{RATE}{context}", Key(default, True, text), rate_text(rate), live)
+
+
+def _has_left(was: ComponentFacts, facts: ComponentFacts | None) -> bool:
+    """Whether a component is not where it was, so that its rates have to be given to it again."""
+    return not was.zombie and (facts is None or facts.process != was.process)
+
+
+def _own_rates(facts: ComponentFacts) -> Iterator[tuple[str, float]]:
+    for context in facts.contexts:
+        if context.owner == facts.instance and context.kind is ExecutionKind.PERIODIC:
+            yield context.id, context.rate
+
+
+def kept(facts: ComponentFacts) -> Iterator[Setting]:
+    """Yield the configuration and the rates of a component of which nothing is wanted."""
+    for set_id, values in facts.sets.items():
+        for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
+            text = f"set {facts.instance}.{set_id}.{parameter}="
+            yield Setting(f"{set_id}.{parameter}", Key(text=text), value, value)
+    if facts.active_set:
+        key = Key(DEFAULT, text=f"use set of {facts.instance}: ")
+        yield Setting(ACTIVE_SET, key, facts.active_set, facts.active_set)
+    for context, rate in _own_rates(facts):
+        text = f"set rate of {facts.instance} in {context}="
+        told = rate_text(rate)
+        yield Setting(f"{RATE}{context}", Key(UNKNOWN, True, text), told, told)
+
+
+def name(component: WantedComponent, live: bool | None) -> Setting:
+    """Return the name of a component, and whether what lives is to be found under it."""
+    path = f"/{component.name}"
+    key = Key(path, True, f"register {component.instance} as ")
+    now = None if live is None else path if live else NAMELESS
+    return Setting(f"{NAME}{component.name}", key, path, now)
+
+
+def making(
+    component: WantedComponent, facts: ComponentFacts | None, reasons: Sequence[str]
+) -> Setting:
+    """Return that a component is, or was when a plan began, made otherwise for these reasons."""
+    key = Key(AS_WANTED, text=f"{component.instance} made ", is_fixed=True)
+    told = "; ".join(reasons) or AS_WANTED
+    return Setting(MADE, key, AS_WANTED, told if facts is not None else None)
+
+
+def reasons(component: WantedComponent, facts: ComponentFacts) -> Iterable[str]:
+    """Return why nothing but making a component again makes it what is wanted."""
+    return map(str, drift.otherwise_made(component, facts))

@@ -1,0 +1,76 @@
+"""Components that run code which has changed since it was loaded, and what helps.
+
+A process loads a module once. So a slave has to end with all it holds, for a new one to load what
+is in the file now; the manager's own process does so only when it begins anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+
+from rtkit.deployment import drift
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.live import Live
+
+
+class Stale:
+    """The components of one snapshot by their processes, and which files have changed."""
+
+    def __init__(self, live: Live, named: Collection[str], code: Mapping[str, str]) -> None:
+        """Index a snapshot.
+
+        Args:
+            live: What lives.
+            named: Components that a plan may make again.
+            code: CRC-32 of files of modules, as they are.
+        """
+        self._named = named
+        self._files: dict[str, str] = {}
+        self._holders: dict[str, tuple[str, str]] = {}
+        self._held: dict[tuple[str, str], list[str]] = {}
+        for facts in live.snapshot.components if code else ():
+            if facts.zombie:
+                continue
+            holder = (live.home(facts.instance), facts.process)
+            self._holders[facts.instance] = holder
+            self._held.setdefault(holder, []).append(facts.instance)
+            file = drift.changed_code(facts, code)
+            if file:
+                self._files[facts.instance] = file
+        self._slaves = {
+            (manager, process.name)
+            for manager, told in live.managers.items()
+            for process in told.processes
+            if process.is_slave
+        }
+
+    def mates(self, instance: str) -> tuple[str, ...]:
+        """Return who else must have ended before a component is made again with its new code."""
+        return tuple(each for each in self._together(instance) if each != instance)
+
+    def reasons(self, facts: ComponentFacts) -> Iterator[str]:
+        """Yield why a component is to be made again: its own code, or that of others in a slave."""
+        for each in self._together(facts.instance) if not self._hindrance(facts.instance) else ():
+            if each in self._files:
+                whose = "its" if each == facts.instance else f"in its slave {each}'s"
+                yield f"{whose} code has changed since it was loaded ({self._files[each]})"
+
+    def notes(self, facts: ComponentFacts, path: str) -> Iterator[str]:
+        """Yield what a user is told of a component that runs old code, and what helps."""
+        file = self._files.get(facts.instance)
+        if file:
+            helps = self._hindrance(facts.instance) or "--replace makes it again"
+            yield f"{path}: its code has changed since it was loaded ({file}); {helps}"
+
+    def _together(self, instance: str) -> list[str]:
+        """Return all that is in the process of a component, if any of it runs old code."""
+        held = self._held.get(self._holders.get(instance, ("", "")), [])
+        return held if any(each in self._files for each in held) else []
+
+    def _hindrance(self, instance: str) -> str:
+        holder = self._holders.get(instance, ("", ""))
+        if holder not in self._slaves:
+            return "rtmgr restart loads it anew"
+        strangers = [each for each in self._held[holder] if each not in self._named]
+        others = ", ".join(strangers)
+        return f"its slave {holder[1]} holds {others}, too: not in the profile" if others else ""

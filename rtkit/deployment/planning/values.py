@@ -1,0 +1,131 @@
+"""The configuration of a component as keys of a model: what is wanted, what is kept, what fits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from rtkit.component.fit import Declared, misfit, misfit_of
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.planning.manner import ACTIVE_SET, DEFAULT, Setting
+from rtkit.deployment.planning.model import UNKNOWN, Key
+from rtkit.deployment.system import HIDDEN, WantedComponent
+
+Declarations = Mapping[str, Declared]
+"""The parameters of a component type, by name."""
+
+
+class Values:
+    """The configuration of one component.
+
+    Attributes:
+        settings: Its parameters, and its active set.
+        missing: Parameters and sets of the profile that it does not have, one text each.
+        misfits: Values of the profile that it would not take, one text each.
+    """
+
+    def __init__(
+        self,
+        component: WantedComponent,
+        facts: ComponentFacts | None,
+        was: ComponentFacts | None,
+        declared: Declarations | None,
+    ) -> None:
+        """Compare what is wanted with what lives.
+
+        Args:
+            component: What is wanted.
+            facts: As it lives, if it does.
+            was: As it lived when a plan began, if it did; who moves keeps its values.
+            declared: What is known of its type, if it does not live.
+        """
+        self._component = component
+        self._facts = facts
+        self._declared = declared
+        self.missing: list[str] = []
+        self.misfits: list[str] = []
+        now_active = facts.active_set if facts is not None else ""
+        self._used = component.active_set or now_active
+        self._seen = (self._used, now_active)
+        # What lived when it all began keeps what leads it from state to state.
+        self._free = component.kept if was is not None and not was.zombie else frozenset()
+        found = {each.parameter: each for each in self._wanted()}
+        if was is not None and not was.zombie:
+            kept = self._kept(was)
+            found.update((each.parameter, each) for each in kept if each.parameter not in found)
+        self.settings = list(found.values())
+        chosen = component.active_set or (was.active_set if was is not None else "")
+        if chosen:
+            self._choose(chosen)
+
+    def _wanted(self) -> Iterator[Setting]:
+        component, facts = self._component, self._facts
+        for set_id, values in component.sets.items():
+            for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
+                present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
+                if self._is_missing(set_id, parameter, present):
+                    continue
+                if (set_id, parameter) in self._free:
+                    continue
+                why = "" if present == value else self._misfit(parameter, value)
+                if why:
+                    told = f"{component.path}: {set_id}.{parameter} cannot be {value!r}: {why}"
+                    self.misfits.append(told)
+                    continue
+                is_hot = set_id not in self._seen or self._is_hot(parameter)
+                default = value if component.pattern is not None else UNKNOWN
+                key = Key(default, is_hot, self._text(set_id, parameter))
+                yield Setting(f"{set_id}.{parameter}", key, value, present)
+
+    def _is_missing(self, set_id: str, parameter: str, present: str | None) -> bool:
+        """Note a parameter that is not there, or will not be."""
+        facts, what = self._facts, f"parameter: {parameter}"
+        if facts is not None:
+            is_missing = present is None
+            what = what if set_id in facts.sets else f"set: {set_id}"
+        else:
+            is_missing = self._declared is not None and parameter not in self._declared
+        if is_missing:
+            self.missing.append(f"No such configuration {what} (on {self._component.path})")
+        return is_missing
+
+    def _misfit(self, parameter: str, value: str) -> str:
+        if self._facts is not None:
+            return misfit(self._facts.sets, parameter, value)
+        declared = self._declared.get(parameter) if self._declared is not None else None
+        return misfit_of(declared, value) if declared is not None else ""
+
+    def _kept(self, was: ComponentFacts) -> Iterator[Setting]:
+        """Have what the profile does not name keep its value, also when the component moves."""
+        facts = self._facts
+        has_stayed = facts is not None and facts.process == was.process
+        for set_id, values in was.sets.items():
+            named = self._component.sets.get(set_id, {})
+            for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
+                present = facts.sets.get(set_id, {}).get(parameter) if facts is not None else None
+                is_wanted = parameter in named and (set_id, parameter) not in self._free
+                if is_wanted or (facts is not None and present is None):
+                    continue
+                key = Key(text=self._text(set_id, parameter))
+                wanted = present if has_stayed and present is not None else value
+                yield Setting(f"{set_id}.{parameter}", key, wanted, present)
+
+    def _choose(self, wanted: str) -> None:
+        facts, component = self._facts, self._component
+        before = facts.sets.get(facts.active_set, {}) if facts is not None else {}
+        after = facts.sets.get(wanted, {}) if facts is not None else {}
+        if facts is not None and wanted not in facts.sets:
+            self.missing.append(f"No such configuration set: {wanted} (on {component.path})")
+            return
+        changed = [p for p in after if after[p] != before.get(p)]
+        default = wanted if component.pattern is not None else DEFAULT
+        is_hot = all(self._is_hot(parameter) for parameter in changed)
+        key = Key(default, is_hot, f"use set of {component.instance}: ")
+        live = facts.active_set if facts is not None else None
+        self.settings.append(Setting(ACTIVE_SET, key, wanted, live))
+
+    def _text(self, set_id: str, parameter: str) -> str:
+        name = parameter if set_id == self._used else f"{set_id}.{parameter}"
+        return f"set {self._component.instance}.{name}="
+
+    def _is_hot(self, parameter: str) -> bool:
+        return "*" in self._component.hot or parameter in self._component.hot
