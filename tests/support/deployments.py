@@ -87,7 +87,9 @@ def models(draw: st.DrawFn, most: int = 3) -> Model:
         )
         desired[f"act:{name}"] = draw(_wishes("active", "inactive"))
         for key in ("k", "l")[: draw(st.integers(0, 2))]:
-            keys[f"{name}.{key}"] = Key("0", draw(st.booleans()))
+            kinds = st.sampled_from(["cold", "hot", "hot", "fixed"])
+            kind = draw(kinds)
+            keys[f"{name}.{key}"] = Key("0", kind == "hot", is_fixed=kind == "fixed")
             desired[f"cfg:{name}.{key}"] = draw(_wishes("0", "1"))
         if live[f"cmp:{name}"] != "absent":
             live[f"act:{name}"] = draw(st.sampled_from(["inactive", "active", "error"]))

@@ -98,6 +98,7 @@ def test_a_system_in_two_managers_is_one_system(manager: Any) -> None:
         **{f"create In{n} on {m} in slave source": 1 for n, m in ((1, "manager"), (2, "m1"))},
         **{f"create Out{n} on {m}": 1 for n, m in ((1, "manager"), (2, "m1"))},
         **{f"connect In{n}.out to Out{n}.in (w-In{n}-Out{n})": 2 for n in (1, 2)},
+        **{f"set rate of {kind}{n}=10": 2 for kind in ("In", "Out") for n in (1, 2)},
         **{f"activate {name}{n}": 3 for n in (1, 2) for name in ("In", "Out")},
     }
     assert shell.run(f"rtapply {file}").status == 0

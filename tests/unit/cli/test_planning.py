@@ -691,6 +691,8 @@ def test_only_a_saved_plan_is_replaced_and_only_rtapply_takes_one(saving, tmp_pa
     saving.file.write_text('{"rtkit": 1}')
     assert saving.apply()[0] == 1
     assert not console.world.components
+
+
 def test_drift_of_rate_and_policy_is_planned_and_reached_without_a_stop(console):
     console.up()
     console.world.perform(act.SetRate("Source0", "0", 50.0))
