@@ -322,7 +322,8 @@ def test_servers_are_in_the_tree(shell: Any, variable: str) -> None:
     shell.ok(f"rtmgr -c ConsoleIn /localhost:{port}/other.mgr")
     servers = sorted(["localhost", f"localhost:{port}", f"localhost:{nobody}"])
     assert shell.ok("rtls /").split() == [f"{name}/" for name in servers]
-    listed = shell.ok("rtls -lR /")
+    status, listed, told = shell.run("rtls -lR /")
+    assert (status, f"rtls: /localhost:{nobody} was not listed: " in told) == (1, True)
     assert "ConsoleIn0.rtc" in listed
     assert f"localhost:{nobody}  (no manager of this user listens at localhost:{nobody} (" in listed
     assert "localhost  (manager 'manager' is not running" in listed

@@ -12,7 +12,7 @@ from rtkit.errors import Refused, RtkitError
 from rtkit.link import places
 
 _SIZE = 1 << 20
-_MOST_S = 2.0
+_MOST_S = 5.0
 _SHM = "/dev/shm"
 _LEAST = 64 << 20
 
