@@ -61,6 +61,8 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
               help="Also open this serial line (DEVICE?baud=115200&check=auto).")  # fmt: skip
 @click.option("--allow-set", "settable", multiple=True, metavar="GLOB",
               help="Names that may be set over the serial line (repeatable).")  # fmt: skip
+@click.option("--notify", multiple=True, metavar="GLOB",
+              help="SERVICE/NAME of yours that events may be SET to (repeatable).")  # fmt: skip
 @click.option("--http", metavar="[HOST:]PORT", callback=_port,
               help="Also open an HTTP door on this host, 0 for any free port.")  # fmt: skip
 @click.option("--ice", metavar="[HOST:]PORT", callback=_port,
@@ -79,6 +81,7 @@ def main(
     port: int | None,
     serial: str | None,
     settable: tuple[str, ...],
+    notify: tuple[str, ...],
     http: int | None,
     ice: int | None,
     files: tuple[str, ...],
@@ -111,7 +114,7 @@ def main(
     thing_made = made(thing, arguments)
     with heard_by_main(), serve(
         thing_made, name, port=port, serial=serial, settable=settable, http=http, ice=ice,
-        hide=hide, history=history, rules=policy,
+        hide=hide, history=history, rules=policy, notify=notify,
     ) as served:  # fmt: skip
         doors = [f"/localhost/{served.name}"]
         doors += [] if served.port is None else [f"localhost:{served.port}"]
