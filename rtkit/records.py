@@ -149,10 +149,12 @@ def _initialiser(cls: Any, columns: Mapping[str, _Field]) -> Callable[..., None]
         is_good = made <= _COMPILED_AFTER and len(args) <= len(rows)
         for (_, put, _, _), value in zip(rows, args, strict=False):
             put(self, value)
+            is_good = is_good and value is not _MISSING
         for name, put, default, factory in rows[len(args) :] if is_good else ():
             if name in named:
                 put(self, named[name])
                 left -= 1
+                is_good = is_good and named[name] is not _MISSING  # as a signature shows it
             elif default is not _MISSING:
                 put(self, default)
             elif factory is not _MISSING:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from rtkit.builder.subject import Event, Machine
 from rtkit.builder.text import one_line
 from rtkit.profile import rtc_model
+from rtkit.rtc.names import near_port_name
 
 INITIAL = "InitialState"
 """The state that editors draw for the beginning; an event without name leads out of it."""
@@ -41,7 +42,7 @@ def machine_of(
     missing = [event for moves in states.values() for event in moves if event not in types]
     events = [*types.items(), *((event, "bytes") for event in dict.fromkeys(missing))]
     return Machine(
-        port.name or "event",
+        near_port_name(port.name) or "event",
         states,
         tuple(Event(name, type) for name, type in events),
         tuple(filter(None, map(_condition, port.events))),

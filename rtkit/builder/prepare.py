@@ -33,6 +33,7 @@ from rtkit.profile.rtc_model import (
     ServiceInterface,
     ServicePort,
 )
+from rtkit.rtc.names import near_port_name
 
 NOTHING = Definitions({})
 EVENT_PORT = "EventPort"
@@ -208,9 +209,12 @@ class _Preparation:
             yield Port(attribute, name, _KINDS[each.port_type], type, type_name, each)
 
     def _port_name(self, each: DataPort | ServicePort, names: set[str]) -> str:
-        name = unused(each.name or "port", names)
+        allowed = near_port_name(each.name)
+        name = unused(allowed or "port", names)
         if name != each.name:
             why = "its name is taken" if each.name else "it has no name"
+            if allowed != each.name:
+                why = "no port may be called so"
             self.notes.append(f"port {each.name!r} is called {name}: {why}")
         return name
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from time import monotonic
+from typing import TYPE_CHECKING, cast
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, working_directory
@@ -11,9 +13,12 @@ from rtkit.cli._properties import record, shown
 
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
-    from rtkit.tree.properties import Place
+    from rtkit.tree.properties import End, Place
 
 _HEAD = ("type", "access", "unit", "quality")
+_CALL_S = 0.1
+_CALLS_S = 1.0
+"""How long one value, and all of them, may take that code of a user has to tell [s]."""
 
 
 def service_at(typed: str) -> Place | None:
@@ -67,6 +72,8 @@ class Listing:
         with connected(self.app, None) as places:
             _, end = places.find(typed)
             rows = _group(asked(lambda: end.ask(target), typed))
+            if self.has_values:
+                rows = tuple(_completed(end, self.place.name, rows))
         if not self.has_values:
             names = [shown(str(name)) for name in rows]
             is_plain = self._is_single or not _out.is_terminal()
@@ -75,6 +82,26 @@ class Listing:
         if self._is_json:
             return [_record(typed, row) for row in rows]
         return _columns([_cells(row) for row in rows])
+
+
+def _completed(end: End, above: str, rows: Sequence[Value]) -> Iterator[Value]:
+    """Yield rows with the values that code of a user has to tell, where that is quick.
+
+    The service itself calls no such code to list what there is.
+    """
+    from rtkit.property.reading import Limits, read
+
+    until = monotonic() + _CALLS_S
+    for row in rows:
+        name, meta, *value = _row(row)
+        is_readable = not isinstance(meta, tuple) and "r" in _field(cast("Element", meta), "access")
+        if value or not is_readable or monotonic() >= until:
+            yield row
+            continue
+        path = f"{above}.{name}" if above else name
+        told, error = end.ask(f"{path}?timeout={_CALL_S}")
+        is_shown = not error and isinstance(told, str)
+        yield (name, meta, read(str(told), Limits(text=1 << 26))) if is_shown else row
 
 
 def _in_columns(names: list[str]) -> list[str]:

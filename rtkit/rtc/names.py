@@ -97,13 +97,22 @@ def check_port_name(name: str) -> str:
     Raises:
         Malformed: Names the rule that it breaks.
     """
-    bad = sorted({c for c in name if c in "/:" or not c.isprintable()})
+    bad = sorted({c for c in name if _is_barred(c)})
     if bad or not name or name != name.strip():
         why = (
             f"has characters that are not allowed: {bad}" if bad else "begins or ends with a blank"
         )
         raise Malformed(f"port name {name!r} {why}")
     return name
+
+
+def near_port_name(name: str) -> str:
+    """Return what of a name a port may bear, empty if that is nothing."""
+    return "".join("_" if _is_barred(c) else c for c in name).strip()
+
+
+def _is_barred(character: str) -> bool:
+    return character in "/:" or not character.isprintable()
 
 
 def is_local_host(host: str, hostname: str) -> bool:

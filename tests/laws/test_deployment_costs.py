@@ -88,7 +88,7 @@ def test_it_never_grows_without_bound():
         (act.Load("X"), "load"),
         (act.ChangeState("X", "0", Transition.RESET), "reset"),
         (act.SetParameters("X", "default"), "configure"),
-        (act.SetRate("X", "0", 1.0), ""),
+        (act.SetRate("X", "0", 1.0), "configure"),
     ],
 )
 def test_what_counts_as_which_kind(action, kind):

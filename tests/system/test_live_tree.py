@@ -89,3 +89,27 @@ def test_a_served_object_is_listed(manager: Any) -> None:
     process.terminate()
     process.communicate(timeout=30)
     assert manager.ok("rtls /localhost") == "manager.mgr/\n"
+
+
+STUCK = """
+import threading
+
+
+class Odd:
+    def get_quick(self) -> float:
+        return 4.5
+
+    def get_stuck(self) -> float:
+        threading.Event().wait()
+"""
+
+
+def test_a_listing_has_the_values_that_come_quickly(shell: Any) -> None:
+    (shell.folder / "odd.py").write_text(STUCK)
+    process = shell.open("rtserve odd:Odd odd")
+    process.stdout.readline()
+    lines = [line.split() for line in shell.ok("rtls -l odd").splitlines()]
+    head = ["number", "r", "-", "good"]
+    assert lines == [[*head, "quick", "4.5"], [*head, "stuck"]]
+    process.terminate()
+    process.communicate(timeout=30)

@@ -163,3 +163,10 @@ def test_a_field_without_a_default_comes_before_those_with_one() -> None:
 
             first: int = 1
             second: int  # type: ignore[misc]
+
+
+def test_a_default_as_a_signature_shows_it_is_made_anew() -> None:
+    _, pen, _ = define(records)
+    shown = inspect.signature(pen).parameters["marks"].default
+    for _ in range(COMPILED_AFTER + 2):
+        assert pen(1, shown).marks == pen(1, marks=shown).marks == {}
