@@ -136,7 +136,8 @@ _KEYS = (
 )
 _WORDS = {
     INTERFACE_TYPE: (
-        "zenoh", "direct", "shm", "corba_cdr", "data_service", "shared_memory", "csp_channel",
+        "zenoh", "direct", "shm", "shared_memory",
+        "corba_cdr", "corba_any", "data_service", "csp_channel",
     ),
     DATAFLOW_TYPE: ("push", "pull", "duplex"),
     SUBSCRIPTION_TYPE: (*SUBSCRIPTIONS, "block", "nonblock"),

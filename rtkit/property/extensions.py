@@ -218,6 +218,7 @@ def set_extension(service: Service, place: Place, parameters: dict[str, Value], 
         PropertyError: ``read-only``, ``bad-value``, ``denied`` …
     """
     payload = str(from_payload(parse_type("text"), ask.payload or ""))
+    parameters.pop("timeout", None)
     if place.extension == "listen":
         _listen(service, place, payload, parameters, ask.caller)
     elif place.extension == "properties":

@@ -382,9 +382,10 @@ def test_operations_from_the_shell(manager: Any) -> None:
     assert "RTC:rtkit:example:ConsoleIn:Python:1.0" in ask("get_factory_profiles")
     assert "RTC:rtkit:example:ConsoleOut:Python:1.0" in ask("get_loadable_modules")
     do("load_module", "ConsoleOut.py?init=ConsoleOutInit")
-    assert ask("get_loaded_modules") == "ConsoleOut.py?init=ConsoleOutInit"
+    found, asked = "ConsoleIn.py?init=ConsoleInInit", "ConsoleOut.py?init=ConsoleOutInit"
+    assert ask("get_loaded_modules").splitlines() == [found, asked]
     do("unload_module", "ConsoleOut.py")
-    assert ask("get_loaded_modules") == ""
+    assert ask("get_loaded_modules") == found
     assert "os.name: Linux" in ask("get_profile").splitlines()
     do("set_configuration", "exec_cxt.periodic.rate: 5")
     assert "exec_cxt.periodic.rate: 5" in ask("get_configuration").splitlines()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import select
 import signal
 import time
 from collections.abc import Callable
@@ -188,7 +189,10 @@ def test_who_died_while_there_was_no_manager_is_told_once(pair: Any) -> None:
     """With how it ended where its zygote knows that; whose zygote died too is made again."""
     slave = pid_of(pair, f"{MANAGER}/a.mgr")
     kill_manager(pair)
+    ended = os.pidfd_open(slave)
     os.kill(slave, signal.SIGSEGV)
+    assert select.select([ended], [], [], 10.0)[0]
+    os.close(ended)
     pair.ok("rtmgr start")
     shown = pair.ok("rtls -l /localhost")
     assert "*A.rtc  (signal 11)" in shown

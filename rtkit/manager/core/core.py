@@ -210,7 +210,7 @@ class Core:
         elif "figures" in message:
             self._survey.hear(process, message["figures"])
         elif "loaded" in message:
-            modules.take_all(self.state, message["loaded"])
+            modules.take_all(self.state, process, message["loaded"])
         elif "gone" in message:
             self._gone(process, message["gone"])
         else:

@@ -10,7 +10,7 @@ from rtkit.errors import NotFound
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.kept import MODULE, module_row
 from rtkit.manager.core.message import Message
-from rtkit.manager.core.state import State
+from rtkit.manager.core.state import Process, State
 from rtkit.manager.core.trial import read, try_module
 from rtkit.manager.core.wishes import Ask, Procedure, Tell
 from rtkit.records import replace
@@ -51,16 +51,24 @@ def take(state: State, module: ModuleProfile, path: str = "") -> None:
     state.modules[f"{module.path}:{module.init}" if is_second else module.path] = module
 
 
-def take_all(state: State, told: object) -> None:
+def take_all(state: State, process: Process, told: object) -> None:
     """Take in what a process says that it has loaded by itself.
 
     Raises:
         Malformed: It cannot be read.
     """
     for each in told if isinstance(told, list) else ():
-        tried = read(each)
+        tried, before = read(each), set(state.modules)
         take(state, tried.module)
+        process.found += state.modules.keys() - before
         state.tried.setdefault(tried.module.path, tried.fingerprint)
+
+
+def forget_found(state: State, process: Process) -> None:
+    """Forget what a process had loaded for a component, when it ended before that was made."""
+    for key in process.found if not process.is_alive else ():
+        state.modules.pop(key, None)
+    process.found.clear()
 
 
 def unload(state: State, action: act.Unload) -> Procedure:

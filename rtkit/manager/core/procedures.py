@@ -20,7 +20,7 @@ from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.message import Message
-from rtkit.manager.core.modules import load, unload
+from rtkit.manager.core.modules import forget_found, load, unload
 from rtkit.manager.core.naming import register, remember, unregister
 from rtkit.manager.core.noting import note
 from rtkit.manager.core.policies import policy_of, set_policy
@@ -160,6 +160,7 @@ def _create(state: State, action: act.Create) -> Procedure:
         raise
     finally:
         state.claims.pop(instance, None)
+    process.found.clear()
     state.update(instance, create=str(made), process=process.name, names=names)
     lacks = _enter(state, action, instance, str(made), is_renewed=known is not None)
     if read_rules(made.options):
@@ -336,17 +337,19 @@ def _unmake(state: State, claim: Claim, instance: str, before: ComponentFacts | 
 
     A slave that was started for it ends too, one that was there before does not.
     """
+    process = state.processes.get(claim.key)
     if state.components.get(instance) is not before:
         for wire in state.connectors_of(instance):
             yield from cut(state, wire)
         state.forget(instance)
-    process = state.processes.get(claim.key)
     if process is not None and process.is_ready:
         yield Tell(process, {"op": "delete", "instance": instance})
         if claim.is_in_new_slave and not state.is_needed(process.key):
             yield from end_slaves([process], grace_s(state))
         else:
             yield from retire(state, process)
+    if process is not None:
+        forget_found(state, process)
     return Result()
 
 

@@ -36,6 +36,7 @@ class Process:
         failure: Why that module cannot be imported.
         stuck: What exceeds its deadline in it, with where it is: by component, also one that is
             being made, or by module.
+        found: Keys of the modules that it has loaded by itself for a component being made.
     """
 
     key: int
@@ -51,6 +52,7 @@ class Process:
     trial_of: str = ""
     failure: RtkitError | None = None
     stuck: dict[str, str] = field(default_factory=dict)
+    found: list[str] = field(default_factory=list)
 
     @property
     def is_trial(self) -> bool:
