@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rtkit.closing import Closing
 from rtkit.component.base import Component
+from rtkit.component.carried import carried
 from rtkit.component.fsm import EVENT_NAME, EventPort
 from rtkit.component.invocation import Direct, Served
 from rtkit.component.kinds import kind_of
@@ -20,7 +21,7 @@ from rtkit.component.literal import zero_value
 from rtkit.component.port import InPort, OutPort
 from rtkit.component.service import ServicePort
 from rtkit.component.types import Time
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -183,6 +184,7 @@ class Trial(Closing, Generic[C]):
         Raises:
             NotFound: No such in port.
             Refused: No such event.
+            Malformed: The value is none of the port's type, or of the event's.
         """
         found = self.component.ports.get(port)
         if not isinstance(found, InPort):
@@ -191,11 +193,15 @@ class Trial(Closing, Generic[C]):
         if key not in self._sinks:
             properties = {EVENT_NAME: event} if event else {}
             self._sinks[key] = found.open(ConnectorProfile(key, key, (), properties))
+        kind = found.events[event] if isinstance(found, EventPort) else found.data_type
         if value is None:
-            kind = found.events[event] if isinstance(found, EventPort) else found.data_type
             with self._time():
                 value = zero_value(kind, Time.now())
-        self._sinks[key](value)
+        try:
+            told = carried(kind, value)
+        except Malformed as error:
+            raise Malformed(f"{self.component.instance}:{port}: {error}") from error
+        self._sinks[key](told)
 
     def received(self, port: str) -> list[Any]:
         """Return what an out port has written since this was asked last.

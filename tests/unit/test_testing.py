@@ -180,3 +180,9 @@ def test_a_trial_has_a_time_of_its_own():
         assert time.time() > 1e9
     with Trial(Scale) as trial, pytest.raises(Refused, match="clock=0"):
         trial.wait(1.0)
+
+
+@pytest.mark.parametrize("value", ["abc", 5, TimedLong(data=2**40), Time(1, 2)])
+def test_what_is_sent_has_to_be_of_the_type_of_the_port(value):
+    with Trial(Scale) as trial, pytest.raises(Malformed, match="Scale0:into: TimedLong"):
+        trial.send("into", value)
