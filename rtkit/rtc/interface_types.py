@@ -17,10 +17,7 @@ SUBSCRIPTION_TYPE = "dataport.subscription_type"
 SUBSCRIPTIONS = ("flush", "new", "periodic")
 
 _ALIASES = {
-    INTERFACE_TYPE: {
-        **dict.fromkeys(("corba_cdr", "corba_any", "data_service"), "zenoh"),
-        "shared_memory": "shm",
-    },
+    INTERFACE_TYPE: {"corba_cdr": "zenoh", "data_service": "zenoh", "shared_memory": "shm"},
     # Writers of OpenRTM 2: one that waits until the value is delivered, and one that does not.
     SUBSCRIPTION_TYPE: {"block": "flush", "nonblock": "new"},
 }
