@@ -71,6 +71,8 @@ def module_name(text: str) -> str:
 def type_name(text: str, fallback: str) -> str:
     """Return a name that create strings and instance names can hold, as near as there is one."""
     plain = "".join(c if c.isprintable() and c not in _RESERVED else "_" for c in text).strip()
+    if plain.startswith("*"):  # the mark of zombies, which no instance may bear
+        plain = f"_{plain[1:]}"
     return plain[: _WIDEST * 2].strip() or fallback
 
 

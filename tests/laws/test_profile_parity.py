@@ -56,7 +56,10 @@ def named(namespace: str, name: str) -> str:
 
 
 def change(root: Any, how: str, which: int, what: int, value: str) -> None:
-    """Do one thing to the tree; `which` picks an element, `what` a place, a name or another."""
+    """Do one thing to the tree; `which` picks an element, `what` a place, a name or another.
+
+    The root keeps its name: a document with another root is refused before any schema sees it.
+    """
     every = list(root.iter(etree.Element))
     element, other = every[which % len(every)], every[what % len(every)]
     space = SPACES[what % len(SPACES)]
@@ -64,6 +67,8 @@ def change(root: Any, how: str, which: int, what: int, value: str) -> None:
         element.text = value
     elif how == "tail" and element is not root:
         element.tail = value
+    elif how in ("rename", "space") and element is root:
+        return
     elif how == "rename":
         element.tag = other.tag
     elif how == "space":
