@@ -72,7 +72,7 @@ def _node(listing: Listing, path: Path) -> Node:
     elif path.is_directory:
         raise NotFound(f"No such object: {path.typed}")
     elif node.kind is Kind.ZOMBIE:
-        raise zombie(node, path)
+        raise Refused(f"{zombie(node, path)}; rtvlog {path.typed} shows what it logged")
     return node
 
 

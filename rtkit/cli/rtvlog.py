@@ -97,6 +97,10 @@ def main(
     levels   FATAL ERROR WARN INFO NORMAL DEBUG TRACE VERBOSE PARANOID
     sources  of a component its name; else rtkit, stdout, stderr or the name of a logger
 
+    \b
+    What code of a component prints, or logs elsewhere, while it is called bears its name; what
+    threads of its own print that of their process. After a crash the stacks are printed, too.
+
     What a component does not log at its level (option logger.log_level) cannot be printed.
     """
     from rtkit.link.places import state_dir
@@ -138,8 +142,8 @@ def _said_by(sources: Sequence[str]) -> Wanted:
         return lambda entry: True
 
     def is_said(entry: Entry) -> bool:
-        said = entry.source.casefold()
-        return any(said == name or said.startswith(f"{name}.") for name in names)
+        said = {entry.source.casefold(), entry.component.casefold()}
+        return any(one == name or one.startswith(f"{name}.") for one in said for name in names)
 
     return is_said
 

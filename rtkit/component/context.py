@@ -16,6 +16,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rtkit.component.callbacks import Failure, attempt
+from rtkit.component.current import current
 from rtkit.component.lifecycle import (
     ACTIVE,
     CALLBACK,
@@ -447,7 +448,9 @@ class ExecutionContext:
         if self.watch is None:
             return attempt(callback, each.handle)
         self.watch(each.component.instance, name)
+        before = current.set(each.component.instance)
         failure = attempt(callback, each.handle)
+        current.reset(before)
         self.watch("", "")
         return failure
 

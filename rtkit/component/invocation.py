@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol
 
 from rtkit.component.callbacks import describe_failure
 from rtkit.component.crossing import Crossings, Run
+from rtkit.component.current import current
 from rtkit.component.interface import Interface, Method, Raised
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable, from_kind
 
@@ -62,6 +63,7 @@ class Served(NamedTuple):
             Refused: It raised an exception; `Raised` when that is declared.
         """
         function = getattr(self.implementation, method.name)
+        before = current.set(self.label.rpartition(".")[0])
         try:
             return method.call(function, arguments)
         except BaseException as error:
@@ -70,6 +72,7 @@ class Served(NamedTuple):
             declared = method.encode_exception(error)
             raise (Raised(text, *declared) if declared else Refused(text)) from error
         finally:
+            current.reset(before)
             self.called()
 
 

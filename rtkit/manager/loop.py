@@ -24,10 +24,11 @@ from rtkit.link.base import Link
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.message import Message
+from rtkit.manager.core.state import Process
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.outputs import cut
-from rtkit.manager.processes.lastwords import last_words
+from rtkit.manager.processes.lastwords import LastWords, last_words, log_crash
 from rtkit.manager.processes.lines import Lines
 from rtkit.manager.processes.nursery import Nursery
 from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
@@ -250,10 +251,19 @@ class Loop:
             _log.info("guest %s left", process.name)
             return event
         words = last_words(self._core.state.name, process.name, process.pid)
+        if words.stacks:
+            self._log_crash(event.key, process, words)
         known = replace(event, reason=words.reason(event.reason), last=words.text)
         said = f"; its last words: {known.last}" if known.last else ""
         _log.warning("slave %s ended: %s%s", process.name, known.reason, said)
         return known
+
+    def _log_crash(self, key: int, process: Process, words: LastWords) -> None:
+        """Log a crash for the component whose code ran, or the only one that can have been it."""
+        there = [name for name, holder in self._core.state.holders.items() if holder == key]
+        only = there[0] if len(there) == 1 else ""
+        instance = self._watchman.instance_on(key, words.thread) or only
+        log_crash(self._core.state.name, process.name, process.pid, words, instance)
 
     def _tidy(self) -> None:
         """See who is stopped, and keep short what is written past logs, when it is time."""

@@ -26,8 +26,8 @@ class Entry(NamedTuple):
         time: UTC, ISO 8601; as text it sorts by time.
         file: Name of the log, ``manager.slave``.
         process: Name of the manager or slave that wrote it.
-        component: Instance name, if a component wrote it.
-        source: Name of the logger.
+        component: Instance name, if code of a component wrote it.
+        source: Name of the logger; that of a component is its instance name.
     """
 
     time: str
@@ -183,7 +183,7 @@ def _entry(file: str, line: bytes) -> Entry | None:
             str(fields["process"]),
             int(fields["pid"]),
             component,
-            component or str(fields["logger"]),
+            str(fields.get("logger") or component or fields["logger"]),
             str(fields["message"]),
             str(fields.get("exception", "")),
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import select
 import signal
 from typing import Any
@@ -206,8 +207,8 @@ def test_logs_of_several_processes_are_merged_by_time(system: Any) -> None:
         system.ok(f"rtact /localhost/Talker{number}.rtc")
     out = system.ok("rtvlog --no-follow -f Talker0 -f talker1 -f Talker2 /localhost")
     said = [line.split("> ")[1] for line in out.splitlines()]
-    assert said == ["here I am", "careful"] * 3
-    assert [line.split()[0] for line in out.splitlines()[::2]] == [
+    assert said == ["here I am", "careful", "printed"] * 3
+    assert [line.split()[0] for line in out.splitlines()[::3]] == [
         "[Talker2",
         "[Talker0",
         "[Talker1",
@@ -218,9 +219,23 @@ def test_logs_of_several_processes_are_merged_by_time(system: Any) -> None:
         "WARN  <Talker1> careful",
     ]
     out = system.ok(f"rtvlog --no-follow -f stdout {MANAGER}/a.mgr")
-    assert out.endswith("INFO  <stdout> printed\n")
+    assert re.fullmatch(r"\[Talker0 [\d:.]+\] INFO  <stdout> printed\n", out)
     assert system.ok("rtvlog --no-follow --since 600 --grep printed /").count("printed\n") == 3
     assert system.ok("rtvlog --no-follow --since 0.001 /") == ""
+
+
+def test_the_stacks_of_a_crash_are_in_the_log_of_its_component(system: Any) -> None:
+    crash = TALKER.replace('print("printed")', "__import__('ctypes').string_at(0)")
+    (system.modules / "Talker.py").write_text(crash)
+    system.ok(f"rtmgr {MANAGER} -c Talker?manager_name=a -c Talker?manager_name=a")
+    died = system.run(f"rtact {TALKER_PATH}").err
+    assert "signal 11 at Talker.py:16 in on_activated" in died
+    shown = system.run(f"rtcat {TALKER_PATH}").err
+    assert f"rtvlog {TALKER_PATH} shows what it logged" in shown
+    out = system.ok(f"rtvlog --no-follow -l FATAL {TALKER_PATH}")
+    assert "FATAL <rtkit> Fatal Python error: Segmentation fault at Talker.py:16" in out
+    assert 'Talker.py", line 16 in on_activated' in out
+    assert system.ok("rtvlog --no-follow -l FATAL /localhost/Talker1.rtc") == ""
 
 
 def test_logs_are_followed(system: Any) -> None:

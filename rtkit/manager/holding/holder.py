@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from rtkit import fault
 from rtkit.component.base import Component
 from rtkit.component.context import ExecutionContext
+from rtkit.component.current import current
 from rtkit.component.wholes import is_composite
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
 from rtkit.manager.core.message import Message
@@ -275,15 +276,16 @@ class Holder:
 
     @contextmanager
     def _watched(self, name: str, callback: str) -> Iterator[None]:
-        """Tell by a heartbeat that code of a component or module runs on this thread."""
-        if self._own_slot is None:
-            yield
-            return
-        self._own_slot.watch(name, callback)
+        """Tell by a heartbeat, and in logs, whose code runs on this thread."""
+        before = current.set("" if callback == "import" else name)
+        if self._own_slot is not None:
+            self._own_slot.watch(name, callback)
         try:
             yield
         finally:
-            self._own_slot.watch("", "")
+            if self._own_slot is not None:
+                self._own_slot.watch("", "")
+            current.reset(before)
 
     def _changed(self, component: Component) -> None:
         """Have a component's facts told soon, once for however many changes until then."""

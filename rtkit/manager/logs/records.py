@@ -11,6 +11,8 @@ import logging
 import time
 from collections.abc import Container
 
+from rtkit.component.current import current
+
 MAX_TEXT = 32_768
 """Characters of a message, or of an exception, that are kept."""
 
@@ -39,9 +41,10 @@ def level_word(number: int) -> str:
 class JsonLines(logging.Formatter):
     """Records as JSON objects, one a line.
 
-    Keys: ``time`` (UTC, ISO 8601), ``level``, ``process``, ``pid``, then ``component`` for what an
-    instance logs or ``logger`` for what the rest does, ``message``, and ``exception`` if there is
-    one.
+    Keys: ``time`` (UTC, ISO 8601), ``level``, ``process``, ``pid``, ``component`` for what an
+    instance logs, ``logger`` for what any other logger does, ``message``, and ``exception`` if
+    there is one. What another logger does while code of a component runs has both: so do lines
+    that it prints.
 
     Args:
         process: Name of the manager or slave.
@@ -57,13 +60,15 @@ class JsonLines(logging.Formatter):
         """Return a record's line, without its end."""
         whole, part = divmod(record.created, 1)
         moment = time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(whole))
-        source = "component" if record.name in self._components else "logger"
+        is_component = record.name in self._components
+        instance = record.name if is_component else current.get()
         fields = {
             "time": f"{moment}.{int(part * 1e6):06}Z",
             "level": level_word(record.levelno),
             "process": self.process,
             "pid": record.process,
-            source: record.name,
+            **({"component": instance} if instance else {}),
+            **({} if is_component else {"logger": record.name}),
             "message": _cut(_message(record)),
         }
         exception = _exception(self, record)

@@ -1,15 +1,21 @@
-"""What a process said before it ended: the line at which it crashed, the last lines it wrote."""
+"""What a process said before it ended: the line at which it crashed, the last lines it wrote.
+
+The stacks of a crash are copied to the log of the process, where `rtvlog` finds them.
+"""
 
 from __future__ import annotations
 
 import json
+import logging
 import os
 import re
 from typing import NamedTuple
 
+from rtkit.component.current import current
 from rtkit.link import places
+from rtkit.manager.logs.logfile import LogFile, Lossy
 from rtkit.manager.logs.outputs import is_of
-from rtkit.manager.logs.records import printable
+from rtkit.manager.logs.records import JsonLines, printable
 from rtkit.manager.processes.stacks import place_of
 
 _OUTPUT_BYTES = 256 * 1024
@@ -28,10 +34,14 @@ class LastWords(NamedTuple):
     Attributes:
         place: ``file.py:12 in name`` of a crash; empty when there was none, or it is not known.
         text: The last lines that it printed, or that it logged as worth a warning; one line.
+        thread: Identity of the thread that crashed; 0 when that is not known.
+        stacks: What the interpreter told of a crash, as it wrote it; empty when there was none.
     """
 
     place: str = ""
     text: str = ""
+    thread: int = 0
+    stacks: str = ""
 
     def reason(self, end: str) -> str:
         """Return how it ended, ``signal 11``, with the place."""
@@ -46,11 +56,33 @@ def last_words(manager: str, slave: str, pid: int) -> LastWords:
     crash = _CRASH.search(output)
     before, after = (output[: crash.start()], output[crash.start() :]) if crash else (output, "")
     culprit = _CULPRIT.search(after)
-    place = place_of(after, int(culprit[1], 16), must_be_own=True) if culprit else ""
+    thread = int(culprit[1], 16) if culprit else 0
+    place = place_of(after, thread, must_be_own=True) if culprit else ""
     said = before.splitlines()[1:]
     if not any(map(str.strip, said)) and not place:
         said = _logged(places.log_file(manager, slave), pid)
-    return LastWords(place, _short(said))
+    return LastWords(place, _short(said), thread, after.strip())
+
+
+def log_crash(manager: str, slave: str, pid: int, words: LastWords, instance: str) -> None:
+    """Add a crash to the log of the slave that it ended, under the name of a component if known.
+
+    Args:
+        manager: Name of the manager.
+        slave: Name of the slave, which writes no more.
+        pid: Of the slave.
+        words: Its last.
+        instance: The component whose code crashed; empty when that is not known.
+    """
+    what, _, stacks = words.stacks.partition("\n")
+    at = f" at {words.place}" if words.place else ""
+    record = logging.LogRecord("rtkit", logging.CRITICAL, "", 0, f"{what}{at}", (), None)
+    record.process, record.stack_info = pid, stacks.strip()
+    before = current.set(instance)
+    target = Lossy(LogFile(places.log_file(manager, slave)), JsonLines(slave))
+    target.handle(record)
+    target.close()
+    current.reset(before)
 
 
 def _short(lines: list[str]) -> str:

@@ -131,6 +131,12 @@ class Watchman:
         if watched is not None:
             watched.reader.close()
 
+    def instance_on(self, key: int, thread: int) -> str:
+        """Return whose code ran last on a thread of a process; empty when that is not known."""
+        watched = self._watched.get(key)
+        inside = watched.reader.inside() if watched is not None else ()
+        return next((beat.instance for beat in inside if beat.thread == thread), "")
+
     def halted(self, key: int, *, is_halted: bool) -> None:
         """Note that a process was stopped, or goes on."""
         watched = self._watched.get(key)

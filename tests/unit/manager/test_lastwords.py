@@ -12,7 +12,8 @@ import pytest
 from rtkit.link import places
 from rtkit.manager.logs import outputs
 from rtkit.manager.logs.outputs import cut, forget_old, head
-from rtkit.manager.processes.lastwords import LastWords, last_words
+from rtkit.manager.processes.lastwords import LastWords, last_words, log_crash
+from rtkit.tree.logbook import Logbook
 
 CRASH = f"""Fatal Python error: Segmentation fault
 
@@ -49,14 +50,15 @@ def logged(*records, pid=42):
 def test_a_crash_is_named_with_its_line(folder):
     wrote(CRASH)
     words = last_words("m", "s", 42)
-    assert words == LastWords("arm.py:15 in move", "")
+    assert words == LastWords("arm.py:15 in move", "", 0x7F0000000002, CRASH.strip())
     assert words.reason("signal 11") == "signal 11 at arm.py:15 in move"
 
 
 def test_what_was_printed_before_a_crash(folder):
     wrote(f"terminate called after throwing 'X'\n  what():  no \x1b[1m arm\n{CRASH}")
-    assert last_words("m", "s", 42) == LastWords(
-        "arm.py:15 in move", "terminate called after throwing 'X'; what(): no \\x1b[1m arm"
+    assert last_words("m", "s", 42)[:2] == (
+        "arm.py:15 in move",
+        "terminate called after throwing 'X'; what(): no \\x1b[1m arm",
     )
 
 
@@ -71,8 +73,20 @@ def test_what_was_printed_before_a_crash(folder):
 def test_a_crash_that_is_not_in_a_component(folder, frame):
     thread = "Current thread 0x0000000000000002 (most recent call first):"
     wrote(f"Fatal Python error: Segmentation fault\n\n{thread}\n{frame}\n")
-    assert last_words("m", "s", 42) == LastWords()
+    assert last_words("m", "s", 42)[:2] == ("", "")
     assert LastWords().reason("signal 11") == "signal 11"
+
+
+@pytest.mark.parametrize("instance", ["Arm0", ""])
+def test_the_stacks_of_a_crash_are_logged_for_its_component(folder, instance):
+    wrote(f"before\n{CRASH}")
+    log_crash("m", "s", 42, last_words("m", "s", 42), instance)
+    [entry] = Logbook(str(folder), lambda entry: True).there()
+    assert entry.message == "Fatal Python error: Segmentation fault at arm.py:15 in move"
+    assert (entry.component, entry.process, entry.pid, entry.level) == (instance, "s", 42, "FATAL")
+    assert '  File "/home/me/arm.py", line 15 in move\n' in entry.exception
+    assert "wait" in entry.exception
+    assert "before" not in entry.exception
 
 
 def test_the_last_lines_that_were_printed(folder):

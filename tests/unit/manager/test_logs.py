@@ -11,6 +11,7 @@ from contextlib import contextmanager
 
 import pytest
 
+from rtkit.component.current import current
 from rtkit.errors import Malformed, Refused
 from rtkit.manager.logs.logs import LEVEL_KEY, Log, begin_component, level_of
 
@@ -53,6 +54,24 @@ def test_what_is_printed_becomes_records_line_by_line(path):
         ("stdout", "four"),
     ]
     assert [each["level"] for each in records(path)] == ["INFO", "INFO", "WARN", "INFO"]
+
+
+def test_what_a_component_prints_bears_its_name(path):
+    with opened(path):
+        thread = threading.Thread(target=lambda: print("on a thread of its own"))
+        before = current.set("Arm0")
+        print("moves")
+        logging.getLogger("library").warning("slips")
+        thread.start()
+        thread.join()
+        current.reset(before)
+        print("nobody's")
+    assert [(each.get("component"), each["logger"]) for each in records(path)] == [
+        ("Arm0", "stdout"),
+        ("Arm0", "library"),
+        (None, "stdout"),
+        (None, "stdout"),
+    ]
 
 
 def test_lines_of_threads_do_not_mix(path):
