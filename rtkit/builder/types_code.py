@@ -163,7 +163,10 @@ class TypesCode:
     def _enumeration(self, declared: Enumeration, name: str) -> list[str]:
         self._types.uses.add("Enum")
         members = [
-            f"{INDENT}{member} = {number}" for number, member in enumerate(member_names(declared))
+            f"{INDENT}{member} = {number}"
+            for member, number in zip(
+                member_names(declared), declared.numbers.values(), strict=True
+            )
         ]
         doc = docstring(f"Enumeration {name}.", declared.doc, indent=INDENT)
         return [self._shared(declared), f"class {name}(Enum):", *doc, "", *members]

@@ -28,7 +28,7 @@ def module_options(function: F) -> F:
         "modules",
         multiple=True,
         metavar="MODULE",
-        help="Import a module that defines data types (repeatable).",
+        help="Import a module whose data types take precedence over what ports and files tell.",
     )(function)
 
 

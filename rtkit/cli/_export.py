@@ -64,7 +64,9 @@ def _lines(
     from rtkit.probe.types import type_or_bytes
 
     decoders = {
-        name: codec_for(type_or_bytes(channel.data_type, f"stream {name}", app.say)).decode
+        name: codec_for(
+            type_or_bytes(channel.data_type, f"stream {name}", app.say, channel.definition)
+        ).decode
         for name, channel in channels.items()
     }
     for entry in entries:

@@ -73,8 +73,9 @@ def _record(name: str, info: Info) -> dict[str, object]:
 
 def _channel_record(channel: Channel, info: Info) -> dict[str, object]:
     span = info.spans.get(channel.name)
+    told = {name: value for name, value in channel._asdict().items() if name != "definition"}
     return {
-        **channel._asdict(),
+        **told,
         "entries": info.counts[channel.name],
         "first": _iso(span and span.first_ns),
         "last": _iso(span and span.last_ns),
@@ -155,7 +156,7 @@ def play(
     for stream, own in zip(streams, renamed, strict=True):
         if stream.name in chosen:
             outs.setdefault(chosen[stream.name], []).append(own.name)
-    types = {own.name: own.data_type for own in renamed}
+    types = {own.name: own for own in renamed}
     entries = source.entries(outs, types)
     own_ports = [OutPort(bytes, own.name) for own in renamed]
     with Probe(app.tree, "rtlog_player", renamed, own_ports) as probe:
@@ -283,7 +284,7 @@ class _McapSource:
         self.extent = (info.entries, info.first_ns, info.last_ns)
 
     def entries(
-        self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]
+        self, outs: Mapping[str, Sequence[str]], types: Mapping[str, Stream]
     ) -> Iterator[Entry]:
         """Yield all entries."""
         return self._reader.entries()
@@ -304,7 +305,7 @@ class _TextSource:
         self.extent = (len(times), min(times, default=None), max(times, default=None))
 
     def entries(
-        self, outs: Mapping[str, Sequence[str]], types: Mapping[str, str]
+        self, outs: Mapping[str, Sequence[str]], types: Mapping[str, Stream]
     ) -> Iterator[Entry]:
         """Yield all entries of the streams that are played.
 
@@ -317,7 +318,11 @@ class _TextSource:
         from rtkit.probe.types import data_type
         from rtkit.recording.entries import Entry
 
-        classes = {name: data_type(types[ports[0]], ports[0]) for name, ports in outs.items()}
+        played = {name: types[ports[0]] for name, ports in outs.items()}
+        classes = {
+            name: data_type(each.data_type, each.ends[0].path.typed, each.definition)
+            for name, each in played.items()
+        }
         for line in self._lines:
             cls = classes.get(line.stream)
             if cls is None:

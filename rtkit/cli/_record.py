@@ -52,7 +52,10 @@ def record(
 
     app.bound(duration_s)
     streams = named_streams(app, ports, PortType.OUT, _name)
-    types = {s.name: type_or_bytes(s.data_type, s.ends[0].path.typed, app.say) for s in streams}
+    types = {
+        s.name: type_or_bytes(s.data_type, s.ends[0].path.typed, app.say, s.definition)
+        for s in streams
+    }
     with (
         heard_by_main(),
         _ended_in_order(),
@@ -171,9 +174,9 @@ def _sink(
     if form == "text":
         yield _TextSink(file, types, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
         return
+    from rtkit.component.definition import has_octets
     from rtkit.recording.entries import Channel
     from rtkit.recording.mcap_file import Writer
-    from rtkit.recording.schema import has_octets
 
     is_compressed = not any(map(has_octets, types.values()))
     with Writer(file, is_compressed=is_compressed) as writer:

@@ -72,7 +72,8 @@ def _node(listing: Listing, path: Path) -> Node:
     elif path.is_directory:
         raise NotFound(f"No such object: {path.typed}")
     elif node.kind is Kind.ZOMBIE:
-        raise Refused(f"{zombie(node, path)}; rtvlog {path.typed} shows what it logged")
+        component = path.typed if path.port is None else path.typed.rpartition(":")[0]
+        raise Refused(f"{zombie(node, path)}; rtvlog {component} shows what it logged")
     return node
 
 

@@ -81,7 +81,7 @@ def main(
     import_modules(modules, folders)
     app.bound(duration_s)
     streams = named_streams(app, ports, PortType.IN)
-    types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
+    types = {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
     if const is not None:
         times = 1 if number is None else number
         values = _repeated(_typed(const, types), times if duration_s is None else _ENDLESS)

@@ -95,7 +95,7 @@ def main(
     import_modules(modules, folders)
     app.bound(duration_s)
     streams = named_streams(app, ports, PortType.OUT)
-    types = {s.name: data_type(s.data_type, s.ends[0].path.typed) for s in streams}
+    types = {s.name: data_type(s.data_type, s.ends[0].path.typed, s.definition) for s in streams}
     for cls in types.values():
         for field in fields:
             check_field(cls, field)

@@ -11,11 +11,12 @@ from threading import Lock
 from typing import Generic, TypeVar, cast
 
 from rtkit.component.buffer import Buffer, GuardedRing, Pulled, Ring, Sink, Source, make_ring
+from rtkit.component.definition import definition_of
 from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, parse_options
 from rtkit.component.typenames import type_name
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile
+from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile
 
 T = TypeVar("T")
 P = TypeVar("P", bound="Port")
@@ -95,6 +96,13 @@ class DataPort(Port, Generic[T]):
         }
         super().__init__(name, {**own, **(properties or {})}, doc=doc)
         self.data_type = data_type
+
+    @property
+    def profile(self) -> PortProfile:
+        """The port as others see it, with the definition of a data type of one's own."""
+        definition = definition_of(self.data_type)
+        told = {DEFINITION: definition} if definition else {}
+        return PortProfile(self.name, self.port_type, {**self.properties, **told})
 
     def copy(self) -> DataPort[T]:
         """Return a port of the same kind without connectors, for another instance."""

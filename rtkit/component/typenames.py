@@ -70,6 +70,12 @@ def type_name(cls: type) -> str:
     return known
 
 
+def is_standard(text: str) -> bool:
+    """Whether the name is of a type of the standard, which everybody knows."""
+    scope, _, name = scoped_name(text).rpartition("::")
+    return name in HOMES.get(scope, ())
+
+
 def type_by_name(text: str) -> type | None:
     """Return the class of that name, None when nobody registered one.
 

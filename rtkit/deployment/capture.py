@@ -14,7 +14,7 @@ from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.interface_types import DEFAULT_INTERFACE, USUAL_NAMES
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
-from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
+from rtkit.rtc.profiles import DEFINITION, ConnectorProfile, PortProfile, PortRef
 
 _ATTRIBUTES = (
     "dataport.data_type",
@@ -175,7 +175,7 @@ def _refs(instances: Iterable[str], snapshot: Snapshot) -> Iterator[rts.Componen
 
 
 def _port(port: PortProfile, facts: ComponentFacts) -> rts.Port:
-    properties = dict(port.properties)
+    properties = {name: value for name, value in port.properties.items() if name != DEFINITION}
     stated = properties.pop(extension.STATED_TYPE, "")
     if stated:
         properties["dataport.data_type"] = stated

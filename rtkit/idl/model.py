@@ -117,9 +117,19 @@ class Struct(Declaration):
 
 @dataclass(frozen=True, slots=True)
 class Enumeration(Declaration):
-    """An enumeration."""
+    """An enumeration.
+
+    Attributes:
+        values: The number of each member, where annotations say others than 0, 1, 2…
+    """
 
     members: tuple[str, ...]
+    values: tuple[int, ...] = ()
+
+    @property
+    def numbers(self) -> dict[str, int]:
+        """The number of each member."""
+        return dict(zip(self.members, self.values or range(len(self.members)), strict=True))
 
 
 @dataclass(frozen=True, slots=True)

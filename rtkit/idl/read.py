@@ -246,9 +246,30 @@ class _Reader:
         name, *rest = node.children
         path, place = (*scope, _name(name)), self._place(node)
         members = tuple(_name(each.children[-1]) for each in rest)
-        self.scopes.declare(Enumeration(path, place, members, doc=self._doc(node)))
+        values = self._numbers(rest, scope)
+        given = values if values != tuple(range(len(values))) else ()
+        self.scopes.declare(Enumeration(path, place, members, given, doc=self._doc(node)))
         for member in members:
             self.scopes.define((*scope, member), EnumValue(path, member), place)
+
+    def _numbers(self, enumerators: list[Any], scope: Path) -> tuple[int, ...]:
+        """Return the numbers of enumerators: as ``@value`` says, else one more than before."""
+        numbers: list[int] = []
+        for each in enumerators:
+            number = numbers[-1] + 1 if numbers else 0
+            for mark in _parts(each, "annotation"):
+                if [str(word) for word in mark.children[0].children if word] == ["value"]:
+                    number = self._number(mark, scope)
+            numbers.append(number)
+        if len(set(numbers)) < len(numbers):
+            raise InvalidIdl(f"{self._place(enumerators[0])}: two members have one number")
+        return tuple(numbers)
+
+    def _number(self, mark: Any, scope: Path) -> int:
+        value = self._value(mark.children[-1], scope) if len(mark.children) > 1 else None
+        if type(value) is not int:
+            raise InvalidIdl(f"{self._place(mark)}: {value} is no number of a member")
+        return value
 
     def _typedef(self, node: Any, scope: Path) -> None:
         kind, *declarators = node.children

@@ -50,6 +50,11 @@ class Stream(NamedTuple):
         """Data type of its values; empty where the port takes any."""
         return next((end.port.data_type for end in self.ends if end.port.data_type), "")
 
+    @property
+    def definition(self) -> str:
+        """IDL of that type, as a port tells it; empty where none does."""
+        return next((end.port.definition for end in self.ends if end.port.definition), "")
+
 
 def parse_spec(typed: str, cwd: str = "/") -> PortSpec:
     """Read a port specification, relative to the working directory `cwd`.

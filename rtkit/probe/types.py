@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from rtkit.component.typenames import type_by_name
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import NotFound, Refused, RtkitError
 
 
 def import_modules(names: Sequence[str], folders: Sequence[str]) -> None:
@@ -32,8 +32,13 @@ def import_modules(names: Sequence[str], folders: Sequence[str]) -> None:
             ) from error
 
 
-def data_type(name: str, typed: str) -> type:
+def data_type(name: str, typed: str, definition: str = "") -> type:
     """Return the class of a data type; bytes for a port that carries any.
+
+    Args:
+        name: Of the type.
+        typed: What has values of it, for messages.
+        definition: The IDL that comes with it; types that modules define take precedence.
 
     Raises:
         NotFound: Nobody defined it.
@@ -41,18 +46,27 @@ def data_type(name: str, typed: str) -> type:
     if not name:
         return bytes
     found = type_by_name(name)
+    if found is None and definition:
+        from rtkit.probe.defined import class_of
+
+        try:
+            return class_of(name, definition)
+        except RtkitError as error:
+            raise NotFound(f"Type not found: {name} of {typed} ({error})") from error
     if found is None:
         raise NotFound(f"Type not found: {name} of {typed} (-m imports the module that defines it)")
     return found
 
 
-def type_or_bytes(name: str, typed: str, say: Callable[[str], object]) -> type:
+def type_or_bytes(
+    name: str, typed: str, say: Callable[[str], object], definition: str = ""
+) -> type:
     """Return the class of a data type; bytes, and say so, where nobody defined it.
 
     One stream that cannot be understood here is no reason to lose all others.
     """
     try:
-        return data_type(name, typed)
+        return data_type(name, typed, definition)
     except NotFound as error:
         say(f"note: {error}; its values are taken as they are")
         return bytes

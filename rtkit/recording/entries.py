@@ -16,11 +16,13 @@ class Channel(NamedTuple):
     Attributes:
         data_type: Name of the type of its values; empty where they may be of any.
         sources: Paths of the ports that it was recorded from.
+        definition: IDL of the type, as a recording has it.
     """
 
     name: str
     data_type: str
     sources: tuple[str, ...] = ()
+    definition: str = ""
 
 
 class Entry(NamedTuple):

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import IO, Any, Self
 
+from rtkit.component.definition import ENCODING, idl_of, name_of
 from rtkit.errors import Malformed
-from rtkit.recording import schema
 from rtkit.recording.entries import Channel, Entry, Info, Span
 from rtkit.rtc.data_types import scoped_name
 
@@ -68,11 +68,8 @@ class Writer:
 
     def add_channel(self, channel: Channel, cls: type) -> None:
         """Declare a stream, once, before its first value."""
-        if cls is bytes:
-            number = 0
-        else:
-            text = schema.idl_of(cls).encode()
-            number = self._mcap.register_schema(schema.name_of(cls), schema.ENCODING, text)
+        text = "" if cls is bytes else _text_of(cls)
+        number = self._mcap.register_schema(name_of(cls), ENCODING, text.encode()) if text else 0
         self._numbers[channel.name] = self._mcap.register_channel(
             channel.name,
             "cdr",
@@ -97,6 +94,14 @@ class Writer:
         """Close the present chunk: what it has can be read from now on."""
         self._mcap.flush()  # type: ignore[no-untyped-call]
         self._close_at = None
+
+
+def _text_of(cls: type) -> str:
+    """Return the definition of a type; "" for one that IDL has no words for."""
+    try:
+        return idl_of(cls)
+    except Malformed:
+        return ""
 
 
 class Reader:
@@ -163,7 +168,7 @@ class _Walk:
         self._note = note
         self._begin = begin
         self._names: dict[int, str] = {}
-        self._schemas: dict[int, str] = {}
+        self._schemas: dict[int, tuple[str, str]] = {}
         self.is_whole = False
 
     def entries(self) -> Iterator[Entry]:
@@ -200,12 +205,15 @@ class _Walk:
         from mcap import records
 
         if isinstance(record, records.Schema):
-            self._schemas[record.id] = record.name
+            is_idl = record.encoding == ENCODING
+            text = record.data.decode("utf-8", "replace") if is_idl else ""
+            self._schemas[record.id] = record.name, text
         elif isinstance(record, records.Channel):
             self._names[record.id] = record.topic
-            named = record.metadata.get("data_type", "") or self._schemas.get(record.schema_id, "")
+            schema, definition = self._schemas.get(record.schema_id, ("", ""))
+            named = record.metadata.get("data_type", "") or schema
             sources = tuple(filter(None, record.metadata.get("sources", "").split("\n")))
-            self._note(Channel(record.topic, scoped_name(named), sources))
+            self._note(Channel(record.topic, scoped_name(named), sources, definition))
         elif isinstance(record, records.Metadata) and record.name == _META:
             text = record.metadata.get("began_ns", "")
             if text.isascii() and text.isdigit():

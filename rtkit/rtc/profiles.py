@@ -14,6 +14,10 @@ from rtkit.rtc.enums import ExecutionKind, LifeCycleState, Polarity, PortType
 NOTHING: Mapping[str, str] = {}
 
 
+DEFINITION = "rtkit.idl"
+"""Property of a port: the IDL of its data type, unless that is one of the standard."""
+
+
 @dataclass(frozen=True, slots=True)
 class PortInterfaceProfile:
     """One interface of a service port."""
@@ -36,6 +40,11 @@ class PortProfile:
     def data_type(self) -> str:
         """Name of the data type, ``IDL:RTC/TimedLong:1.0``; empty for service ports."""
         return self.properties.get("dataport.data_type", "")
+
+    @property
+    def definition(self) -> str:
+        """IDL of the data type and all that it contains; empty where everybody knows it."""
+        return self.properties.get(DEFINITION, "")
 
 
 @dataclass(frozen=True, slots=True, order=True)

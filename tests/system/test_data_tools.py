@@ -33,10 +33,21 @@ def connected(shell: Any, line: str) -> Any:
     """Start a data tool and wait until it is connected."""
     process = shell.open(f"{line} -v")
     told = process.stderr.readline()
+    while told.startswith("note:"):
+        told = process.stderr.readline()
     if "is connected" not in told:
         process.kill()
         pytest.fail(told + process.communicate()[1] + shell.log())
     return process
+
+
+def wait_for_bytes(file: Path, size: int) -> None:
+    """Wait until a recorder has written so much, by looking at its file now and then."""
+    deadline = time.monotonic() + 30.0
+    with select.epoll() as soon:
+        while file.stat().st_size < size:
+            assert time.monotonic() < deadline, f"{file}: no {size} bytes"
+            soon.poll(0.05)
 
 
 def test_every_value_that_is_injected_is_printed(doubler: Any) -> None:
@@ -191,9 +202,7 @@ def test_what_is_recorded_is_played_again(doubler: Any) -> None:
 def test_a_recording_survives_the_death_of_the_recorder(doubler: Any) -> None:
     recording = connected(doubler, f"rtlog -f run.mcap {DOUBLER}:out")
     injecting = doubler.open(f"rtinject -c 1 -n -1 -r 200 {DOUBLER}:in")
-    with select.epoll() as soon:  # wait for bytes in the file, by looking at it now and then
-        while (doubler.folder / "run.mcap").stat().st_size < 4000:
-            soon.poll(0.05)
+    wait_for_bytes(doubler.folder / "run.mcap", 4000)
     recording.kill()
     recording.communicate(timeout=30)
     died = time.time()
@@ -210,12 +219,80 @@ def test_a_recorder_that_is_asked_to_end_finishes_its_file(doubler: Any) -> None
     for number in (signal.SIGINT, signal.SIGTERM):
         name = f"{number.name}.mcap"
         recording = connected(doubler, f"rtlog -f {name} {DOUBLER}:out")
+        before = (doubler.folder / name).stat().st_size
         assert doubler.run(f"rtinject -c 1 {DOUBLER}:in").status == 0
+        wait_for_bytes(doubler.folder / name, before + 1)  # it is at the port, not yet recorded
         recording.send_signal(number)
         recording.communicate(timeout=30)
         assert recording.returncode == -number
         told = json.loads(doubler.ok(f"rtlog -d --json -f {name}"))
         assert (told["entries"], told["is_whole"]) == (1, True)
+
+
+ROVER = """
+from dataclasses import dataclass
+from enum import Enum
+
+from rtkit.component import Component, InPort, OutPort
+
+Mode = Enum("Mode", "IDLE DRIVING")
+
+
+@dataclass(frozen=True)
+class Spot:
+    x: float = 0.0
+    y: float = 0.0
+
+
+@dataclass(frozen=True)
+class Path:
+    mode: Mode = Mode.IDLE
+    spots: tuple[Spot, ...] = ()
+
+
+@dataclass(frozen=True)
+class Odd:
+    pair: tuple[int, str] = (0, "")
+
+
+class Rover(Component):
+    \"\"\"Hand paths on.\"\"\"
+
+    rate = 100.0
+    into = InPort(Path)
+    out = OutPort(Path)
+    odd = OutPort(Odd)
+
+    def on_execute(self, context):
+        for path in self.into.read_all():
+            self.odd.write(Odd((1, "odd")))
+            self.out.write(path)
+
+
+def RoverInit(manager):
+    manager.register_factory(Rover)
+"""
+
+
+def test_types_that_only_the_component_knows(manager: Any) -> None:
+    """Tools build them from what ports tell, and from what a recording carries."""
+    (manager.modules / "Rover.py").write_text(ROVER)
+    manager.ok("rtmgr localhost/manager.mgr -c Rover?manager_name=s")
+    rover = "/localhost/Rover0.rtc"
+    manager.ok(f"rtact {rover}")
+    printing = connected(manager, f"rtprint -n 1 {rover}:out")
+    recording = connected(manager, f"rtlog -i -e 2 -f run.mcap {rover}:out.a {rover}:odd.b")
+    value = "{mode: DRIVING, spots: [{x: 1.5}, {y: 2}]}"
+    assert manager.run(f"rtinject -c '{value}' {rover}:into").status == 0
+    shown = "Path(mode=DRIVING, spots=[Spot(x=1.5, y=0.0), Spot(x=0.0, y=2.0)])\n"
+    assert printing.communicate(timeout=30)[0] == shown
+    assert recording.wait(timeout=30) == 0
+    manager.ok("rtmgr stop")
+    exported = manager.run("rtlog --export json -f run.mcap")
+    assert exported.err.count("of stream b") == 1
+    values = {each["stream"]: each["value"] for each in jsonrecords.checked(exported.out)}
+    assert values["a"]["spots"] == [{"x": 1.5, "y": 0.0}, {"x": 0.0, "y": 2.0}]
+    assert bytes(values["b"])[-4:-1] == b"odd"
 
 
 def test_a_chart_on_a_terminal_is_drawn_in_place(doubler: Any) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import _out
 from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+from rtkit.rtc.profiles import DEFINITION
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
@@ -111,7 +112,8 @@ def port_lines(
     from rtkit.deployment.shown_ports import OwnEnds
     from rtkit.rtc.profiles import PortRef
 
-    lines = [f"-{title}", *_out.pairs(_sorted(port.properties))]
+    shown = {name: value for name, value in port.properties.items() if name != DEFINITION}
+    lines = [f"-{title}", *_out.pairs(_sorted(shown))]
     for interface in port.interfaces:
         lines += _interface_lines(interface)
     unresolved = 0

@@ -9,6 +9,7 @@ import pytest
 from mcap.reader import make_reader
 
 from rtkit.component.codec import codec_for
+from rtkit.component.definition import idl_of
 from rtkit.component.types import Time, TimedLong
 from rtkit.errors import Malformed
 from rtkit.recording.entries import Channel, Entry
@@ -41,7 +42,8 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     entries = recorded(path, 23)
     assert list(Reader(str(path)).entries()) == entries
     info = Reader(str(path)).info()
-    assert (info.entries, info.is_whole, info.channels) == (23, True, (LONG,))
+    known = LONG._replace(definition=idl_of(TimedLong))
+    assert (info.entries, info.is_whole, info.channels) == (23, True, (known,))
     assert (info.first_ns, info.last_ns) == (entries[0].time_ns, entries[-1].time_ns)
     assert info.began_ns > 10**18
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtkit.component.codec import codec_for
+from rtkit.component.definition import idl_of, name_of
 from rtkit.component.geometry import Point2D
 from rtkit.component.standard import HOMES
 from rtkit.component.typenames import type_by_name
@@ -17,7 +18,6 @@ from rtkit.errors import Malformed, Refused
 from rtkit.idl.read import read_idl
 from rtkit.probe.stats import stamp_reader
 from rtkit.recording.entries import Entry, Part
-from rtkit.recording.schema import idl_of, name_of
 from rtkit.recording.shift import shifted
 from rtkit.recording.text_log import line_of, read_file, read_lines
 

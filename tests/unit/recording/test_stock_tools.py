@@ -11,13 +11,13 @@ from mcap.reader import make_reader
 from mcap_ros2._dynamic import generate_dynamic
 
 from rtkit.component.codec import codec_for
+from rtkit.component.definition import has_octets
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.images import TimedCameraImage
 from rtkit.component.sensors import CameraImage
 from rtkit.component.types import Time, TimedDoubleSeq, TimedLong, TimedString
 from rtkit.recording.entries import Channel, Entry
 from rtkit.recording.mcap_file import Writer
-from rtkit.recording.schema import has_octets
 
 POSE = TimedPose2D(Time(3, 4), Pose2D(Point2D(1.5, 2.5), 3.5))
 IMAGE = CameraImage(Time(1, 1), 2, 3, 24, "rgb", 0.5, b"\1\2\3")

@@ -1,7 +1,8 @@
-"""Data types as interface definitions in text, which viewers of recordings read."""
+"""Data types as interface definitions in text: what ports and recordings tell of their values."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from rtkit.component.layout import (
@@ -17,7 +18,8 @@ from rtkit.component.layout import (
     Text,
     layout_of,
 )
-from rtkit.component.typenames import type_name
+from rtkit.component.typenames import is_standard, type_name
+from rtkit.errors import Malformed
 from rtkit.rtc.data_types import scoped_name
 
 ENCODING = "omgidl"
@@ -33,6 +35,27 @@ _NUMBERS = {
     "float32": "float",
     "float64": "double",
 }
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_KEYWORDS = """
+abstract any attribute boolean case char component const consumes context custom default double
+emits enum eventtype exception factory false finder fixed float getraises home import in inout
+interface local long module multiple native object octet oneway out primarykey private provides
+public publishes raises readonly sequence setraises short string struct supports switch true
+truncatable typedef typeid typeprefix union unsigned uses valuebase valuetype void wchar wstring
+"""
+_known: dict[type, str] = {}
+
+
+def definition_of(cls: type) -> str:
+    """Return the definition of a data type that not everybody knows; "" where there is none."""
+    known = _known.get(cls)
+    if known is None:
+        try:
+            known = "" if cls is bytes or is_standard(type_name(cls)) else idl_of(cls)
+        except Malformed:
+            known = ""
+        _known[cls] = known
+    return known
 
 
 def name_of(cls: type) -> str:
@@ -44,7 +67,7 @@ def idl_of(cls: type) -> str:
     """Return the definition of a data type behind those of all types that it contains.
 
     Raises:
-        Malformed: It is no data type.
+        Malformed: It is no data type, or one that IDL has no words for.
     """
     return "\n".join(_definitions(layout_of(cls), set()))
 
@@ -83,36 +106,52 @@ def _definitions(layout: Layout, known: set[str]) -> Iterator[str]:
 
 
 def _members(layout: Enumeration) -> Iterator[str]:
-    for ordinal, (member, number) in enumerate(layout.numbers.items()):
-        yield member.name if number == ordinal else f"@value({number}) {member.name}"
+    expected = 0
+    for member, number in layout.numbers.items():
+        if number < 0:
+            raise Malformed(f"{member} is below 0, which IDL has no words for")
+        name = _word(member.name or "")
+        yield name if number == expected else f"@value({number}) {name}"
+        expected = number + 1
 
 
 def _field(layout: Layout, name: str) -> str:
-    if isinstance(layout, Array):
-        return f"{_type(layout.items[0])} {name}[{len(layout.items)}]"
-    return f"{_type(layout)} {name}"
+    sizes = ""
+    while isinstance(layout, Array):
+        if len(set(layout.items)) != 1:
+            raise Malformed(f"{name} is of several types, which IDL has no words for")
+        sizes += f"[{len(layout.items)}]"
+        layout = layout.items[0]
+    return f"{_type(layout)} {_word(name)}{sizes}"
 
 
 def _type(layout: Layout) -> str:
     if isinstance(layout, (Struct, Enumeration)):
-        return name_of(layout.cls)
+        return "::".join(map(_word, name_of(layout.cls).split("::")))
     if isinstance(layout, Items):
         return f"sequence<{_type(layout.item)}>"
     if isinstance(layout, Number):
         return _NUMBERS[layout.name]
     if isinstance(layout, (Bool, Char, Text, Octets)):
         return layout.name
-    return _type(layout.items[0])
+    raise Malformed("a sequence of arrays, which IDL has no words for")
 
 
 def _in_module(name: str, definition: str) -> str:
     scopes = name.split("::")[:-1]
     return (
-        "".join(f"module {each} {{\n" for each in scopes)
+        "".join(f"module {_word(each)} {{\n" for each in scopes)
         + f"  {definition}\n"
         + "};\n" * len(scopes)
     )
 
 
 def _last(name: str) -> str:
-    return name.rpartition("::")[2]
+    return _word(name.rpartition("::")[2])
+
+
+def _word(name: str) -> str:
+    """Return a name as IDL writes it: behind an underscore if it looks like a keyword."""
+    if not _NAME.fullmatch(name):
+        raise Malformed(f"{name} is no name in IDL")
+    return f"_{name}" if name.lower() in _KEYWORDS.split() else name

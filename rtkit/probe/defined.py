@@ -1,0 +1,113 @@
+"""Classes of data types made of their definitions in IDL, as ports and recordings tell them."""
+
+from __future__ import annotations
+
+import keyword
+from dataclasses import field, make_dataclass
+from enum import Enum
+from functools import cache
+from typing import Annotated, Any
+
+from rtkit.component.layout import layout_of_hint, zero
+from rtkit.component.typenames import is_standard, register, type_by_name
+from rtkit.errors import Malformed
+from rtkit.idl.model import (
+    ArrayOf,
+    Basic,
+    Definitions,
+    Enumeration,
+    Named,
+    Path,
+    SequenceOf,
+    Struct,
+    Type,
+    Typedef,
+)
+from rtkit.idl.read import read_idl
+from rtkit.rtc.data_types import scoped_name
+
+_BASICS: dict[str, Any] = {
+    "boolean": bool,
+    "string": str,
+    "double": float,
+    "long long": int,
+    **{name: Annotated[str, name] for name in ("char", "wchar", "wstring")},
+    **{
+        name: Annotated[int, kind]
+        for name, kind in {
+            "int8": "int8",
+            "octet": "uint8",
+            "short": "int16",
+            "unsigned short": "uint16",
+            "long": "int32",
+            "unsigned long": "uint32",
+            "unsigned long long": "uint64",
+            **{f"int{bits}": f"int{bits}" for bits in (16, 32, 64)},
+            **{f"uint{bits}": f"uint{bits}" for bits in (8, 16, 32, 64)},
+        }.items()
+    },
+    "float": Annotated[float, "float32"],
+}
+
+
+@cache
+def class_of(name: str, definition: str) -> type:
+    """Return the class of a data type that a definition has; the same one each time.
+
+    Raises:
+        Malformed: The definition cannot be read, or has no such type, or one of no fixed form.
+    """
+    definitions = read_idl(definition, name)
+    made: type = _Maker(definitions).of(tuple(scoped_name(name).split("::")))
+    return made
+
+
+class _Maker:
+    """Makes classes of the declarations of one text."""
+
+    def __init__(self, definitions: Definitions) -> None:
+        self._definitions = definitions
+        self._made: dict[Path, type] = {}
+
+    def of(self, path: Path) -> Any:
+        """Return what a declaration is as an annotation."""
+        name = "::".join(path)
+        known = type_by_name(name) if is_standard(name) else self._made.get(path)
+        if known is not None:
+            return known
+        declared = self._definitions.by_path.get(path)
+        if isinstance(declared, Typedef):
+            return self._hint(declared.type)
+        if isinstance(declared, Struct):
+            made = self._struct(declared)
+        elif isinstance(declared, Enumeration):
+            made = Enum(path[-1], declared.numbers)  # type: ignore[misc, no-redef]
+        else:
+            raise Malformed(f"{name} is no structure in its definition")
+        register(made, name)
+        self._made[path] = made
+        return made
+
+    def _struct(self, declared: Struct) -> type:
+        fields = []
+        for each in declared.fields:
+            own = f"{each.name}_" if keyword.iskeyword(each.name) else each.name
+            hint = self._hint(each.type)
+            first = zero(layout_of_hint(hint, each.name))
+            fields.append((own, hint, field(default=first)))
+        return make_dataclass(declared.path[-1], fields, frozen=True)
+
+    def _hint(self, type: Type) -> Any:
+        if isinstance(type, Named):
+            return self.of(type.path)
+        if isinstance(type, SequenceOf):
+            item = type.item
+            return bytes if item == Basic("octet") else tuple[self._hint(item), ...]  # type: ignore[misc]
+        if isinstance(type, ArrayOf):
+            hint = self._hint(type.item)
+            for size in reversed(type.sizes):
+                hint = tuple[(hint,) * size]  # type: ignore[misc]
+            return hint
+        if type.name not in _BASICS:
+            raise Malformed(f"{type.name} cannot be carried")
+        return _BASICS[type.name]
