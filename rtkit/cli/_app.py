@@ -198,7 +198,7 @@ class App:
         """Write one line on stderr behind the command's name."""
         self.write_error(printable(f"{self.name}: {text}"))
 
-    def warn(self, texts: Iterable[str]) -> None:
+    def warn(self, texts: Iterable[str], mark: str = "warning: ") -> None:
         """Write warnings about what was asked for, before it is done.
 
         Raises:
@@ -208,7 +208,7 @@ class App:
         if found and self.is_strict:
             raise Malformed("; ".join(found))
         for text in found:
-            self.fail(f"warning: {text}")
+            self.fail(f"{mark}{text}")
 
     def tell(self, text: str) -> None:
         """Write progress on stderr when asked to be verbose."""
@@ -321,16 +321,15 @@ def _is_repeatable(parameter: click.Parameter) -> TypeGuard[click.Option]:
     return is_option and parameter.multiple and "repeatable" not in (parameter.help or "")
 
 
-def strict_option(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the option that takes warnings for errors, so that nothing is done."""
-    option = click.option(
+def strict_option(text: str = "Take warnings for errors.") -> Callable[..., Any]:
+    """Return what adds the option that takes warnings for errors, so that nothing is done."""
+    return click.option(
         "--strict",
         is_flag=True,
         expose_value=False,
         callback=_set("is_strict"),
-        help="Take warnings for errors.",
+        help=text,
     )
-    return option(function)
 
 
 def common_options(*, is_local: bool = False) -> list[click.Option]:

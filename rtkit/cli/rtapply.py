@@ -43,7 +43,8 @@ def main(
     what lives is looked at before each round: what turned out otherwise is planned anew. When a
     step fails nothing more is begun, and what is left is told; run again, it goes on from there.
     With --rollback it goes back instead, by the cheapest way; what fails on that way is told, and
-    the rest goes back all the same.
+    the rest goes back all the same. So it is with --strict, where a step that is done with a note
+    has failed.
 
     Managers of this host that do not run and are needed are started first, as rtmgr start does.
     Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one is told who
@@ -68,7 +69,7 @@ def main(
             app, data, source, is_dry=dry_run, parallel=parallel or 0, lease=lease
         )
     else:
-        document = parse_document(app, source, data, strict=options["strict"])
+        document = parse_document(app, source, data)
         prepared = planning.prepare(
             app, document, is_dry=dry_run, parallel=parallel or 0, lease=lease, **options
         )
@@ -78,5 +79,5 @@ def main(
         return 0
     with step_times.noting(app, goal.system, snapshot) as taken:
         applier = Applier(app.tree, goal, app.say, app.say, taken, survey)
-        applier.run(plan, snapshot, rolls_back=rollback, is_exact=is_saved)
+        applier.run(plan, snapshot, rolls_back=rollback or app.is_strict, is_exact=is_saved)
     return app.status(Refused()) if applier.unmet else 0

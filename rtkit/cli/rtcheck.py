@@ -46,7 +46,6 @@ def main(
     report: str | None,
     ignored: tuple[str, ...],
     dry_run: bool,
-    strict: bool,
     mapped: tuple[str, ...],
 ) -> int:
     """Compare the live system with an RTS profile (FILE, or stdin).
@@ -68,7 +67,7 @@ def main(
         check_at_most_one(files, "file")
         from rtkit.statics.verdict import Options
 
-        options = Options(strict, ignored)
+        options = Options(app.is_strict, ignored)
         return _static.check(app, files, components, report=form, tool=TOOL, options=options)
     if components or ignored:
         raise UsageProblem("--components and --ignore are for --static")
@@ -78,7 +77,7 @@ def main(
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
     from rtkit.deployment.live import Live
 
-    document = read_document(app, files, strict=strict)
+    document = read_document(app, files)
     snapshot = shared.look(app, document.profile, dry_run=dry_run)
     system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     if dry_run:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli._app import App, check_at_most_one, command
+from rtkit.cli._app import App, check_at_most_one, command, strict_option
 from rtkit.cli._composites import Change, Parts, parts_of
-from rtkit.errors import Malformed, NotFound, Refused, RtkitError, from_kind
+from rtkit.errors import Malformed, NotFound, Refused, from_kind
 from rtkit.rtc.names import COMPONENT_SUFFIX
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ _SET = "default"
 @click.option(
     "-t", "--type", "kind", default=DEFAULT_TYPE, metavar="TYPE", help=f"Default: {DEFAULT_TYPE}."
 )
+@strict_option()
 @click.argument("targets", nargs=-1, metavar="MANAGER[:NAME]|COMPOSITE")
 def main(
     app: App,
@@ -145,7 +146,7 @@ def _check_ports(snapshot: Snapshot, change: Change) -> None:
 
 
 def _make(app: App, create: str, name: str, slave: str, adding: Sequence[Change]) -> None:
-    from rtkit.deployment.actions import Create
+    from rtkit.deployment.actions import Create, strict
     from rtkit.rtc.create import parse_create
 
     wished = parse_create(create)
@@ -154,10 +155,12 @@ def _make(app: App, create: str, name: str, slave: str, adding: Sequence[Change]
         manager_name=wished.place or slave,
         **Parts((), ()).with_added(adding).values,
     )
-    try:
-        app.tree.perform(Create(str(made)))
-    except RtkitError as error:
-        raise from_kind(error.kind, f"Failed to create component: {made} ({error})") from error
+    action = Create(str(made))
+    (result,) = app.tree.apply([strict(action) if app.is_strict else action])
+    if not result.ok:
+        raise from_kind(result.kind, f"Failed to create component: {made} ({result.why})")
+    if result.note:
+        app.fail(f"note: {result.note}")
 
 
 def _edit(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     "-p", "--property", "texts", multiple=True, metavar="KEY=VALUE", help="Connector property."
 )
 @click.option("-d", "--no-duplicates", is_flag=True, help="Fail if such a connection exists.")
-@strict_option
+@strict_option()
 @click.option("--force", is_flag=True, help="Connect ports of different data types.")
 @click.argument("paths", nargs=-1, metavar="PORT PORT...")
 def main(

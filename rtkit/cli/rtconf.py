@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, WrongArguments, command, strict_option
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ def _is_negative(argument: str) -> bool:
 @click.option("-s", "--set", "set_id", default="", metavar="SET", help="Default: the active set.")
 @click.option("--wait", is_flag=True, help="Return when the component sees it: what happens anyway")
 @click.option("--json", "is_json", is_flag=True, help="For list, get and diff: JSON objects.")
+@strict_option("Refuse to set what has no effect.")
 @click.argument("words", nargs=-1, metavar="PATH [WORD] [ARGUMENT]...")
 def main(
     app: App,

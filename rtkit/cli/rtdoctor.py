@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli import _out, _records
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, WrongArguments, command, strict_option
 from rtkit.cli._choice import Number
 from rtkit.errors import Refused
 
@@ -35,10 +35,10 @@ _STYLES: dict[str, dict[str, object]] = {
     metavar="SECONDS",
     help=f"How long to wait for each answer (default {_PATIENCE_S}).",
 )
-@click.option("--strict", is_flag=True, help="Let warnings fail too.")
+@strict_option("Let warnings fail too.")
 @click.option("--json", "is_json", is_flag=True, help="One JSON object for all that was looked at.")
 @click.argument("words", nargs=-1, metavar="")
-def main(app: App, words: tuple[str, ...], timeout_s: float, strict: bool, is_json: bool) -> int:
+def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> int:
     """Tell what is wrong with this set-up, and what helps.
 
     Looked at are versions, variables, limits, the clock, folders and their rights, what killed
@@ -54,7 +54,7 @@ def main(app: App, words: tuple[str, ...], timeout_s: float, strict: bool, is_js
         _out.write(_records.lines("diagnosis", map(_record, found)))
     else:
         _out.write(_lines(found, is_all=app.is_verbose))
-    fatal = ("error", "warning") if strict else ("error",)
+    fatal = ("error", "warning") if app.is_strict else ("error",)
     return app.status(Refused()) if any(each.severity in fatal for each in found) else 0
 
 

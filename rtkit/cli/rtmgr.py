@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit import fault
-from rtkit.cli._app import App, check_at_most_one, command
+from rtkit.cli._app import App, check_at_most_one, command, strict_option
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
@@ -78,6 +78,7 @@ _STEP_NAMES = tuple(each.name for each in _STEPS)
 @click.option("-a", "--no-door", is_flag=True, help="start: no TCP port at all.")
 @click.option("-i", "--lenient", is_flag=True, help="start: the file may be missing.")
 @click.option("--allow-faults", is_flag=True, help="start: root's manager heeds RTKIT_FAULT.")
+@strict_option("Take warnings, and notes on what is made, for errors; nothing of it stays.")
 @click.argument("words", nargs=-1, metavar="MANAGER | start|stop|restart|status|run [NAME]")
 def main(
     app: App,
@@ -112,10 +113,11 @@ def main(
 
     asked = click.get_current_context().meta[_ORDER]
     overrides = (*given, *_door(port, no_door), *_faults(allow_faults))
+    is_configured = bool(file or overrides or lenient)
     if words and words[0] in WORDS:
-        _check_word(words, bool(asked), bool(file or overrides or lenient))
-        return _word(app, words, is_json, (file, overrides, lenient))
-    if file or overrides or lenient:
+        _check_word(words, bool(asked), is_configured)
+        return _word(app, words, is_json, (file, (*overrides, *_strict(app)), lenient))
+    if is_configured:
         raise UsageProblem(f"{_FOR_START} are for rtmgr start and rtmgr run")
     check_at_most_one(words, "manager")
     steps = [read_step(name, str(value)) for name, value in asked]
@@ -182,6 +184,12 @@ def _door(port: int | None, no_door: bool) -> list[str]:
 
 def _faults(is_allowed: bool) -> list[str]:
     return [f"{fault.ALLOW_KEY}:YES"] if is_allowed else []
+
+
+def _strict(app: App) -> list[str]:
+    from rtkit.manager.settings.properties import STRICT
+
+    return [f"{STRICT}:YES"] if app.is_strict else []
 
 
 def _check_word(words: Sequence[str], has_steps: bool, is_configured: bool) -> None:

@@ -61,7 +61,7 @@ def main(
 
     if is_json and is_dot:
         raise UsageProblem("--json and --dot exclude each other")
-    document = read_document(app, files, strict=options["strict"])
+    document = read_document(app, files)
     prepared = planning.prepare(app, document, is_dry=True, **options)
     goal, plan = prepared.goal, prepared.plan
     if out is not None:

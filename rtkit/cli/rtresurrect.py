@@ -42,7 +42,6 @@ def main(
     strict_path: bool,
     wait_s: float,
     dry_run: bool,
-    strict: bool,
     mapped: tuple[str, ...],
 ) -> None:
     """Bring up the system of an RTS profile (FILE, or stdin).
@@ -62,7 +61,7 @@ def main(
 
     if no_create and (stand_in or transmit):
         raise UsageProblem("--no-create makes no stand-ins")
-    document = read_document(app, files, strict=strict)
+    document = read_document(app, files)
     if strict_path:
         from rtkit.deployment.strict_paths import check_paths
 

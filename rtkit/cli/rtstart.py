@@ -16,7 +16,6 @@ def main(
     no_wait: bool,
     draws: bool,
     dry_run: bool,
-    strict: bool,
     mapped: tuple[str, ...],
 ) -> None:
     """Activate every component of an RTS profile (FILE, or stdin), in its order.
@@ -32,7 +31,7 @@ def main(
     from rtkit.deployment.conditions import start_orders, stop_orders
     from rtkit.deployment.running import start_plan
 
-    document = read_document(app, files, strict=strict)
+    document = read_document(app, files)
     with document.naming():
         orders = start_orders(document.profile)
         stop_orders(document.profile)  # what cannot be stopped as written is not started

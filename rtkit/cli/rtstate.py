@@ -45,7 +45,6 @@ def main(
     transmit: bool,
     replaces: bool,
     dry_run: bool,
-    strict: bool,
     mapped: tuple[str, ...],
 ) -> int:
     """Show in which of its states a system is, or lead it to another (FILE, or stdin).
@@ -77,9 +76,8 @@ def main(
     is_led = goto is not None or event is not None
     begun = planning.begin(
         app,
-        read_document(app, files, strict=strict),
+        read_document(app, files),
         is_dry=dry_run,
-        strict=strict,
         mapped=mapped,
         costs=costs,
         basis=basis,

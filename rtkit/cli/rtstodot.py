@@ -39,6 +39,6 @@ def main(app: App, files: tuple[str, ...], live: bool) -> int:
         from rtkit.cli.system.document import read_document
         from rtkit.profile_tools.system_scene import system_scene
 
-        scene = system_scene(read_document(app, files, strict=False).profile)
+        scene = system_scene(read_document(app, files).profile)
     _out.write(dot_lines(scene, _TITLE))
     return app.tell_silent_servers("not drawn") if live else 0

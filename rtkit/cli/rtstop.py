@@ -17,7 +17,6 @@ def main(
     no_wait: bool,
     draws: bool,
     dry_run: bool,
-    strict: bool,
     mapped: tuple[str, ...],
 ) -> None:
     """Deactivate every component of an RTS profile (FILE, or stdin), in reverse order.
@@ -32,7 +31,7 @@ def main(
     from rtkit.deployment.conditions import NO_ORDERS, start_orders, stop_orders
     from rtkit.deployment.running import stop_plan
 
-    document = read_document(app, files, strict=strict)
+    document = read_document(app, files)
     with document.naming():
         orders = stop_orders(document.profile)
     started = NO_ORDERS

@@ -17,7 +17,6 @@ def main(
     files: tuple[str, ...],
     ends: bool,
     dry_run: bool,
-    strict: bool,
     mapped: tuple[str, ...],
 ) -> None:
     """Remove every connection of an RTS profile (FILE, or stdin).
@@ -27,7 +26,7 @@ def main(
     from rtkit.deployment.live import Live
     from rtkit.deployment.running import left_now, teardown_plan
 
-    document = read_document(app, files, strict=strict)
+    document = read_document(app, files)
     snapshot = shared.look(app, document.profile, dry_run=dry_run, may_lack=True)
     system = shared.wanted_system(app, document, snapshot, mapped=mapped)
     plan = teardown_plan(system, Live(snapshot, system), ends_components=ends)

@@ -122,7 +122,7 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     from rtkit.cli.system.states import States
     from rtkit.tree.applying import Goal
 
-    document = read_document(app, (file,), strict=False)
+    document = read_document(app, (file,))
     managers = Managers(document.profile) if names_another(document.profile) else None
     snapshot = shared.snapshot(app)
     if managers is not None:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import TypeVar
 
+from rtkit.component.check import ANY_DATA_TYPE
 from rtkit.errors import Malformed
 from rtkit.records import dataclass
 from rtkit.rtc.interface_types import (
@@ -107,8 +108,10 @@ class ConnectorOptions:
 
 
 _ENDIAN = "dataport.serializer.cdr.endian"
+NUMBERED = "rtkit.numbered"
+"""Property of a connector between processes whose values are numbered, so that losses show."""
 _OURS = "dataport."
-_OTHERS = ("dataport.corba_cdr.", "dataport.data_service.", "dataport.direct.", "rtkit.", "port.")
+_OTHERS = ("dataport.corba_cdr.", "dataport.data_service.", "dataport.direct.", "port.")
 """So begin object references of other middleware, and what is judged elsewhere."""
 _BUFFER = (
     "length",
@@ -134,6 +137,7 @@ _KEYS = (
     "dataport.fan_in",
     "dataport.fan_out",
 )
+_RTKIT = (ANY_DATA_TYPE, NUMBERED)
 _WORDS = {
     INTERFACE_TYPE: (
         "zenoh", "direct", "shm", "shared_memory",
@@ -178,12 +182,13 @@ def parse_options(properties: Mapping[str, str]) -> ConnectorOptions:
 def remarks(properties: Mapping[str, str]) -> list[str]:
     """Return what of the properties of a data connector means nothing here, a line each."""
     stated = (key for key, value in properties.items() if value.strip())
-    unknown = (key for key in stated if key not in _KEYS and not key.startswith(_OTHERS))
+    known = {*_KEYS, *_RTKIT}
+    unknown = (key for key in stated if key not in known and not key.startswith(_OTHERS))
     hints = {key: _hint(key) for key in unknown}
     found = [
         f"unknown connector property: {key}{hint}"
         for key, hint in hints.items()
-        if key.startswith(_OURS) or hint
+        if key.startswith((_OURS, "rtkit.")) or hint
     ]
     for key, words in _WORDS.items():
         word = _word(properties, key, "")
@@ -194,6 +199,8 @@ def remarks(properties: Mapping[str, str]) -> list[str]:
 
 
 def _hint(key: str) -> str:
+    if key.startswith("rtkit."):
+        return did_you_mean(key, _RTKIT, 1)
     tails = [each.removeprefix(_OURS) for each in _KEYS]
     return did_you_mean(key.removeprefix(_OURS), tails, 1, lambda tail: _OURS + tail, CLOSE)
 

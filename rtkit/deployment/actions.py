@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from rtkit import errors
-from rtkit.records import dataclass, field
+from rtkit.records import dataclass, field, replace
 from rtkit.rtc.enums import ReturnCode, Transition
 
 if TYPE_CHECKING:
@@ -23,11 +23,13 @@ class Load:
 
     Attributes:
         manager: Which of several managers is to do it; never sent.
+        is_strict: Refuse where there would be a note, and leave nothing.
     """
 
     path: str
     init: str = ""
     manager: str = ""
+    is_strict: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +49,15 @@ class Create:
     """Make a component from a create string (commands §20), or from a pattern.
 
     With a pattern the create string only tells the instance name, the place and the properties.
+
+    Attributes:
+        is_strict: Refuse where there would be a note, and leave nothing.
     """
 
     create: str
     names: tuple[str, ...] = ()
     pattern: ComponentPattern | None = None
+    is_strict: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,6 +244,11 @@ Action = (
     | SetStructure
     | SetEventProfiles
 )
+
+
+def strict(action: Action) -> Action:
+    """Return an action that is refused where it would be done with a note on what was asked for."""
+    return replace(action, is_strict=True) if isinstance(action, Load | Create) else action
 
 
 @dataclass(frozen=True, slots=True)

@@ -44,7 +44,7 @@ from rtkit.manager.report import Report
 from rtkit.manager.restarting import execute_again
 from rtkit.manager.settings import formats
 from rtkit.manager.settings.configuration import Wanted, door, read, wanted_from_text
-from rtkit.manager.settings.properties import Settings
+from rtkit.manager.settings.properties import STRICT, Settings
 from rtkit.manager.signals import catch_signals
 from rtkit.resources import resource as shipped
 from rtkit.rtc.address import parse_address
@@ -90,7 +90,7 @@ def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
             loop = _assemble(state, dead, keeper, is_shown, report.warn, stack)
             loop.recall(remembered)
             done = partial(_started, loop, keeper, report, state.settings)
-            start_up = StartUp(state, loop.post, done)
+            start_up = StartUp(state, loop.post, done, report.warn)
             _register(loop, state, stack)
             loop.settle(start_up.restore)
             loop.run()
@@ -134,7 +134,7 @@ def _started(
 ) -> None:
     for what, why in failures:
         report.fail(what, why)
-    if failures and settings.flag("rtkit.start.strict"):
+    if failures and settings.flag(STRICT):
         report.give_up("the manager ends, because rtkit.start.strict is YES")
         loop.has_failed = True
         loop.post(StopAsked())

@@ -12,11 +12,10 @@ from uuid import uuid4
 from rtkit.closing import Closing
 from rtkit.component.base import Component
 from rtkit.component.contexts import PERIODIC
-from rtkit.component.options import PortStatus
+from rtkit.component.options import NUMBERED, PortStatus
 from rtkit.component.port import OutPort, Port
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind
-from rtkit.manager.holding.connect import NUMBERED
 from rtkit.manager.processes.guest import Guest
 from rtkit.probe.spec import Stream
 from rtkit.probe.tap import Arrival, Tap

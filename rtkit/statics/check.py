@@ -12,6 +12,7 @@ from rtkit.statics.names import name_remarks
 from rtkit.statics.orders import order_remarks
 from rtkit.statics.parameters import parameter_remarks
 from rtkit.statics.ports import port_remarks
+from rtkit.statics.properties import property_remarks
 from rtkit.statics.remark import Remark
 from rtkit.statics.services import service_remarks
 from rtkit.statics.upkeep import upkeep_remarks
@@ -26,6 +27,7 @@ _RULES = (
     service_remarks,
     order_remarks,
     upkeep_remarks,
+    property_remarks,
 )
 
 

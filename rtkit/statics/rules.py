@@ -30,6 +30,7 @@ RULES: dict[str, str] = {
     "unconnected-service": "Nobody provides what a service port requires",
     "unknown-parameter": "A type has no such configuration parameter",
     "unknown-port": "A type has no such port",
+    "unknown-property": "A property looks like one that rtkit knows, and is none",
     "unknown-set": "The active configuration set is none that can be active",
     "unreadable-profile": "An RTC profile cannot be read",
     "version": "The RTC profile is of another version than the component",

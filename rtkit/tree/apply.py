@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 
-from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.actions import Action, Result, strict
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.plan import Check, Layer, Plan, Step, merged
 from rtkit.deployment.undo import traces
@@ -33,6 +33,8 @@ class Runner:
         progress: Talk = lambda _: None,
         count: Count = lambda _done, _known: None,
         taken: list[tuple[Action, float]] | None = None,
+        *,
+        is_strict: bool = False,
     ) -> None:
         """Carry out plans on `tree`.
 
@@ -42,7 +44,9 @@ class Runner:
             progress: Is told each layer before it is done.
             count: Is told how many steps are done, of how many that are known of.
             taken: Gets what the actions took that were done [s], where the manager tells.
+            is_strict: What would be done with a note is to fail instead.
         """
+        self._is_strict = is_strict
         self._tree = tree
         self._report = report
         self._progress = progress
@@ -138,8 +142,12 @@ class Runner:
     def _send(self, actions: Sequence[Action], *, is_ordered: bool) -> tuple[Result, ...]:
         if not actions:
             return ()
+        if self._is_strict:
+            actions = [strict(action) for action in actions]
         self.attempted += actions
         results = uninterrupted(lambda: self._tree.apply(actions, is_ordered=is_ordered))
+        for result in filter(_has_note, results):
+            self._report(f"note: {result.note}")
         done = zip(actions, results, strict=False)  # what follows a failure has no result
         self._taken += [(action, each.took_s) for action, each in done if each.ok and each.took_s]
         return results
@@ -169,6 +177,10 @@ class Runner:
             else:
                 remaining.append(f"{trace.what} ({result.why})")
         return removed, remaining
+
+
+def _has_note(result: Result) -> bool:
+    return bool(result.note)
 
 
 def regret(runner: Runner, before: Snapshot, error: BaseException) -> str:

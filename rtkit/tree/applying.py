@@ -52,6 +52,7 @@ class Goal:
         absent: Components that are not to be there.
         replaces: What cannot be changed in place is made again.
         prunes: What is not in the system is not to be there.
+        is_strict: What would be made with a note on it is to fail instead.
     """
 
     system: System
@@ -64,6 +65,7 @@ class Goal:
     absent: frozenset[str] = frozenset()
     replaces: bool = False
     prunes: bool = False
+    is_strict: bool = False
 
     def survey(
         self, snapshot: Snapshot, began: Snapshot | None = None, *, is_back: bool = False
@@ -138,7 +140,7 @@ class Applier:
         self._goal = goal
         self._report = report
         self._progress = progress
-        self._runner = Runner(tree, report, taken=taken)
+        self._runner = Runner(tree, report, taken=taken, is_strict=goal.is_strict)
         self._look: Callable[[], Snapshot] = lambda: uninterrupted(tree.snapshot)
         self._moves: Sequence[Move] = ()
         self._is_exact = False

@@ -6,13 +6,17 @@ import importlib
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import pytest
 
 from rtkit.cli import COMMANDS
-from rtkit.cli._app import Main
+from rtkit.cli._app import App, Main
 from rtkit.cli._verbs import SUMMARIES
+from rtkit.deployment import extension
+from rtkit.deployment.known_keys import OF_COMPONENTS, OF_PORTS, OF_SYSTEMS
 
 ROOT = Path(__file__).parents[2]
 MAX_LINES = 500
@@ -273,3 +277,47 @@ def test_nothing_tells_where_it_was_written() -> None:
         if word in file.read_text(encoding="utf-8")
     ]
     assert found == []
+
+
+def _commands() -> Iterator[tuple[str, click.Command]]:
+    """Yield each command, and each word of those that have words, as it is typed."""
+    for name in COMMANDS.values():
+        yield name, importlib.import_module(f"rtkit.cli.{name}").main.command
+    from rtkit.cli.rtprofile import WORDS
+
+    for word, each in WORDS.items():
+        yield f"rtprofile {word}", importlib.import_module(each.module).main.command
+
+
+def test_each_property_of_profiles_belongs_to_somebody() -> None:
+    names = {
+        name: text
+        for name, text in vars(extension).items()
+        if name.isupper() and isinstance(text, str)
+    }
+    mine = {text for text in names.values() if text.startswith("rtkit.")}
+    kept = {extension.STATED_ID, extension.STATED_KIND, extension.UNSTATED}
+    told = {*OF_SYSTEMS, *OF_COMPONENTS, *OF_PORTS}
+    assert mine - kept == told - {f"{extension.STAND_IN}."}
+
+
+REQUESTS = {"rtget", "rtset", "rtlisten", "rtserve", "rtbuild"}
+"""What these are given goes to its owner, who refuses what he does not know."""
+CHECKS = {"rtprofile check", "rtprofile validate", "rtconf", "rtdoctor"}
+
+
+def test_every_command_that_takes_keys_has_the_one_switch_for_warnings() -> None:
+    lacking = []
+    for name, each in _commands():
+        options = {text: option for option in each.params for text in option.opts}
+        told = {option.metavar or "" for option in each.params}
+        takes_keys = any("KEY" in text or text == "OPTIONS" for text in told) or "--map" in options
+        strict = options.get("--strict")
+        if strict is None:
+            lacking += [name] if (takes_keys and name not in REQUESTS) or name in CHECKS else []
+            continue
+        app = App("x")
+        with each.make_context("x", ["--strict"], obj=app, resilient_parsing=True) as context:
+            strict.process_value(context, True)
+            assert app.is_strict, f"{name} has a switch of its own"
+    assert not lacking

@@ -360,7 +360,7 @@ def test_what_has_no_effect_is_told(shell: Any) -> None:
         f"rtmgr: warning: {place}:4: openrtm.name is read-only: the implementation\n"
         "rtmgr: warning: logger.plugins has no effect: logs are files, one JSON object a line\n",
     )
-    told = "rtmgr: note: timer.tick has no effect: nothing is polled\n"
+    told = "rtmgr: warning: timer.tick has no effect: nothing is polled\n"
     assert shell.run(f"rtmgr -s timer.tick=0.7 {MANAGER}") == (0, "", told)
     assert known(shell, MANAGER)["properties"]["timer.tick"] == "0.7"
     assert known(shell, MANAGER)["properties"]["openrtm.name"] == "rtkit"

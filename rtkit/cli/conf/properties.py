@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.cli.conf.asked import Asked, values_of
 from rtkit.cli.conf.shown import show_value
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import Malformed, NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.rtc.names import Path
@@ -29,9 +30,10 @@ def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: Asked
         known = properties if name in properties else {name: _asked_for(app, name)}
         show_value(name, known, asked)
     elif asked.verb == "set":
-        for key, value in values_of(asked.arguments).items():
+        given = values_of(asked.arguments)
+        warn_of_vain(app, given)
+        for key, value in given.items():
             app.tree.set(key, value)
-            tell_vain(app, key, value)
     elif asked.is_json:
         _out.write([_records.line("properties", {"properties": dict(properties)})])
     else:
@@ -50,9 +52,16 @@ def _asked_for(app: App, name: str) -> str:
         raise NotFound(f"No such configuration parameter: {name}") from error
 
 
-def tell_vain(app: App, key: str, value: str) -> None:
-    """Say so if a property of a manager was set that has no effect."""
+def warn_of_vain(app: App, given: Mapping[str, str]) -> None:
+    """Warn of properties of a manager that are to be set and have no effect.
+
+    Raises:
+        Malformed: There are any, and warnings are to be taken for errors.
+    """
     from rtkit.manager.settings.properties import vain
 
-    if why := vain(key, value):
-        app.fail(f"note: {why}")
+    found = []
+    for key, value in given.items():
+        with suppress(Malformed):  # the manager tells what it does not take
+            found.append(vain(key, value))
+    app.warn(filter(None, found))

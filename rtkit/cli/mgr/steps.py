@@ -8,7 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out, _records
-from rtkit.cli.conf.properties import tell_vain
+from rtkit.cli.conf.properties import warn_of_vain
 from rtkit.errors import RtkitError, UsageProblem, from_kind
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
@@ -126,7 +126,12 @@ class Runner:
                     self._ask(step)
 
     def _perform(self, steps: Sequence[Step]) -> None:
-        results = self._app.tree.apply([self._placed(step.action) for step in steps if step.action])
+        from rtkit.deployment.actions import strict
+
+        actions = [self._placed(step.action) for step in steps if step.action]
+        if self._app.is_strict:
+            actions = list(map(strict, actions))
+        results = self._app.tree.apply(actions)
         for step, result in zip(steps, results, strict=False):
             self._app.tell(f"{step.kind} {step.typed}: {result.value if result.ok else 'failed'}")
             if result.note:
@@ -182,12 +187,12 @@ class Runner:
 
     def _set(self, step: Step) -> None:
         key, _, value = step.typed.partition("=") if step.kind == "configure" else ("fork", "", "")
+        if step.kind == "configure":
+            warn_of_vain(self._app, {key: value})
         try:
             done = self._app.tree.set(key, value)
         except RtkitError as error:
             raise step.failure(error.kind, str(error)) from error
-        if step.kind == "configure":
-            tell_vain(self._app, key, value)
         if step.kind == "fork" and self._is_printing:
             path = self._node.path
             above = path.rpartition("/")[0] if self._node.is_slave else path

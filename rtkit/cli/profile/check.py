@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rtkit.cli import _static
-from rtkit.cli._app import App, command
+from rtkit.cli._app import App, command, strict_option
 from rtkit.cli.system import shared
 
 TOOL = "rtprofile check"
@@ -13,7 +13,7 @@ TOOL = "rtprofile check"
 
 @command("check", is_local=True)
 @_static.static_options
-@click.option("--strict", is_flag=True, help="Take warnings, and what needs repair, for errors.")
+@strict_option("Take warnings, and what needs repair, for errors.")
 @click.option("--json", "is_json", is_flag=True, help="The same as --format json.")
 @shared.form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml")
 @click.option("-q", "--quiet", is_flag=True, help="Tell errors only.")
@@ -24,7 +24,6 @@ def main(
     components: tuple[str, ...],
     report: str | None,
     ignored: tuple[str, ...],
-    strict: bool,
     is_json: bool,
     quiet: bool,
 ) -> int:
@@ -40,7 +39,7 @@ def main(
     from rtkit.statics.verdict import Options
 
     form = "json" if is_json else report or _static.TEXT
-    options = Options(strict, ignored)
+    options = Options(app.is_strict, ignored)
     return _static.check(
         app, paths, components, report=form, tool=TOOL, options=options, is_quiet=quiet
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rtkit.cli._app import App, WrongArguments, command
+from rtkit.cli._app import App, WrongArguments, command, strict_option
 from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     help="Remove a property; repeatable.",
 )
 @click.option("-o", "--output", metavar="OUTPUT", help="Where to write it (default FILE itself).")
+@strict_option()
 @click.argument("file", metavar="FILE", required=False)
 @click.argument("said", nargs=-1, metavar="[INSTANCE:]KEY=VALUE...")
 def main(
@@ -32,12 +33,14 @@ def main(
 
     So policies of restart and rules of health are written down (rtkit help survival), states of
     the system (rtkit help states), costs (rtkit.cost) and what else rtkit or others know. What
-    makes no sense is refused, and nothing is written. The file is replaced whole; what FILE - reads
+    makes no sense is refused, and nothing is written; what looks like a property of rtkit and is
+    none is warned of. The file is replaced whole; what FILE - reads
     goes to stdout.
     """
     from rtkit.cli._atomic import write_output
     from rtkit.cli.profile._document import read_document
     from rtkit.cli.profile._talk import say_findings
+    from rtkit.deployment.known_keys import odd_properties
     from rtkit.profile.forms import form_of
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.profile.write import write_profile
@@ -54,6 +57,7 @@ def main(
     assert isinstance(document.profile, RtsProfile)
     profile = stated(document.profile, statements)
     _check(profile)
+    app.warn(each.text for each in odd_properties(profile))
     say_findings(app, rewritten(document.data, document.name).findings)
     write_output(write_profile(profile, form_of(document.data, document.name)), output or file)
 

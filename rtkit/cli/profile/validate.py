@@ -8,7 +8,7 @@ from functools import partial
 import click
 
 from rtkit.cli import _out
-from rtkit.cli._app import App, command
+from rtkit.cli._app import App, command, strict_option
 from rtkit.cli.profile._files import Source, sources
 from rtkit.cli.profile._talk import finding_style
 from rtkit.errors import InvalidDocument, NotFound, UsageProblem
@@ -19,7 +19,7 @@ TOOL = "rtprofile validate"
 
 
 @command("validate", is_local=True)
-@click.option("--strict", is_flag=True, help="Take everything that needs repair for an error.")
+@strict_option("Take everything that needs repair for an error.")
 @click.option("--explain", is_flag=True, help="Have the schemas tell in full what is wrong; slow.")
 @click.option(
     "--format", "form", type=click.Choice(FORMS), default=TEXT, help="How to tell (default text)."
@@ -38,7 +38,6 @@ TOOL = "rtprofile validate"
 def main(
     app: App,
     paths: tuple[str, ...],
-    strict: bool,
     explain: bool,
     form: str,
     is_json: bool,
@@ -60,7 +59,7 @@ def main(
         if rule not in rules:
             raise UsageProblem(f"no such rule: {rule}; --rules lists them")
     seen: list[Checked] = []
-    judge = partial(_judge, strict=strict, ignored=ignored, is_explaining=explain)
+    judge = partial(_judge, strict=app.is_strict, ignored=ignored, is_explaining=explain)
     checked = _checked(app, paths, judge, seen)
     for line in report_lines(
         JSON if is_json else form, checked, rules, TOOL, _now(), style=finding_style, is_quiet=quiet

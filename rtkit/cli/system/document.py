@@ -60,14 +60,14 @@ class Document:
         return int(element.sourceline or 1)
 
 
-def read_document(app: App, files: tuple[str, ...], *, strict: bool) -> Document:
+def read_document(app: App, files: tuple[str, ...]) -> Document:
     """Read the system profile that was named, or stdin; tell repairs when verbose.
 
     Raises:
         NotFound: The file cannot be read.
         InvalidDocument: It is no system profile.
     """
-    return parse_document(app, *read_data(files), strict=strict)
+    return parse_document(app, *read_data(files))
 
 
 def read_data(files: tuple[str, ...]) -> tuple[str, bytes]:
@@ -90,7 +90,7 @@ def is_saved_plan(data: bytes) -> bool:
     return re.match(rb'\s*\{\s*"schema"\s*:\s*"rtkit\.saved-plan/', data) is not None
 
 
-def parse_document(app: App, source: str, data: bytes, *, strict: bool) -> Document:
+def parse_document(app: App, source: str, data: bytes) -> Document:
     """Read a system profile; tell repairs when verbose.
 
     Raises:
@@ -100,8 +100,7 @@ def parse_document(app: App, source: str, data: bytes, *, strict: bool) -> Docum
 
     if is_saved_plan(data):
         raise InvalidDocument(f"{source}: is a saved plan; only rtapply takes it")
-    app.is_strict = strict
-    reading = read.read_rts(data, source, form=app.form, strict=strict)
+    reading = read.read_rts(data, source, form=app.form, strict=app.is_strict)
     for note in reading.notes:
         app.tell(f"{source}:{note.line}: {note.text}")
     return Document(reading.profile, data, source, app.form)

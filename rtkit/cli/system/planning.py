@@ -111,7 +111,6 @@ def prepare(
     document: Document,
     *,
     is_dry: bool,
-    strict: bool,
     mapped: tuple[str, ...],
     state: str,
     costs: tuple[str, ...],
@@ -135,7 +134,6 @@ def prepare(
         app,
         document,
         is_dry=is_dry,
-        strict=strict,
         mapped=mapped,
         costs=costs,
         basis=basis,
@@ -149,8 +147,7 @@ def prepare(
     wished = None if state == ANY else LifeCycleState(state)
     goal = replace(goal, state=wished, prunes=prunes)
     survey = goal.survey(snapshot)
-    for note in survey.notes:
-        app.fail(note)
+    app.warn(survey.notes, mark="")
     plan = (make or _cheapest)(goal, snapshot, survey.model)
     return Prepared(goal, snapshot, plan, survey)
 
@@ -166,7 +163,6 @@ def begin(
     document: Document,
     *,
     is_dry: bool,
-    strict: bool,
     mapped: tuple[str, ...],
     costs: tuple[str, ...],
     basis: str,
@@ -204,7 +200,13 @@ def begin(
     outlook = look_ahead(app, system, snapshot)
     table = settled_costs(app, costs, system, snapshot, is_measured=basis == MEASURED)
     goal = Goal(
-        system, ranks=ranks, costs=table, parallel=parallel, outlook=outlook, replaces=replaces
+        system,
+        ranks=ranks,
+        costs=table,
+        parallel=parallel,
+        outlook=outlook,
+        replaces=replaces,
+        is_strict=app.is_strict,
     )
     return Begun(document, goal, snapshot)
 

@@ -52,7 +52,7 @@ def save(
         "profile": source if source == STDIN else os.path.abspath(source),
         "form": document.form,
         "data": base64.b64encode(zlib.compress(document.data)).decode(),
-        "options": options,
+        "options": {**options, "strict": prepared.goal.is_strict},
         "makings": _makings(prepared.goal.system, prepared.snapshot),
     }
     made = time.strftime("%Y-%m-%d %H:%M:%S")
@@ -74,8 +74,8 @@ def prepare(
     origin = _origin(saved, source)
     _check_nothing_else(app, origin.options)
     app.form = origin.form
-    is_strict = bool(origin.options.get("strict"))
-    document = parse_document(app, origin.name, origin.profile, strict=is_strict)
+    app.is_strict |= bool(origin.options.pop("strict", False))
+    document = parse_document(app, origin.name, origin.profile)
     try:
         return planning.prepare(
             app,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtkit.cli._app import App
+from rtkit.cli._app import App, strict_option
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
@@ -39,9 +39,7 @@ def document_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options and the argument that name a system profile."""
     decorators: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
         form_options("Read", "; without -x and -y, as name and content say", "yaml", "xml"),
-        click.option(
-            "--strict", is_flag=True, help="Refuse a profile that needs repair, or has warnings."
-        ),
+        strict_option("Refuse a profile that needs repair, or has warnings."),
         click.option(
             "--map",
             "mapped",
@@ -125,11 +123,26 @@ def wanted_system(
         )
     for note in system.notes:
         app.tell(note)
+    app.warn(_odd_keys(document.profile))
     for wire in system.connectors:
         if wire.is_data:
             found = _odd(wire.profile)
             app.warn(f"connector {wire.profile.connector_id}: {text}" for text in found)
     return system
+
+
+def _odd_keys(profile: RtsProfile) -> Iterator[str]:
+    """Yield what is not known of properties, and of options in create strings."""
+    from rtkit.deployment.known_keys import odd_options, odd_properties
+
+    yield from (odd.text for odd in odd_properties(profile))
+    yield from odd_options(profile, _unknown_options)
+
+
+def _unknown_options(options: Mapping[str, str]) -> Iterable[str]:
+    from rtkit.manager.settings.options import unknown_options
+
+    return unknown_options(options)
 
 
 def _odd(wire: ConnectorProfile) -> list[str]:
@@ -270,7 +283,7 @@ def runner(
     """Return what carries plans out and talks on stderr; `taken` gets what actions took [s]."""
     from rtkit.tree.apply import Runner
 
-    return Runner(app.tree, app.fail, app.tell, count, taken)
+    return Runner(app.tree, app.fail, app.tell, count, taken, is_strict=app.is_strict)
 
 
 def check_text(text: str) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.errors import NotFound
+from rtkit.errors import NotFound, Refused
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.kept import MODULE, module_row
 from rtkit.manager.core.message import Message
@@ -31,13 +33,24 @@ def load(state: State, action: act.Load) -> Procedure:
     module = known(state, path, action.init)
     if module is None:
         tried = yield from try_module(state, path, action.init)
-        take(state, tried.module, path)
-        return Result(value=path, note="; ".join(tried.remarks))
+        return _loaded(action, "; ".join(tried.remarks), partial(take, state, tried.module, path))
     message = {"op": "fingerprint", "path": module.file or module.path}
     present: Any = yield Ask(state.processes[OWN_PROCESS], message)
     is_changed = present and present != state.tried.get(module.path, present)
     note = f"{path} has changed since it was loaded (rtmgr -u forgets what it was)"
-    return Result(value=path, note=note if is_changed else "")
+    return _loaded(action, note if is_changed else "")
+
+
+def _loaded(action: act.Load, note: str, take_in: Callable[[], object] = bool) -> Result:
+    """Take a module in, unless there is a note on it and that is too much.
+
+    Raises:
+        Refused: It is.
+    """
+    if action.is_strict and note:
+        raise Refused(note)
+    take_in()
+    return Result(value=action.path, note=note)
 
 
 def take(state: State, module: ModuleProfile, path: str = "") -> None:

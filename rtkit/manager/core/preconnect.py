@@ -7,6 +7,7 @@ from rtkit.errors import Malformed, NotFound
 from rtkit.manager.core.state import State
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import PortType
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
 _DEFAULTS = {
@@ -54,4 +55,5 @@ def _port(state: State, text: str) -> tuple[PortRef, PortProfile]:
         if port is not None:
             ref = PortRef(".".join(parts[:index]), port.name)
             return OwnEnds(state.components).end(ref), port
-    raise NotFound(f"no such port: {text}")
+    known = [f"{name}.{port.name}" for name, c in state.components.items() for port in c.ports]
+    raise NotFound(f"no such port: {text}{did_you_mean(text, known)}")

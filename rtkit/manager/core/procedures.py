@@ -149,6 +149,7 @@ def _create(state: State, action: act.Create) -> Procedure:
         claim.key = process.key
         named = create.with_options(instance_name=instance)
         made, note = yield from _make(state, process, action, named)
+        _check_strict(action, note)
         names = claim.names
         if claim.is_by_template:
             names = (*names, *late_names(state, create, instance))
@@ -216,7 +217,15 @@ def _otherwise(
     place = create.place or _slave_at(state, create.address)
     if place in ("", known.process):
         return ""
-    return f"{known.instance} exists already, in {known.process}: nothing was made"
+    note = f"{known.instance} exists already, in {known.process}: nothing was made"
+    _check_strict(action, note)
+    return note
+
+
+def _check_strict(action: act.Create, note: str) -> None:
+    """Refuse what there is a note on, if that is too much."""
+    if action.is_strict and note:
+        raise Refused(note)
 
 
 def _in_language(state: State, create: CreateString) -> CreateString:

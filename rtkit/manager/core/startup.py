@@ -8,14 +8,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from rtkit.component.options import remarks
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import Batch, results_from_text
-from rtkit.errors import RtkitError
+from rtkit.errors import Refused, RtkitError
 from rtkit.manager.core.events import BatchAsked, RestoreAsked
 from rtkit.manager.core.preconnect import connector
 from rtkit.manager.core.state import State
 from rtkit.manager.settings import values
+from rtkit.manager.settings.properties import STRICT
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
@@ -57,6 +59,7 @@ _PHASES: Sequence[tuple[str, _Plan]] = (
 class StartUp:
     """Hands in one batch after the other; `done` is called with the failures, by name.
 
+    What is done with a note goes to `warn`, or is a failure where the start is strict.
     All of it runs on the thread of the loop: `begin` is called there, and so are answers.
     """
 
@@ -65,10 +68,13 @@ class StartUp:
         state: State,
         post: Callable[[BatchAsked | RestoreAsked], object],
         done: Callable[[list[tuple[str, str]]], object],
+        warn: Callable[[str], object],
     ) -> None:
         self._state = state
         self._post = post
         self._done = done
+        self._warn = warn
+        self._is_strict = state.settings.flag(STRICT)
         self._failures: list[tuple[str, str]] = []
         self._steps = [
             (key, plan, item) for key, plan in _PHASES for item in state.settings.items(key)
@@ -91,19 +97,40 @@ class StartUp:
                 continue  # done by an earlier manager, and perhaps undone by its user since
             try:
                 actions = plan(self._state, item)
+                self._look_at(key, item, actions)
             except RtkitError as error:
                 self._fail(key, item, str(error))
                 continue
             if actions:
                 heard = partial(self._heard, key, item)
-                self._post(BatchAsked(Batch(tuple(actions), True, TIMEOUT_S), heard))
+                asked = tuple(map(act.strict, actions) if self._is_strict else actions)
+                self._post(BatchAsked(Batch(asked, True, TIMEOUT_S), heard))
                 return
         self._done(self._failures)
+
+    def _look_at(self, key: str, item: str, actions: Sequence[Action]) -> None:
+        """Warn of what is not known in the properties of connectors that are to be made.
+
+        Raises:
+            Refused: There is something, and the start is strict.
+        """
+        odd = [
+            text
+            for action in actions
+            if isinstance(action, act.Connect)
+            for text in remarks(action.connector.properties)
+        ]
+        if odd and self._is_strict:
+            raise Refused("; ".join(odd))
+        for text in odd:
+            self._warn(f"{key}: {item}: {text}")
 
     def _heard(self, key: str, item: str, reply: Reply) -> None:
         try:
             for result in results_from_text(reply.value()):
                 result.raise_for_error()
+                if result.note:
+                    self._warn(f"{key}: {item}: {result.note}")
             self._state.kept.begin(f"{key}: {item}")
         except RtkitError as error:
             self._fail(key, item, str(error))

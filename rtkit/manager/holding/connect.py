@@ -15,6 +15,7 @@ from rtkit.component.buffer import Sink, Source, make_ring
 from rtkit.component.carried import passage
 from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.options import (
+    NUMBERED,
     ConnectorOptions,
     FullPolicy,
     PortStatus,
@@ -33,8 +34,6 @@ from rtkit.link.threads import start_thread
 from rtkit.manager.logs.late import late
 from rtkit.rtc.profiles import ConnectorProfile
 
-NUMBERED = "rtkit.numbered"
-"""Property of a connector between processes whose values are numbered, so that losses show."""
 MATCH_S = 5.0
 """How long a sender looks for its receiver [s]."""
 

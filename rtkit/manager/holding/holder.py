@@ -229,16 +229,17 @@ class Holder:
             return component
         self.hold(component)
         self._memory[instance] = message.get("kept", {})
-        if is_composite(component):
-            self._compose(message, component)
-            return LATER
-        self.tell(component)
         odd = [text for each in found for text in each["remarks"]]
         odd += maker.odd_options(component, create)
         for text in odd:
             component.report(text)
         changed = maker.changed(component)
-        return {"changed": changed, "remarks": odd} if changed or odd else instance
+        told = {"changed": changed, "remarks": odd} if changed or odd else instance
+        if is_composite(component):
+            self._compose(message, component, told)
+            return LATER
+        self.tell(component)
+        return told
 
     def hold(self, component: Component) -> None:
         """Initialise a component and drive its contexts; only on the thread of `run`.
@@ -252,12 +253,12 @@ class Holder:
         for context in component.contexts.values():
             self._drive(component, context)
 
-    def _compose(self, message: Message, composite: Composite) -> None:
+    def _compose(self, message: Message, composite: Composite, told: object) -> None:
         composite.resolve = self.component
 
         def done(error: RtkitError | None) -> None:
             if error is None:
-                self.answer(message, composite.instance)
+                self.answer(message, told)
             else:
                 self._end(composite.instance)
                 self.refuse(message, error)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound
 from rtkit.manager.settings import rtcconf, values
-from rtkit.manager.settings.properties import Settings
+from rtkit.manager.settings.properties import STRICT, Settings
 from rtkit.manager.settings.reading import read_private
 
 PORT_VARIABLE = "RTKIT_PORT"
@@ -59,7 +59,7 @@ def read(wanted: Wanted) -> Configuration:
     Raises:
         NotFound: A file that was named is not there.
         Refused: It cannot be read, or strangers can have written it.
-        Malformed: A line or an override cannot be read.
+        Malformed: A line or an override cannot be read, or has a warning and the start is strict.
     """
     settings = Settings()
     file, entries = _read_file(wanted)
@@ -68,6 +68,8 @@ def read(wanted: Wanted) -> Configuration:
     told += rtcconf.warnings(overrides, file)
     for entry in (*entries, *overrides):
         settings.take(entry.key, entry.value)
+    if told and settings.flag(STRICT):
+        raise Malformed("; ".join(told))
     return Configuration(settings, file, tuple(told))
 
 

@@ -14,6 +14,8 @@ from rtkit.manager.settings import formats, values
 from rtkit.rtc.address import parse_address
 from rtkit.rtc.nearest import did_you_mean
 
+STRICT = "rtkit.start.strict"
+"""Property: whether a warning or a failure at its start ends a manager."""
 LIVE = "live"
 START = "start"
 FIXED = "read-only"
@@ -138,7 +140,8 @@ timer.enable | YES | boolean | - | nothing is polled
 timer.tick | 0.1 | number | - | nothing is polled
 sdo.service.provider.enabled_services | ALL | list | - | components have no SDO services
 sdo.service.consumer.enabled_services | ALL | list | - | components have no SDO services
-rtkit.start.strict | NO | boolean | start | YES: a failure while starting ends the manager
+rtkit.start.strict | NO | boolean | start
+    | YES: a warning or a failure while starting ends the manager (rtmgr start --strict)
 manager.restart | never | text | live
     | what is made again after it has died, if its create string does not say: never, on-failure
     (by a signal, an exit status but 0, in Error), always

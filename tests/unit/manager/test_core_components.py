@@ -14,6 +14,7 @@ from rtkit.deployment.actions import (
     Load,
     SetParameters,
     Unload,
+    strict,
 )
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
@@ -907,6 +908,33 @@ def test_what_is_odd_in_a_module_or_in_options_is_a_note(shell):
     shell.say(call.key, facts=facts("B"))
     shell.reply(call, {"changed": "", "remarks": ["one", "two"]})
     assert asked.result.note == "one; two"
+
+
+def test_what_is_odd_is_refused_where_it_is_strict_and_nothing_stays(shell):
+    asked = shell.ask(strict(Load("a.py", "aInit")))
+    shell.fork(TRIAL)
+    call = shell.next("load")
+    shell.reply(call, {**module_of(call, "Thing"), "remarks": ["A.on_exectue is no callback"]})
+    assert (asked.result.kind, asked.result.why) == ("refused", "A.on_exectue is no callback")
+    assert shell.state.modules == {}
+    asked = shell.ask(strict(create("Thing?instance_name=B&manager_name=s")))
+    key = shell.fork("s")
+    call = shell.next("create")
+    shell.say(call.key, facts=facts("B"))
+    shell.reply(call, {"changed": "", "remarks": ["unknown option: manager_nme"]})
+    assert (asked.result.kind, asked.result.why) == ("refused", "unknown option: manager_nme")
+    assert (shell.state.components, shell.state.kept.components) == ({}, {})
+    assert shell.told[-1] == (key, {"op": "delete", "instance": "B"})
+    assert (key, signal.SIGTERM) in shell.signals  # it was started for nothing else
+
+
+def test_what_is_there_elsewhere_is_refused_where_it_is_strict(shell):
+    shell.make("A", "s")
+    again = create("Thing?instance_name=A&manager_name=t")
+    assert shell.ask(again).result.note == "A exists already, in s: nothing was made"
+    refused = shell.ask(strict(again)).result
+    assert (refused.ok, refused.why) == (False, "A exists already, in s: nothing was made")
+    assert shell.ask(strict(create("Thing?instance_name=A&manager_name=s"))).result.ok
 
 
 def test_a_component_of_code_that_was_edited_since_is_made_with_a_note(shell):

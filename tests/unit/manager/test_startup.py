@@ -16,13 +16,15 @@ def shell():
     return FakeShell()
 
 
-def start(shell, **given):
+def start(shell, warned=None, **given):
     """Run a start-up on fakes; return its failures."""
     for key, value in given.items():
         shell.state.settings.take(f"manager.{key.replace('__', '.')}", value)
     outcome = []
     posted = []
-    start_up = StartUp(shell.state, posted.append, outcome.append)
+    start_up = StartUp(
+        shell.state, posted.append, outcome.append, ([] if warned is None else warned).append
+    )
     start_up.begin()
     while posted:
         shell.feed(posted.pop(0))
@@ -76,7 +78,7 @@ def test_what_fails_is_told_and_the_rest_done(shell):
     )
     assert dict(failures) == {
         "manager.components.precreate: ?x": "option 'x' is not KEY=VALUE in create string: ?x",
-        "manager.components.preconnect: A.out?port=C.in": "no such port: C.in",
+        "manager.components.preconnect: A.out?port=C.in": "no such port: C.in (did you mean A.in?)",
         "manager.components.preconnect: A.out": "not COMPONENT.PORT?port=COMPONENT.PORT: A.out",
         "manager.components.preactivation: C": "no component named C",
     }
@@ -87,6 +89,46 @@ def test_a_component_that_lives_already_is_what_was_wanted(shell):
     shell.make("A", "s")
     assert start(shell, components__precreate="Thing?instance_name=A") == []
     assert list(shell.state.components) == ["A"]
+
+
+ODD = "subscripton_type=flush"
+TOLD = (
+    "unknown connector property: dataport.subscripton_type"
+    " (did you mean dataport.subscription_type?)"
+)
+
+
+def test_what_is_odd_in_connections_is_warned_of(shell):
+    warned = []
+    shell.make("A")
+    shell.make("B")
+    assert start(shell, warned, components__preconnect=f"A.out?port=B.in&{ODD}") == []
+    assert warned == [f"manager.components.preconnect: A.out?port=B.in&{ODD}: {TOLD}"]
+    assert list(shell.state.connectors) == ["A.out-B.in"]
+
+
+def test_what_is_odd_in_connections_fails_a_strict_start(shell):
+    warned = []
+    shell.make("A")
+    shell.make("B")
+    shell.state.settings.take("rtkit.start.strict", "YES")
+    item = f"A.out?port=B.in&{ODD}"
+    failed = [(f"manager.components.preconnect: {item}", TOLD)]
+    assert start(shell, warned, components__preconnect=item) == failed
+    assert (warned, shell.state.connectors) == ([], {})
+
+
+@pytest.mark.parametrize("is_strict", [False, True])
+def test_notes_on_what_is_made_are_warnings_or_failures(shell, is_strict):
+    warned = []
+    shell.make("A", "s")
+    shell.state.settings.take("rtkit.start.strict", "YES" if is_strict else "NO")
+    item = "Thing?instance_name=A&manager_name=t"
+    note = "A exists already, in s: nothing was made"
+    failed = start(shell, warned, components__precreate=item)
+    told = f"manager.components.precreate: {item}"
+    assert failed == ([(told, note)] if is_strict else [])
+    assert warned == ([] if is_strict else [f"{told}: {note}"])
 
 
 def test_ports_are_put_in_order_and_may_have_dots(shell):

@@ -200,3 +200,19 @@ def test_an_interruption_does_not_wait_for_ever(monkeypatch, runner, world):
     assert told == (
         "removed again: New; the manager may still be busy with what it was last asked for"
     )
+
+
+def test_notes_on_what_was_done_are_told(world, talk):
+    tree = fake_tree(world)
+    tree.apply = lambda actions, **_how: tuple(Result(note="it is odd") for _ in actions)
+    Runner(tree, talk.append).run(plan(step(act.Create("Sink?instance_name=A"))))
+    assert talk == ["note: it is odd"]
+
+
+def test_what_is_made_strictly_says_so_to_the_manager(world, talk):
+    sent = []
+    tree = fake_tree(world)
+    tree.apply = lambda actions, **_how: (sent.extend(actions), (Result(),) * len(actions))[1]
+    made = [act.Load("a.py"), act.Create("Sink"), act.Delete("Sink0")]
+    Runner(tree, talk.append, is_strict=True).run(plan(*map(step, made)))
+    assert sent == [act.Load("a.py", is_strict=True), act.Create("Sink", is_strict=True), made[2]]

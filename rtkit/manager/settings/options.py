@@ -1,0 +1,50 @@
+"""Options of a create string that are not known, whatever component is made with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from rtkit.component.base import ACTIVE_SET
+from rtkit.component.options import remarks
+from rtkit.deployment import extension
+from rtkit.manager.settings import properties
+from rtkit.rtc.nearest import CLOSE, did_you_mean
+
+CONF = "conf."
+_OWN = "rtkit."
+_OPTIONS = (
+    "instance_name",
+    "manager_name",
+    "manager_address",
+    "manager",
+    "language",
+    "config_file",
+    "members",
+    "exported_ports",
+    ACTIVE_SET,
+    extension.TRANSMIT,
+)
+_EXTENSIONS = tuple(
+    value for value in vars(extension).values() if isinstance(value, str) and value.startswith(_OWN)
+)
+
+
+def unknown_options(options: Mapping[str, str]) -> Iterator[str]:
+    """Yield what to tell of options that look like others that are known, a line each."""
+    connector = {key: value for key, value in options.items() if key.startswith("dataport.")}
+    yield from remarks(connector)
+    known = [*_OPTIONS, *_EXTENSIONS, *properties.KNOWN]
+    for key in options:
+        if key.startswith(CONF):
+            set_id, _, name = key.removeprefix(CONF).partition(".")
+            if not set_id or not name:
+                yield f"not conf.SET.PARAMETER: {key}"
+        elif key not in connector and not key.startswith("port.") and not _is_known(key):
+            hint = did_you_mean(key, known, 1, least=CLOSE)
+            if hint or key.startswith(_OWN):
+                yield f"unknown option: {key}{hint}"
+
+
+def _is_known(key: str) -> bool:
+    is_own = any(key == each or key.startswith(f"{each.rstrip('.')}.") for each in _EXTENSIONS)
+    return key in _OPTIONS or is_own or properties.find(key) is not None
