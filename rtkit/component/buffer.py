@@ -1,18 +1,20 @@
 """Ring buffers of connectors: bounded, written by one thread and read by another.
 
-`Ring` drops the oldest and never waits: its write is one append to a bounded deque. `GuardedRing`
-takes a lock, for the policies that refuse or wait.
+`Ring` drops the oldest and never waits: its write is one append to a bounded deque. `AwaitedRing`
+does so too, and wakes a reader that waits. `GuardedRing` takes a lock, for the policies that refuse
+values or let their writer wait.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from threading import Condition
-from typing import Generic, Protocol, TypeVar
+from contextlib import suppress
+from threading import Condition, Lock
+from typing import Generic, Protocol, TypeAlias, TypeVar
 
 from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
-from rtkit.component.waiting import waiting
+from rtkit.component.waiting import wait_for, waiting
 
 T = TypeVar("T")
 T_co = TypeVar("T_co", covariant=True)
@@ -66,6 +68,76 @@ class Ring(Generic[T]):
 
     def close(self) -> None:
         """Do nothing: nobody waits here."""
+
+
+class AwaitedRing(Generic[T]):
+    """A ring buffer that drops the oldest value when it is full, and lets its reader wait.
+
+    A condition would take about as long as all else that is done for a small value. Here no lock
+    guards anything: each step is one of a deque, and who waits looks for a value once more after
+    he hung up his bell, so none comes unheard.
+
+    Attributes:
+        lost: Values that were dropped.
+    """
+
+    def __init__(self, options: BufferOptions) -> None:
+        self._items: deque[T] = deque(maxlen=options.length)
+        self._bells: deque[Lock] = deque()
+        self._timeout_s = options.read_timeout
+        self._is_closed = False
+        self.lost = 0
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def write(self, value: T) -> PortStatus | None:
+        """Take one value; return why not when it is closed."""
+        if self._is_closed:
+            return PortStatus.CONNECTION_LOST
+        items = self._items
+        if len(items) == items.maxlen:
+            self.lost += 1
+        items.append(value)
+        if self._bells:
+            self._ring()
+        return None
+
+    def take(self) -> T | None:
+        """Remove and return the oldest value, None when empty."""
+        try:
+            return self._items.popleft() if self._items else None
+        except IndexError:  # another thread was quicker
+            return None
+
+    def wait(self) -> T | None:
+        """Remove and return the oldest value, after waiting for one if there is none."""
+        value = self.take()
+        left_s = self._timeout_s
+        while value is None and left_s > 0 and not self._is_closed:
+            bell = Lock()
+            bell.acquire()
+            self._bells.append(bell)
+            value = self.take()  # what came before the bell hung there rang nothing
+            if value is None and not self._is_closed:
+                left_s = wait_for(bell, left_s)
+                value = self.take()
+            if self._bells:  # who rang it took it down
+                with suppress(ValueError):
+                    self._bells.remove(bell)
+        return value
+
+    def close(self) -> None:
+        """Accept no more values and wake whoever waits."""
+        self._is_closed = True
+        self._ring()
+
+    def _ring(self) -> None:
+        try:
+            while self._bells:
+                self._bells.popleft().release()
+        except IndexError:  # he has left meanwhile, as the last one
+            return
 
 
 class GuardedRing(Generic[T]):
@@ -169,11 +241,13 @@ class Pulled(Generic[T]):
         self._fetched = None
 
 
-def make_ring(options: BufferOptions) -> Ring[T] | GuardedRing[T]:
+AnyRing: TypeAlias = Ring[T] | AwaitedRing[T] | GuardedRing[T]
+
+
+def make_ring(options: BufferOptions) -> AnyRing[T]:
     """Return the cheapest buffer that does what the options ask."""
-    if (
-        options.full_policy is FullPolicy.OVERWRITE
-        and options.empty_policy is not EmptyPolicy.BLOCK
-    ):
-        return Ring(options.length)
-    return GuardedRing(options)
+    if options.full_policy is not FullPolicy.OVERWRITE:
+        return GuardedRing(options)
+    if options.empty_policy is EmptyPolicy.BLOCK:
+        return AwaitedRing(options)
+    return Ring(options.length)

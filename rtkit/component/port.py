@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from threading import Lock
 from typing import Generic, TypeVar, cast
 
-from rtkit.component.buffer import Buffer, GuardedRing, Pulled, Ring, Sink, Source, make_ring
+from rtkit.component.buffer import AnyRing, Buffer, Pulled, Sink, Source, make_ring
 from rtkit.component.definition import definition_of
 from rtkit.component.options import ConnectorOptions, EmptyPolicy, PortStatus, parse_options
 from rtkit.component.typenames import type_name
@@ -159,9 +159,12 @@ class InPort(DataPort[T]):
         the next one, after waiting (``block``). None while nothing has ever arrived.
         """
         buffers = self._buffers
-        value = buffers[0].take() if len(buffers) == 1 else self._take_in_turn(buffers)
-        if value is None and self._waits:
-            value = self._wait(buffers)
+        if len(buffers) == 1:  # as nearly always, and one call is enough then
+            value = buffers[0].wait() if self._waits else buffers[0].take()
+        else:
+            value = self._take_in_turn(buffers)
+            if value is None and self._waits:
+                value = self._wait(buffers)
         if value is None:
             return self._last if self._reads_back else None
         self.read_count += 1
@@ -195,7 +198,7 @@ class InPort(DataPort[T]):
             Malformed: A property of the connector cannot be read.
         """
         options = self._options(connector).inport
-        ring: Ring[T] | GuardedRing[T] = make_ring(options)
+        ring: AnyRing[T] = make_ring(options)
         self._add(connector.connector_id, ring, options.empty_policy)
         with self._lock:
             if renew is not None:
@@ -411,7 +414,7 @@ class OutPort(DataPort[T]):
             Refused: It is open already, or the port takes no more.
             Malformed: A property of the connector cannot be read.
         """
-        ring: Ring[T] | GuardedRing[T] = make_ring(self._options(connector).outport)
+        ring: AnyRing[T] = make_ring(self._options(connector).outport)
         self.attach(connector.connector_id, ring.write)
         with self._lock:
             self._pulled[connector.connector_id] = ring

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from threading import Thread
+from time import monotonic
 
 import pytest
 
-from rtkit.component.buffer import GuardedRing, Pulled, Ring, make_ring
+from rtkit.component.buffer import AwaitedRing, GuardedRing, Pulled, Ring, make_ring
 from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
 
 LONG_S = 30.0
@@ -24,7 +25,7 @@ def in_thread(action):
     [
         (BufferOptions(), Ring),
         (BufferOptions(empty_policy=EmptyPolicy.DO_NOTHING), Ring),
-        (BufferOptions(empty_policy=EmptyPolicy.BLOCK), GuardedRing),
+        (BufferOptions(empty_policy=EmptyPolicy.BLOCK), AwaitedRing),
         (BufferOptions(full_policy=FullPolicy.DO_NOTHING), GuardedRing),
         (BufferOptions(full_policy=FullPolicy.BLOCK), GuardedRing),
     ],
@@ -72,9 +73,46 @@ def test_a_reader_that_waits_goes_on_when_there_is_a_value():
     assert results == [7]
 
 
-def test_a_reader_gives_up_after_its_time():
-    ring = make_ring(BufferOptions(2, empty_policy=EmptyPolicy.BLOCK, read_timeout=0.0))
+@pytest.mark.parametrize("timeout_s", [0.0, 0.001, 0.02])
+def test_a_reader_gives_up_after_its_time(timeout_s):
+    ring = make_ring(BufferOptions(2, empty_policy=EmptyPolicy.BLOCK, read_timeout=timeout_s))
+    began_s = monotonic()
     assert ring.wait() is None
+    assert monotonic() - began_s >= timeout_s
+
+
+def test_readers_that_wait_together_get_a_value_each():
+    ring = make_ring(BufferOptions(8, empty_policy=EmptyPolicy.BLOCK, read_timeout=LONG_S))
+    readers = [in_thread(ring.wait) for _ in range(4)]
+    for value in range(4):
+        ring.write(value)
+    for thread, _ in readers:
+        thread.join(LONG_S)
+    assert sorted(read for _, results in readers for read in results) == [0, 1, 2, 3]
+
+
+def test_a_reader_that_waits_hears_every_value():
+    count = 20_000
+    ring = make_ring(BufferOptions(count, empty_policy=EmptyPolicy.BLOCK, read_timeout=LONG_S))
+    thread, results = in_thread(lambda: [ring.wait() for _ in range(count)])
+    for value in range(count):
+        ring.write(value)
+    thread.join(LONG_S)
+    assert results == [list(range(count))]
+
+
+def test_values_that_were_dropped_are_counted():
+    ring = make_ring(BufferOptions(2, empty_policy=EmptyPolicy.BLOCK))
+    for value in range(5):
+        ring.write(value)
+    assert (ring.lost, len(ring)) == (3, 2)
+
+
+def test_what_came_before_closing_can_still_be_waited_for():
+    ring = make_ring(BufferOptions(2, empty_policy=EmptyPolicy.BLOCK, read_timeout=LONG_S))
+    ring.write(1)
+    ring.close()
+    assert [ring.wait(), ring.wait()] == [1, None]
 
 
 def test_closing_wakes_both():

@@ -1,0 +1,90 @@
+"""Waits that callbacks are granted: those that are over at once, and those that take long."""
+
+from __future__ import annotations
+
+from threading import Lock
+
+import pytest
+
+from rtkit.component import waiting
+from rtkit.component.waiting import grant_by, wait_for
+
+LONG_S = 3000.0
+
+
+class Clock:
+    """Stands still but while somebody waits."""
+
+    def __init__(self):
+        self.now_ns = 0
+
+    def monotonic_ns(self):
+        return self.now_ns
+
+
+class Bell:
+    """Rings so long after one begins to wait for it [s]."""
+
+    def __init__(self, clock, after_s):
+        self.clock = clock
+        self.left_s = after_s
+        self.grants = []
+        self.granted = []
+
+    def acquire(self, timeout):
+        self.granted.append(sum(self.grants))
+        taken_s = min(timeout, self.left_s)
+        self.left_s -= taken_s
+        self.clock.now_ns += round(taken_s * 1e9)
+        return self.left_s <= 0
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(waiting, "time", clock)
+    yield clock
+    grant_by(None)
+
+
+def wait(clock, after_s, bound_s):
+    bell = Bell(clock, after_s)
+    grant_by(bell.grants.append)
+    return bell, wait_for(bell, bound_s)
+
+
+def test_a_long_wait_is_granted_before_and_given_back(clock):
+    bell, left_s = wait(clock, 2.0, 10.0)
+    assert left_s == pytest.approx(8.0)
+    assert bell.granted[-1] == pytest.approx(10e9)
+    assert sum(bell.grants) == pytest.approx(2e9)
+
+
+def test_nothing_is_left_of_a_wait_that_was_in_vain(clock):
+    bell, left_s = wait(clock, LONG_S, 2.0)
+    assert left_s <= 0
+    assert sum(bell.grants) == pytest.approx(2e9)
+
+
+def test_brief_waits_are_granted_together(clock):
+    grants = []
+    grant_by(grants.append)
+    for _ in range(1000):
+        assert wait_for(Bell(clock, 0.0003), 1.0) == pytest.approx(0.9997)
+    assert sum(grants) == pytest.approx(clock.now_ns, abs=1.1e6)
+    assert 0 < len(grants) <= clock.now_ns / 1e6
+
+
+def test_what_was_owed_goes_with_who_drove_the_thread(clock):
+    grant_by(lambda _: None)
+    wait_for(Bell(clock, 0.0009), 1.0)
+    bell, _ = wait(clock, 0.0009, 1.0)
+    assert bell.grants == []
+
+
+def test_who_is_driven_by_nobody_waits_all_the_same():
+    bell = Lock()
+    bell.acquire()
+    assert wait_for(bell, 0.001) <= 0
+    bell.release()
+    assert wait_for(bell, 1.0) > 0
