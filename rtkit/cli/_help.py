@@ -9,6 +9,7 @@ from rtkit.cli._statuses import DETAILS, STATUSES, TOLD_APART
 _FOLDER = os.path.join(os.path.dirname(__file__), "topics")
 TOPICS: dict[str, str] = {
     "connectors": "How values travel between two ports.",
+    "limits": "The most that slaves may use of memory, processes, files, processors.",
     "paths": "How components, managers, directories and ports are named.",
     "plans": "In which order rtstart and rtstop tell components.",
     "profiles": "Documents that describe components and systems.",

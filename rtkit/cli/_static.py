@@ -14,6 +14,7 @@ from rtkit.cli.profile._talk import finding_style
 from rtkit.errors import InvalidDocument, NotFound, Refused, UsageProblem
 
 if TYPE_CHECKING:
+    from rtkit.deployment.limits import Capacity
     from rtkit.report.finding import Checked
     from rtkit.statics.verdict import Options
 
@@ -44,6 +45,13 @@ def static_options(function: Callable[..., Any]) -> Callable[..., Any]:
     for decorator in reversed(decorators):
         function = decorator(function)
     return function
+
+
+def this_host() -> Capacity:
+    """Return what the host has on which a system is to run."""
+    from rtkit.manager.processes.capacity import capacity
+
+    return capacity()
 
 
 def check(

@@ -67,7 +67,7 @@ def main(
         check_at_most_one(files, "file")
         from rtkit.statics.verdict import Options
 
-        options = Options(app.is_strict, ignored)
+        options = Options(app.is_strict, ignored, _static.this_host)
         return _static.check(app, files, components, report=form, tool=TOOL, options=options)
     if components or ignored:
         raise UsageProblem("--components and --ignore are for --static")

@@ -55,6 +55,7 @@ def main(
     they must run. Only one rtapply, rtresurrect or rtstate works at a manager at a time.
     """
     from rtkit.cli.system.known_types import known_types
+    from rtkit.cli.system.reserving import check_reserved
     from rtkit.deployment.creation import creation_plan
     from rtkit.deployment.live import Live
     from rtkit.deployment.wiring import wiring_plan
@@ -79,6 +80,7 @@ def main(
             mapped=mapped,
             known_types=None if no_create or stand_in else known_types(document.profile, before),
         )
+        check_reserved(app, system, before)
         lacks = {} if no_create else lacking(app, system, before)
         with document.naming():
             if dry_run:

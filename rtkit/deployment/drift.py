@@ -87,9 +87,12 @@ def _is_same_policy(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
     if one == other:
         return True
     from rtkit.deployment.health import read_rules
+    from rtkit.deployment.limits import read_limits
     from rtkit.deployment.supervision import Restart, read_policy
 
     try:
+        if read_limits(one) != read_limits(other):
+            return False
         # What is not said is what the manager says, so it must be the same whatever that is.
         return set(read_rules(one)) == set(read_rules(other)) and all(
             read_policy(one, default) == read_policy(other, default) for default in Restart

@@ -58,13 +58,24 @@ CRITICAL = "rtkit.critical"
 """Property of a component: ``yes`` if its loss stops the system."""
 HEALTH = "rtkit.health."
 """Property of a component, with the name of a rule: what it must do to count as well."""
+LIMIT = "rtkit.limit."
+"""Property of a component, with what is limited: the most that its slave may use of it."""
+LIMIT_MEMORY = f"{LIMIT}memory"
+"""Property of a component: resident memory that its slave may have, such as ``200M``."""
+LIMIT_PROCESSES = f"{LIMIT}processes"
+"""Property of a component: how many processes its slave may be."""
+LIMIT_DESCRIPTORS = f"{LIMIT}descriptors"
+"""Property of a component: how many files each of those processes may have open."""
+LIMIT_PROCESSOR = f"{LIMIT}processor"
+"""Property of a component: share of a processor that its slave may use, ``0.5`` or ``50%``."""
 TRANSMIT = "standin.transmit"
 """Option: ``default`` to have a stand-in write default values."""
 
 
 def is_policy(key: str) -> bool:
-    """Whether a property tells what is done about an end or bad health, perhaps misspelt."""
-    return key in (RESTART, CRITICAL) or key.startswith((f"{RESTART}.", f"{CRITICAL}.", HEALTH))
+    """Whether a property tells of restarts, health or limits, perhaps misspelt."""
+    begins = (f"{RESTART}.", f"{CRITICAL}.", HEALTH, LIMIT)
+    return key in (RESTART, CRITICAL) or key.startswith(begins)
 
 
 def policy_in(create: str) -> dict[str, str]:
@@ -84,7 +95,7 @@ def with_policy(create: str, policy: Mapping[str, str]) -> str:
     """
     for key in policy:
         if not is_policy(key):
-            raise Malformed(f"{key} is no property of restarts or health")
+            raise Malformed(f"{key} is no property of restarts, health or limits")
     made = parse_create(create)
     return str(made.with_options(**{**dict.fromkeys(policy_in(create), ""), **policy}))
 

@@ -35,6 +35,11 @@ OF_COMPONENTS = (
     ext.RESTART_LIMIT,
     ext.CRITICAL,
     ext.HEALTH,
+    ext.LIMIT,
+    ext.LIMIT_MEMORY,
+    ext.LIMIT_PROCESSES,
+    ext.LIMIT_DESCRIPTORS,
+    ext.LIMIT_PROCESSOR,
 )
 OF_PORTS = (ext.INTERFACES, ext.STATED_TYPE)
 """Keys of properties; what ends in a dot begins many."""

@@ -13,6 +13,7 @@ from math import isfinite
 from rtkit.deployment.extension import (
     CRITICAL,
     HEALTH,
+    LIMIT,
     RESTART,
     RESTART_DELAY,
     RESTART_LIMIT,
@@ -71,7 +72,7 @@ def read_policy(options: Mapping[str, str], default: Restart = Restart.NEVER) ->
         Malformed: One makes no sense; names it.
     """
     for key in options:
-        if is_policy(key) and not key.startswith(HEALTH) and key not in _KEYS:
+        if is_policy(key) and not key.startswith((HEALTH, LIMIT)) and key not in _KEYS:
             raise Malformed(f"unknown property of supervision: {key} (one of {', '.join(_KEYS)})")
     restart = restart_of(RESTART, options.get(RESTART, ""), default)
     delay_s = _number(RESTART_DELAY, options.get(RESTART_DELAY, "0.1"), 0.0, LONGEST_S, "s")

@@ -211,14 +211,30 @@ def _component(
     if is_stand_in:
         stand_in = _as_stand_in(made, component, create, choices, is_marked)
         made_by = parse_create(stand_in.create)
-        text = str(made_by.with_options(**_policy(policy, made_by, choices)))
+        text = _limited(made_by.with_options(**_policy(policy, made_by, choices)))
         return _supervised(replace(stand_in, create=text), policy), where.note
     module = own.get(extension.MODULE, "") or (known.module if known is not None else "")
     text = ""
     if create:
         made_by = _create(create, made)
-        text = str(made_by.with_options(**_policy(policy, made_by, choices)))
+        text = _limited(made_by.with_options(**_policy(policy, made_by, choices)))
     return _supervised(replace(made, create=text, module=module), policy), where.note
+
+
+def _limited(create: CreateString) -> str:
+    """Return a create string as text.
+
+    Raises:
+        Malformed: It has limits, but its component would not be in a slave.
+    """
+    text = str(create)
+    is_in_slave = create.place or create.address or create.options.get("members")
+    if extension.LIMIT in text and not is_in_slave:
+        from rtkit.deployment.limits import needs_slave, read_limits
+
+        if read_limits(create.options):
+            raise Malformed(needs_slave(create.instance_name))
+    return text
 
 
 def _supervised(made: WantedComponent, own: Mapping[str, str]) -> WantedComponent:
@@ -254,10 +270,12 @@ def _restarts_of_slaves(profile: RtsProfile) -> dict[str, str]:
 
 def _check_policy(options: Mapping[str, str]) -> None:
     from rtkit.deployment.health import read_rules
+    from rtkit.deployment.limits import read_limits
     from rtkit.deployment.supervision import read_policy
 
     read_policy(options)
     read_rules(options)
+    read_limits(options)
 
 
 def _costs(instance: str, text: str) -> dict[str, float]:

@@ -54,6 +54,7 @@ from rtkit.version import __version__
 if TYPE_CHECKING:
     from zenoh import Session
 
+    from rtkit.deployment.limits import Capacity
     from rtkit.manager.holding.holder import Holder
     from rtkit.manager.loop import Loop
 
@@ -331,6 +332,7 @@ def _state(name: str, folder: str, settings: Settings) -> State:
     state.processes[OWN_PROCESS] = Process(OWN_PROCESS, name, os.getpid(), "up")
     state.settings, state.folder = settings, folder
     state.base_paths = base_paths()
+    state.capacity = _capacity
     state.properties.update(
         {
             "manager.instance_name": name,
@@ -344,6 +346,12 @@ def _state(name: str, folder: str, settings: Settings) -> State:
         }
     )
     return state
+
+
+def _capacity() -> Capacity:
+    from rtkit.manager.processes.capacity import capacity
+
+    return capacity()
 
 
 def _names(host: str, name: str, settings: Settings) -> tuple[str, ...]:

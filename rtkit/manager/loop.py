@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
 from rtkit.deployment.figures import FIGURES
@@ -42,6 +42,9 @@ from rtkit.manager.processes.watchman import (
 from rtkit.manager.requests import Desk
 from rtkit.property.exchange import Request, failure
 from rtkit.records import replace
+
+if TYPE_CHECKING:
+    from rtkit.manager.processes.limiter import Limiter
 
 _log = logging.getLogger(__name__)
 TIDY_S = 1.0
@@ -82,6 +85,7 @@ class Loop:
             nursery.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
         )
         self._watchman.watch(ev.OWN_PROCESS, core.state.pid)
+        self._limiter: Limiter | None = None  # made for the first slave with limits
         self._stacks = open_stacks(nursery.data_pattern, core.state.pid)
         self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
@@ -150,15 +154,26 @@ class Loop:
         look_at = self._watchman.look_at if self._has_callbacks else None
         tidy_at = self._tidy_at if self._core.state.components else None
         nursery = (self._nursery.sweep_at, self._nursery.start_at)
-        wishes = (self._wake_at, self._lines.deadline, look_at, tidy_at, *nursery)
+        limits_at = self._limiter.look_at if self._limiter is not None else None
+        wishes = (self._wake_at, self._lines.deadline, look_at, tidy_at, limits_at, *nursery)
         moments = [moment for moment in wishes if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
 
     def _look(self) -> None:
-        """See whether a callback is stuck, when it is time."""
+        """See whether a callback is stuck, or a limit reached, when it is time."""
         if self._has_callbacks and time.monotonic() >= self._watchman.look_at:
             for event in list(self._watchman.poll()):
                 self._handle(event)
+        if self._limiter is not None and time.monotonic() >= self._limiter.look_at:
+            for reached in self._limiter.look():
+                self._handle(reached)
+
+    def _limit(self, instruction: ev.LimitSlave) -> None:
+        if self._limiter is None:
+            from rtkit.manager.processes.limiter import Limiter
+
+            self._limiter = Limiter()
+        self._limiter.limit(instruction.key, instruction.pid, instruction.limits)
 
     @property
     def _has_callbacks(self) -> bool:
@@ -241,6 +256,8 @@ class Loop:
             case ev.SlaveEnded(key):
                 self._lines.drop(key)
                 self._watchman.forget(key)
+                if self._limiter is not None:
+                    self._limiter.forget(key)
 
     def _with_last_words(self, event: ev.SlaveEnded) -> ev.SlaveEnded:
         """Find out why a slave ended that was to live, and log it."""
@@ -253,7 +270,10 @@ class Loop:
         words = last_words(self._core.state.name, process.name, process.pid)
         if words.stacks:
             self._log_crash(event.key, process, words)
-        known = replace(event, reason=words.reason(event.reason), last=words.text)
+        reason = words.reason(event.reason)
+        if self._limiter is not None:
+            reason = self._limiter.reason(event.key, reason, words.text)
+        known = replace(event, reason=reason, last=words.text)
         said = f"; its last words: {known.last}" if known.last else ""
         _log.warning("slave %s ended: %s%s", process.name, known.reason, said)
         return known
@@ -316,6 +336,8 @@ class Loop:
             case ev.SignalSlave(key, number):
                 self._nursery.signal(key, signal.Signals(number))
                 fault.point("manager.signalled")
+            case ev.LimitSlave():
+                self._limit(instruction)
             case ev.Keep(number, rows):
                 self._keeper.keep(number, rows)
             case ev.Forget():

@@ -1,4 +1,4 @@
-"""What a system profile says of restarts, health and states of the system."""
+"""What a system profile says of restarts, health, limits and states of the system."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from contextlib import suppress
 from rtkit.deployment.described import properties_of
 from rtkit.deployment.extension import CREATE, SLAVE_RESTART, STATE_CHART, STATES, is_policy
 from rtkit.deployment.health import read_rules
+from rtkit.deployment.limits import read_limits
 from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.supervision import read_policy, restart_of
 from rtkit.errors import Malformed
@@ -26,6 +27,7 @@ def upkeep_remarks(view: View) -> Iterator[Remark]:
                 try:
                     read_policy(told)
                     read_rules(told)
+                    read_limits(told)
                 except Malformed as error:
                     where = part.place.below("properties", number).at("value")
                     text = f"{part.name}: {error}"

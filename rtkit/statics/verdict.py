@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import NamedTuple
 
 from rtkit.deployment.identity import type_of
+from rtkit.deployment.limits import Capacity
 from rtkit.profile.common import Note
 from rtkit.profile.examine import examine
 from rtkit.profile.positions import Positions
@@ -22,10 +23,12 @@ class Options(NamedTuple):
     Attributes:
         strict: Warnings are errors, and so is what had to be repaired.
         ignored: Ids of rules about which nothing is to be said.
+        capacity: Returns what the host has on which the system is to run.
     """
 
     strict: bool = False
     ignored: Collection[str] = ()
+    capacity: Callable[[], Capacity] = Capacity
 
     def chosen(self, findings: Iterable[Finding]) -> tuple[Finding, ...]:
         """Return those that are to be told, by line."""
@@ -89,7 +92,8 @@ def verdict(system: Opened, catalogue: Catalogue, options: Options = USUAL) -> C
         )
         return Checked(system.file, "", tuple(errors))
     positions = system.positions
-    found = (_finding(each, system.file, positions) for each in remarks(system.profile, catalogue))
+    told = remarks(system.profile, catalogue, options.capacity)
+    found = (_finding(each, system.file, positions) for each in told)
     return Checked(system.file, _what(system.profile, catalogue), options.chosen(found))
 
 

@@ -76,6 +76,7 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
     ]
     where = [("Stand-in", "yes")] if facts.is_stand_in else []
     where += [("Cause", facts.cause)] if facts.cause else []
+    where += _limits(facts)
     upkeep = facts.upkeep
     told = (
         ("Trouble", facts.trouble or upkeep.trouble),
@@ -84,6 +85,17 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
     )
     where += [each for each in told if each[1]]
     return known + where
+
+
+def _limits(facts: ComponentFacts) -> list[tuple[str, str]]:
+    from rtkit.deployment.extension import LIMIT
+
+    if LIMIT not in facts.create:
+        return []
+    from rtkit.deployment.limits import limits_in
+
+    limits = limits_in(facts.create)
+    return [("Limits", f"{limits.text} (slave {facts.process})")] if limits else []
 
 
 def _context_lines(context: ExecutionContextProfile, number: int, level: int) -> list[str]:

@@ -39,7 +39,7 @@ def main(
     from rtkit.statics.verdict import Options
 
     form = "json" if is_json else report or _static.TEXT
-    options = Options(app.is_strict, ignored)
+    options = Options(app.is_strict, ignored, _static.this_host)
     return _static.check(
         app, paths, components, report=form, tool=TOOL, options=options, is_quiet=quiet
     )

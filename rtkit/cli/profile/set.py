@@ -31,11 +31,11 @@ def main(
 ) -> None:
     """Set properties of a system and its components, in its profile.
 
-    So policies of restart and rules of health are written down (rtkit help survival), states of
-    the system (rtkit help states), costs (rtkit.cost) and what else rtkit or others know. What
-    makes no sense is refused, and nothing is written; what looks like a property of rtkit and is
-    none is warned of. The file is replaced whole; what FILE - reads
-    goes to stdout.
+    So policies of restart, rules of health (rtkit help survival) and limits (rtkit help limits) are
+    written down, states of the system (rtkit help states), costs (rtkit.cost) and what else rtkit
+    or others know. What makes no sense is refused, and nothing is written; what looks like a
+    property of rtkit and is none is warned of. The file is replaced whole; what FILE - reads goes
+    to stdout.
     """
     from rtkit.cli._atomic import write_output
     from rtkit.cli.profile._document import read_document
@@ -71,6 +71,7 @@ def _check(profile: RtsProfile) -> None:
     from rtkit.deployment.described import properties_of
     from rtkit.deployment.extension import SLAVE_RESTART
     from rtkit.deployment.health import read_rules
+    from rtkit.deployment.limits import read_limits
     from rtkit.deployment.supervision import read_policy, restart_of
 
     for key, value in properties_of(profile.properties).items():
@@ -81,5 +82,6 @@ def _check(profile: RtsProfile) -> None:
         try:
             read_policy(told)
             read_rules(told)
+            read_limits(told)
         except Malformed as error:
             raise Malformed(f"{component.instance_name}: {error}") from error

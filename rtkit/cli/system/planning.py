@@ -184,6 +184,7 @@ def begin(
     """
     from rtkit.cli.system.foresight import look_ahead
     from rtkit.cli.system.known_types import known_types
+    from rtkit.cli.system.reserving import check_reserved
     from rtkit.tree.applying import Goal
 
     snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lease=lease)
@@ -196,6 +197,7 @@ def begin(
         mapped=mapped,
         known_types=None if stand_in else known_types(document.profile, snapshot),
     )
+    check_reserved(app, system, snapshot)
     ranks = _ranks(app, document, system)
     outlook = look_ahead(app, system, snapshot)
     table = settled_costs(app, costs, system, snapshot, is_measured=basis == MEASURED)

@@ -13,6 +13,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed
 from rtkit.manager.core import since_made
+from rtkit.manager.core.limiting import note_limits
 from rtkit.manager.core.message import Message
 from rtkit.manager.core.noting import note
 from rtkit.manager.core.registration import free_names
@@ -145,6 +146,7 @@ def _take_component(state: State, process: Process, facts: ComponentFacts) -> bo
     )
     state.components[facts.instance] = kept
     state.holders[facts.instance] = process.key
+    note_limits(state, facts.instance, facts.create)
     return True
 
 

@@ -45,12 +45,14 @@ from rtkit.manager.core.events import (
     SlaveFound,
     SlaveHalted,
     SlaveMissed,
+    SlaveOverLimit,
     SlaveReady,
     StopAsked,
     Tick,
     WakeAt,
 )
 from rtkit.manager.core.keeping import Keeping
+from rtkit.manager.core.limiting import Limiting
 from rtkit.manager.core.message import Message
 from rtkit.manager.core.restoring import RESTORE_S, note_loss, repair, restore
 from rtkit.manager.core.state import Process, State
@@ -79,6 +81,7 @@ class Core:
         self._supervisor = Supervisor(state, self._tasks)
         self._batches = Batches(state, self._out, self._tasks, self._keeping, self._supervisor)
         self._announcer = Announcer(state, self._out)
+        self._limiting = Limiting(state, self._out, self._tasks)
         self._wellbeing = Wellbeing(state, self._supervisor, self._tasks)
         self._survey = Survey(state, self._out, self._announcer.run_id, self._wellbeing)
         self._is_stopping = False
@@ -124,6 +127,8 @@ class Core:
                 self.state.barred = why
             case SlaveHalted(key, is_halted):
                 self._halted(key, is_halted)
+            case SlaveOverLimit(key, why):
+                self._limiting.reached(key, why)
             case CallbackStuck():
                 self._stuck(event)
             case ProcessInspected(key):
@@ -143,6 +148,7 @@ class Core:
         self._tasks.run(now)
         until = self._survey.run(now)
         self._tasks.run_new(now)  # what figures have given cause for
+        self._limiting.run()
         self._keeping.run(now)
         if until is not None:
             self._out.append(WakeAt(until))
@@ -202,6 +208,7 @@ class Core:
             self._tasks.hear(key, message)
         elif "facts" in message:
             facts = facts_in.take(self.state, process, message["facts"])
+            self._limiting.heard(facts)
             self._supervisor.heard(facts, self._now)
             for wire in self.state.connectors_of(facts.instance):
                 ends = [end for end in wire.ports if end.instance == facts.instance]

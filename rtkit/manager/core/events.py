@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from rtkit.deployment.batch import Batch
+from rtkit.deployment.limits import Limits
 from rtkit.manager.core.message import Message
 from rtkit.property.exchange import Reply
 from rtkit.records import dataclass
@@ -183,6 +184,14 @@ class SlaveHalted:
 
 
 @dataclass(frozen=True, slots=True)
+class SlaveOverLimit:
+    """A slave has reached a limit that it was given by `LimitSlave`; `why` tells which."""
+
+    key: int
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
 class CallbackStuck:
     """A callback of a component exceeds its deadline; or, with no text, it goes on again.
 
@@ -235,6 +244,7 @@ Event = (
     | SlaveMissed
     | SlaveEnded
     | SlaveHalted
+    | SlaveOverLimit
     | CallbackStuck
     | ProcessInspected
     | HolderSaid
@@ -273,6 +283,15 @@ class SignalSlave:
 
     key: int
     signal: int
+
+
+@dataclass(frozen=True, slots=True)
+class LimitSlave:
+    """Have a slave and all below it use no more than that; without limits, as much as it likes."""
+
+    key: int
+    pid: int
+    limits: Limits
 
 
 @dataclass(frozen=True, slots=True)
@@ -332,6 +351,7 @@ Instruction = (
     | AdoptSlave
     | SendToHolder
     | SignalSlave
+    | LimitSlave
     | Inspect
     | Keep
     | Forget

@@ -6,8 +6,10 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.extension import with_policy
 from rtkit.deployment.health import Reaction, read_rules
+from rtkit.deployment.limits import read_limits
 from rtkit.deployment.supervision import Policy, Restart, read_policy, restart_of
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.naming import remember
 from rtkit.manager.core.state import State
 from rtkit.manager.core.wishes import Procedure, Tell
@@ -25,6 +27,7 @@ def policy_of(state: State, create: str) -> Policy:
     """
     made = parse_create(create)
     rules = read_rules(made.options)
+    read_limits(made.options)
     default = restart_of(DEFAULT, state.settings.text(DEFAULT))
     of_slave = f"{DEFAULT}.{made.place or state.name}"
     default = restart_of(of_slave, state.settings.text(of_slave), default)
@@ -42,10 +45,11 @@ def set_policy(state: State, action: act.SetPolicy) -> Procedure:
         raise Refused(f"{action.instance} was not made here: it has no policy")
     create = with_policy(facts.create, action.policy)
     policy_of(state, create)
+    process = state.process_of(action.instance)
+    reserve(state, action.instance, create, process)
     state.update(action.instance, create=create)
     state.kept.change(action.instance, create=create)
     (state.ruled.add if read_rules(action.policy) else state.ruled.discard)(action.instance)
-    process = state.process_of(action.instance)
     if process is not None and process.is_ready:
         yield Tell(process, remember(state, action.instance))
     return Result()

@@ -13,12 +13,14 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.health import read_rules
+from rtkit.deployment.limits import needs_slave
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
 from rtkit.manager.core.claims import at_rest, claim_name, names_elsewhere
 from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
 from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.message import Message
 from rtkit.manager.core.modules import forget_found, load, unload
 from rtkit.manager.core.naming import register, remember, unregister
@@ -145,7 +147,10 @@ def _create(state: State, action: act.Create) -> Procedure:
     instance, claim = claim_name(state, action, create, taken)
     known = state.components.get(instance)
     try:
+        reserve(state, instance, str(create))
         process = yield from _place(state, claim, create)
+        if process.key == OWN_PROCESS and instance in state.limits:
+            raise Refused(needs_slave(instance))
         claim.key = process.key
         named = create.with_options(instance_name=instance)
         made, note = yield from _make(state, process, action, named)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.deployment.limits import Capacity, Limits
 from rtkit.deployment.upkeep import Upkeep
 from rtkit.errors import RtkitError
 from rtkit.manager.core.events import OWN_PROCESS
@@ -146,6 +147,8 @@ class State:
         unwell: Those of them that live, and are to be ended first.
         ruled: Instances with rules of health.
         degraded: Which of those rules they break, by instance.
+        limits: What components may use that say so, by instance.
+        capacity: Returns what this host has.
         since_made: What users asked of found components since they were made, by instance; no
             more once the rest of what is desired of them is done.
         loose: Ends of connectors that slaves hold which were found, by connector and slave, until
@@ -183,6 +186,8 @@ class State:
     unwell: set[str] = field(default_factory=set)
     ruled: set[str] = field(default_factory=set)
     degraded: dict[str, str] = field(default_factory=dict)
+    limits: dict[str, Limits] = field(default_factory=dict)
+    capacity: Callable[[], Capacity] = Capacity
     since_made: dict[str, Wish] = field(default_factory=dict)
 
     def trouble_of(self, instance: str, process: Process) -> str:

@@ -853,6 +853,16 @@ def test_changed_code_is_told_and_replaced_with_all_that_shares_its_slave(consol
     assert console.run("rtplan --replace")[1].startswith("nothing to do")
 
 
+def test_a_plan_that_reserves_more_than_the_host_has_is_refused(console):
+    console.change("Source?manager_name=s", "Source?manager_name=s&amp;rtkit.limit.memory=900T")
+    why = "rtkit.limit.memory: 900 TiB in all (Source0 900 TiB), but this host has "
+    for name in ("rtplan", "rtapply", "rtresurrect"):
+        status, out, err = console.run(f"{name} --exit-detail")
+        assert (status, out) == (7, "")
+        assert err.startswith(f"{name}: {why}")
+    assert console.world.performed == []
+
+
 @pytest.mark.parametrize("where", ["manager", "shared"])
 def test_changed_code_that_cannot_be_replaced_says_what_helps(console, tmp_path, where):
     file = tmp_path / "Sink.py"

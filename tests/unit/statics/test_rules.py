@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import pytest
 from lxml import etree
 
+from rtkit.deployment.limits import Capacity
 from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.report.finding import ERROR, NOTE, WARNING
 from rtkit.statics.rules import RULES
@@ -56,6 +57,28 @@ CASES = [
         "rtkit.critical",
         "",
         "unknown property: rtkit.critical (it belongs to a component)",
+    ),
+    Case(
+        ROBOT,
+        MOTOR_MADE,
+        f'{MOTOR_MADE}<rtsExt:Properties rtsExt:name="rtkit.limit.memory" rtsExt:value="much"/>',
+        ERROR,
+        "supervision",
+        "much",
+        "",
+        "Motor0: rtkit.limit.memory: not an amount of memory from 1M on,"
+        " such as 200M or 1.5G: much",
+    ),
+    Case(
+        ROBOT,
+        "Motor?manager_name=motor&amp;instance_name=Motor0",
+        "Motor?rtkit.limit.memory=1G",
+        ERROR,
+        "limits",
+        "Motor?rtkit.limit.memory=1G",
+        "",
+        "Motor0 has limits, and only a slave can be limited, not the manager itself:"
+        " name one in its create string (manager_name=SLAVE)",
     ),
     Case(
         ROBOT,
@@ -615,6 +638,17 @@ def test_a_long_chain_of_conditions_takes_no_ages(check: Any, text_of: Any) -> N
     assert finding.text.count(" waits for ") == 20
     assert " waits for S9 waits for … 1981 more … waits for S1991 waits for " in finding.text
     assert finding.text.endswith(" waits for S1999 waits for S0")
+
+
+def test_more_than_a_host_has_is_an_error_there(check: Any, text_of: Any) -> None:
+    limit = '<rtsExt:Properties rtsExt:name="rtkit.limit.memory" rtsExt:value="2G"/>'
+    text = text_of(ROBOT).replace(MOTOR_MADE, MOTOR_MADE + limit)
+    assert check(text, options=Options(capacity=lambda: Capacity(memory=2 << 30))).is_valid
+    (finding,) = check(text, options=Options(capacity=lambda: Capacity(memory=1 << 30))).findings
+    assert (finding.severity, finding.rule) == (ERROR, "limits")
+    assert finding.text == (
+        "rtkit.limit.memory: 2 GiB in all (Motor0 2 GiB), but this host has 1 GiB"
+    )
 
 
 def test_strict_makes_warnings_errors_and_rules_can_be_ignored(check: Any, text_of: Any) -> None:

@@ -1,0 +1,51 @@
+"""Checks before anything is done that this host has what a system reserves by limits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.cli._app import App
+from rtkit.deployment.extension import LIMIT
+from rtkit.errors import Impossible, RtkitError
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from rtkit.deployment.facts import ComponentFacts, Snapshot
+    from rtkit.deployment.system import System
+
+
+def check_reserved(app: App, system: System, snapshot: Snapshot) -> None:
+    """Check that this host has what components may use together, those of other managers too.
+
+    Raises:
+        Impossible: It has not; tells the numbers.
+    """
+    policies = (component.policy or {} for component in system.components)
+    if not any(key.startswith(LIMIT) for policy in policies for key in policy):
+        return
+    from rtkit.deployment.limits import overbooked
+    from rtkit.deployment.reserving import reserved
+    from rtkit.manager.processes.capacity import capacity
+
+    managers = {each.manager for each in (snapshot, *snapshot.others)}
+    elsewhere = _elsewhere(app, managers) if app.finds_managers else {}
+    why = overbooked(reserved(system, snapshot.components, elsewhere), capacity())
+    if why:
+        raise Impossible(why)
+
+
+def _elsewhere(app: App, managers: Collection[str]) -> dict[str, tuple[ComponentFacts, ...]]:
+    """Return what lives in the managers of this host that are not these."""
+    from rtkit.link import running
+    from rtkit.tree.connect import connect
+
+    found = {}
+    for name in running.managers():
+        if name not in managers:
+            try:
+                with connect(name, app.timeout_s) as tree:
+                    found[name] = tree.snapshot().components
+            except RtkitError as error:
+                app.tell(f"what manager {name} has reserved is not known: {error}")
+    return found

@@ -1,0 +1,235 @@
+"""Limits of what a slave may use of its host, as properties of the components that it holds.
+
+``rtkit.limit.memory`` [bytes], ``rtkit.limit.processes``, ``rtkit.limit.descriptors`` (of each
+process) and ``rtkit.limit.processor`` (1 is one processor). The slave is what is limited, with
+all processes below it: what its components say adds up. Plain code, no measuring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from math import inf, isfinite
+from typing import NamedTuple
+
+from rtkit.deployment.extension import LIMIT
+from rtkit.errors import Malformed
+from rtkit.records import dataclass
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.nearest import did_you_mean
+
+WINDOW_S = 5.0
+"""The share of a processor is the mean of so long [s]."""
+_UNITS = "KMGT"
+_LEAST_BYTES = 1 << 20
+_MOST_COUNT = 1 << 20
+_MOST_PROCESSORS = 4096.0
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The most that a slave may use; 0 for as much as there is.
+
+    Attributes:
+        memory: Resident memory of all its processes [bytes].
+        processes: Its own process and all below it.
+        descriptors: Open files of any one of them.
+        processor: Mean number of processors in use within `WINDOW_S`.
+    """
+
+    memory: int = 0
+    processes: int = 0
+    descriptors: int = 0
+    processor: float = 0.0
+
+    def __add__(self, other: Limits) -> Limits:
+        return Limits(
+            self.memory + other.memory,
+            self.processes + other.processes,
+            self.descriptors + other.descriptors,
+            round(self.processor + other.processor, 9),
+        )
+
+    def __bool__(self) -> bool:
+        return self != NO_LIMITS
+
+    @property
+    def text(self) -> str:
+        """All that are set, in one line."""
+        told = [f"memory {bytes_text(self.memory)}"] if self.memory else []
+        told += [f"processes {self.processes}"] if self.processes else []
+        told += [f"descriptors {self.descriptors}"] if self.descriptors else []
+        told += [f"processor {self.processor:g}"] if self.processor else []
+        return ", ".join(told)
+
+
+NO_LIMITS = Limits()
+
+
+@dataclass(frozen=True, slots=True)
+class TreeUsage:
+    """What a slave and the processes below it use; `processor` is their share of late."""
+
+    memory: int = 0
+    processes: int = 0
+    descriptors: int = 0
+    processor: float = 0.0
+
+
+class Capacity(NamedTuple):
+    """What a host has: memory [bytes] and processors, perhaps less than whole ones."""
+
+    memory: float = inf
+    processors: float = inf
+
+
+def read_limits(options: Mapping[str, str]) -> Limits:
+    """Return the limits that the properties of a component say.
+
+    Raises:
+        Malformed: One makes no sense; names it.
+    """
+    said = tuple(sorted((k, v) for k, v in options.items() if k.startswith(LIMIT)))
+    return _read(said) if said else NO_LIMITS
+
+
+def limits_in(create: str) -> Limits:
+    """Return the limits in a create string; none in one that cannot be read."""
+    if LIMIT not in create:
+        return NO_LIMITS
+    try:
+        return read_limits(parse_create(create).options)
+    except Malformed:
+        return NO_LIMITS
+
+
+@lru_cache(maxsize=256)
+def _read(said: tuple[tuple[str, str], ...]) -> Limits:
+    values: dict[str, float] = {}
+    for key, text in said:
+        kind = key.removeprefix(LIMIT)
+        if kind not in _READERS:
+            hint = did_you_mean(kind, _READERS, 1, lambda each: LIMIT + each)
+            raise Malformed(f"unknown limit: {key}{hint or f' (one of {_KNOWN})'}")
+        if text.strip():
+            values[kind] = _READERS[kind](key, text.strip())
+    return Limits(
+        int(values.get("memory", 0)),
+        int(values.get("processes", 0)),
+        int(values.get("descriptors", 0)),
+        values.get("processor", 0.0),
+    )
+
+
+def _bytes(key: str, text: str) -> float:
+    """Read ``200M``, ``200MiB``, ``1.5G`` or a plain number of bytes; a K is 1024."""
+    bare = text.upper().removesuffix("B").removesuffix("I")
+    unit = _UNITS.find(bare[-1:]) + 1 if bare[-1:] else 0
+    is_odd = text.upper().endswith("IB") and not unit
+    value = _number(bare[:-1] if unit else bare) * 1024.0**unit
+    if is_odd or not _LEAST_BYTES <= value <= 1024.0**5:
+        raise Malformed(f"{key}: not an amount of memory from 1M on, such as 200M or 1.5G: {text}")
+    return value
+
+
+def _count(key: str, text: str) -> float:
+    value = _number(text)
+    if not (1 <= value <= _MOST_COUNT and value == int(value)):
+        raise Malformed(f"{key}: not a whole number from 1 to {_MOST_COUNT}: {text}")
+    return value
+
+
+def _share(key: str, text: str) -> float:
+    """Read ``0.5`` or ``50%`` of one processor."""
+    value = _number(text[:-1]) / 100 if text.endswith("%") else _number(text)
+    if not 0 < value <= _MOST_PROCESSORS:
+        raise Malformed(f"{key}: not a share of a processor, such as 0.5, 50% or 2: {text}")
+    return value
+
+
+def _number(text: str) -> float:
+    """Return a number; -1 for what is none, or is written in a way that nobody would mean."""
+    if not text.strip().replace(".", "", 1).isdecimal() or not text.isascii():
+        return -1.0
+    value = float(text)
+    return value if isfinite(value) else -1.0
+
+
+_READERS: Mapping[str, Callable[[str, str], float]] = {
+    "memory": _bytes,
+    "processes": _count,
+    "descriptors": _count,
+    "processor": _share,
+}
+_KNOWN = ", ".join(LIMIT + kind for kind in _READERS)
+
+
+def bytes_text(amount: float) -> str:
+    """Return an amount of memory with the largest unit that leaves a whole part."""
+    for unit in reversed(_UNITS):
+        size = 1024.0 ** (_UNITS.index(unit) + 1)
+        if amount >= size:
+            return f"{amount / size:.4g} {unit}iB"
+    return f"{amount:.0f} B"
+
+
+def reached(limits: Limits, used: TreeUsage) -> str:
+    """Return which limit is reached, with what is used; empty for none."""
+    if limits.memory and used.memory >= limits.memory:
+        return memory_reached(limits, bytes_text(used.memory))
+    if limits.processes and used.processes > limits.processes:
+        return f"limit of {limits.processes} processes reached ({used.processes})"
+    if limits.descriptors and used.descriptors >= limits.descriptors:
+        return descriptors_reached(limits, str(used.descriptors))
+    if limits.processor and used.processor > limits.processor:
+        within = f"{used.processor:.2f} over {WINDOW_S:g} s"
+        return f"processor limit of {limits.processor:g} reached ({within})"
+    return ""
+
+
+def memory_reached(limits: Limits, how: str) -> str:
+    """Return the reason of an end for too much memory."""
+    return f"memory limit of {bytes_text(limits.memory)} reached ({how})"
+
+
+def descriptors_reached(limits: Limits, how: str) -> str:
+    """Return the reason of an end for too many descriptors."""
+    return f"limit of {limits.descriptors} descriptors reached ({how})"
+
+
+def exhausted(limits: Limits, cause: str) -> str:
+    """Return which limit made a callback fail for that cause; empty where none did."""
+    if limits.memory and "MemoryError" in cause:
+        return memory_reached(limits, cause)
+    if limits.descriptors and "[Errno 24]" in cause:
+        return descriptors_reached(limits, cause)
+    return ""
+
+
+def needs_slave(instance: str) -> str:
+    """Return why a component with limits cannot be in the manager's own process."""
+    return (
+        f"{instance} has limits, and only a slave can be limited, not the manager itself:"
+        " name one in its create string (manager_name=SLAVE)"
+    )
+
+
+def overbooked(reserved: Mapping[str, Limits], capacity: Capacity) -> str:
+    """Return of what components may use more together than there is; empty for nothing."""
+    for kind, have, text in (
+        ("memory", capacity.memory, bytes_text),
+        ("processor", capacity.processors, "{:g}".format),
+    ):
+        said = {name: float(getattr(each, kind)) for name, each in reserved.items()}
+        total = round(sum(said.values()), 6)
+        if total > have:
+            who = _largest(said, text)
+            return f"{LIMIT}{kind}: {text(total)} in all ({who}), but this host has {text(have)}"
+    return ""
+
+
+def _largest(said: Mapping[str, float], text: Callable[[float], str], most: int = 4) -> str:
+    """Return who may use most, the others by their number."""
+    ranked = sorted(filter(said.get, said), key=lambda name: -said[name])
+    told = [f"{name} {text(said[name])}" for name in ranked]
+    return ", ".join([*told[:most], *([f"{len(told) - most} more"] if len(told) > most else [])])

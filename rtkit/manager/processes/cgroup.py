@@ -1,0 +1,149 @@
+"""Control groups of limited slaves, where the kernel's version 2 lets this user make them.
+
+They only hold what runs away between two looks (see `rtkit.manager.processes.limiter`): most
+containers and log-ins let nobody write them, and what a limit means is to be the same everywhere.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Mapping
+from contextlib import suppress
+
+from rtkit.deployment.limits import Limits
+from rtkit.manager.processes.leftovers import family
+
+_ROOT = "/sys/fs/cgroup"
+_WANTED = ("memory", "pids", "cpu")
+_OURS = "rtkit-"
+_MANAGER = f"{_OURS}manager"
+_PERIOD_US = 100_000
+_MORE = 1.05
+"""By how much more than its share a slave may use, so that a look sees it use more."""
+_THREADS = 64
+"""How many threads each process is taken to have: the kernel counts those."""
+
+
+class ControlGroups:
+    """Puts slaves into control groups below `parent`."""
+
+    def __init__(self, parent: str, proc: str = "/proc") -> None:
+        self._parent = parent
+        self._proc = proc
+        self._folders: dict[int, str] = {}
+
+    def limit(self, pid: int, limits: Limits) -> None:
+        """Have a process, and what it starts from now on, kept within limits.
+
+        Raises:
+            OSError: The kernel refuses.
+        """
+        folder = self._folders.get(pid) or self._make(pid)
+        share = limits.processor * _MORE
+        told = {
+            "memory.max": str(limits.memory or "max"),
+            "memory.swap.max": "0" if limits.memory else "max",
+            "pids.max": str(limits.processes * _THREADS or "max"),
+            "cpu.max": f"{max(1000, int(share * _PERIOD_US)) if share else 'max'} {_PERIOD_US}",
+        }
+        _write_all(folder, told)
+        _write(f"{folder}/cgroup.procs", str(pid))
+
+    def was_out_of_memory(self, pid: int) -> bool:
+        """Whether the kernel ended something in the group of a process for want of memory."""
+        folder = self._folders.get(pid, "")
+        lines = _read(f"{folder}/memory.events").splitlines() if folder else []
+        return any(line.startswith("oom_kill ") and line.split()[1] != "0" for line in lines)
+
+    def forget(self, pid: int) -> None:
+        """Remove the group of a process that ended; one that is not empty yet goes later."""
+        if self._folders.pop(pid, None):
+            self.tidy()
+
+    def tidy(self) -> None:
+        """Remove groups in which nothing runs: those of an earlier manager, too."""
+        for entry in os.listdir(self._parent):
+            if entry.startswith(_OURS) and entry != _MANAGER:
+                with suppress(OSError):  # something runs in it
+                    os.rmdir(f"{self._parent}/{entry}")
+
+    def _make(self, pid: int) -> str:
+        name = f"{_OURS}{pid}"
+        folder = f"{self._parent}/{name}"
+        with suppress(FileExistsError):
+            os.mkdir(folder)
+        self._folders[pid] = folder
+        return folder
+
+
+def control_groups(root: str = _ROOT, proc: str = "/proc") -> ControlGroups | None:
+    """Return where control groups for slaves can be made; None where they cannot.
+
+    A group with processes in it has no limited ones below it: where all of them are this
+    manager's, as in a service of its own, they go into one more.
+    """
+    own = _own_group(_read(f"{proc}/self/cgroup"))
+    if own is None:
+        return None
+    parent = f"{root}{own}".rstrip("/").removesuffix(f"/{_MANAGER}")
+    had = _read(f"{parent}/cgroup.controllers").split()
+    controllers = [each for each in _WANTED if each in had]
+    if not controllers or not os.access(f"{parent}/cgroup.procs", os.W_OK):
+        return None
+    enabled = _read(f"{parent}/cgroup.subtree_control").split()
+    missing = " ".join(f"+{each}" for each in controllers if each not in enabled)
+    try:
+        if missing:
+            _enable(parent, missing)
+        groups = ControlGroups(parent, proc)
+        groups.tidy()
+    except OSError:
+        return None
+    return groups
+
+
+def _enable(parent: str, missing: str) -> None:
+    control = f"{parent}/cgroup.subtree_control"
+    try:
+        _write(control, missing)
+    except OSError:
+        pids = set(map(int, _read(f"{parent}/cgroup.procs").split()))
+        ours = {os.getpid(), *family(os.getpid())}
+        if not pids <= ours:
+            raise
+        _move(parent, pids)
+        _write(control, missing)
+
+
+def _move(parent: str, pids: Collection[int]) -> None:
+    folder = f"{parent}/{_MANAGER}"
+    with suppress(FileExistsError):
+        os.mkdir(folder)
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            _write(f"{folder}/cgroup.procs", str(pid))
+
+
+def _own_group(text: str) -> str | None:
+    """Return the path of the group of version 2; None without one."""
+    return next((line[3:] for line in text.splitlines() if line.startswith("0::/")), None)
+
+
+def _write_all(folder: str, told: Mapping[str, str]) -> None:
+    for name, text in told.items():
+        if os.path.exists(f"{folder}/{name}"):  # not every kernel has each controller
+            _write(f"{folder}/{name}", text)
+
+
+def _write(path: str, text: str) -> None:
+    descriptor = os.open(path, os.O_WRONLY)
+    try:
+        os.write(descriptor, text.encode())
+    finally:
+        os.close(descriptor)
+
+
+def _read(path: str) -> str:
+    with suppress(OSError), open(path, encoding="utf-8") as file:
+        return file.read()
+    return ""

@@ -1,0 +1,83 @@
+"""What a process and all below it use: memory, processes, descriptors, processor time."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from typing import NamedTuple
+
+from rtkit.manager.processes.leftovers import family
+
+_TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
+_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+
+
+class Used(NamedTuple):
+    """What a tree of processes uses.
+
+    Attributes:
+        pids: Of its processes; none when it is gone.
+        memory: Resident memory; what several share counts in each [bytes].
+        largest: The most that one of them has resident [bytes].
+        cpu_s: Processor time, of those too that ended and were waited for [s].
+    """
+
+    pids: tuple[int, ...] = ()
+    memory: int = 0
+    largest: int = 0
+    cpu_s: float = 0.0
+
+
+def tree_usage(pid: int) -> Used:
+    """Return what a process uses with all that descends from it.
+
+    Source: proc(5), fields 14 to 17 and 24 of ``/proc/PID/stat``.
+    """
+    found = {each: fields for each in (pid, *family(pid)) if (fields := _stat(each))}
+    if pid not in found:
+        return Used()
+    memory = [int(fields[21]) * _PAGE_BYTES for fields in found.values()]
+    ticks = sum(sum(map(int, fields[11:15])) for fields in found.values())
+    return Used(tuple(found), sum(memory), max(memory), ticks * _TICK_S)
+
+
+def descriptors(pids: tuple[int, ...]) -> int:
+    """Return how many descriptors that one of these processes has which has most."""
+    return max((_descriptors(pid) for pid in pids), default=0)
+
+
+def proportional_memory(pids: tuple[int, ...]) -> int:
+    """Return the memory of processes; what they share with others counts in parts [bytes].
+
+    It takes milliseconds for each. Source: proc(5), ``/proc/PID/smaps_rollup``.
+    """
+    return sum(map(_proportional, pids))
+
+
+def data_bytes(pid: int) -> int:
+    """Return how large what a process may write to itself is; 0 when it is gone [bytes]."""
+    with suppress(OSError), open(f"/proc/{pid}/statm", "rb") as file:
+        return int(file.read().split()[5]) * _PAGE_BYTES
+    return 0
+
+
+def _stat(pid: int) -> list[bytes]:
+    with suppress(OSError), open(f"/proc/{pid}/stat", "rb", buffering=0) as file:
+        return file.read().rpartition(b")")[2].split()
+    return []
+
+
+def _descriptors(pid: int) -> int:
+    path = f"/proc/{pid}/fd"
+    with suppress(OSError):
+        # Since Linux 6.2 the folder tells its size; before, it has to be read.
+        return os.stat(path).st_size or len(os.listdir(path))
+    return 0
+
+
+def _proportional(pid: int) -> int:
+    with suppress(OSError), open(f"/proc/{pid}/smaps_rollup", "rb") as file:
+        for line in file:
+            if line.startswith(b"Pss:"):
+                return int(line.split()[1]) * 1024
+    return 0
