@@ -189,14 +189,18 @@ def judged_by_xmlschema(kind: str, data: bytes) -> bool:
 @given(KINDS, CHANGES)
 @settings(deadline=None, max_examples=300)
 @example("rts", [("set", 0, 0, "2024-02-30T00:00:00")])
+@example("rts", [("rename", 0, 1, "")])
 def test_verdicts(kind: str, changes: list[tuple[str, int, int, str]]) -> None:
     root = etree.fromstring(DOCUMENTS[kind])
+    name = root.tag
     for one in changes:
         change(root, *one)
     data = etree.tostring(root)
     quick = schemas(kind)[0]
     is_valid = quick.validate(etree.fromstring(data))
-    assert judged_by_xmlschema(kind, data) == is_valid
+    # A root that no schema declares: xmlschema accepts it by its xsi:type, lxml refuses it, and
+    # readers refuse it before either is asked.
+    assert root.tag != name or judged_by_xmlschema(kind, data) == is_valid
     reading = attempt(kind, data)
     with patch("rtkit.profile.strict.built", return_value=None):
         assert attempt(kind, data) == reading, "the short way and the long way decide alike"
