@@ -6,6 +6,7 @@ the last element after a colon: ``/localhost/Motor0.rtc:velocity``.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from rtkit.errors import Malformed
@@ -91,6 +92,7 @@ def check_instance_name(name: str) -> str:
     return name
 
 
+@lru_cache(maxsize=1024)  # components of one type have the same ports
 def check_port_name(name: str) -> str:
     """Return `name` if a port may bear it.
 

@@ -208,7 +208,9 @@ class Kept:
         for connector_id, wire in list(self.wires.items()):
             if any(end.instance == instance for end in wire.ports):
                 self.drop(WIRE, connector_id)
-        for owner, wish in list(self.components.items()):
+        # Few drive others: looking into each would make many components cost their square.
+        drivers = [(owner, wish) for owner, wish in self.components.items() if wish.attached]
+        for owner, wish in drivers:
             if any(instance in driven for driven in wish.attached.values()):
                 left = {c: tuple(p for p in ps if p != instance) for c, ps in wish.attached.items()}
                 self.change(owner, attached=left)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import time
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
@@ -22,6 +23,8 @@ from rtkit.manager.modules.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
+_LOOK_S = 0.01
+"""How long a file counts as what it was when it was looked at: no edit is as quick [s]."""
 Complete = Callable[[CreateString, TypeProfile], CreateString]
 
 
@@ -89,6 +92,7 @@ class Loader:
         self._known: dict[tuple[str, str], ModuleProfile] = {}
         self._found: list[ModuleProfile] = []
         self._remarks: dict[tuple[str, str], list[str]] = {}
+        self._look_at_s: dict[str, float] = {}
 
     def configure(
         self, folders: Sequence[str], *, is_absolute_allowed: bool, is_search_allowed: bool
@@ -158,11 +162,23 @@ class Loader:
     def changed(self, type_: TypeProfile) -> str:
         """Return the path of the module of a type if it has been edited since it was imported."""
         for (real, _), module in self._modules.items():
-            if type_ in module.types and _stamp(real) != self._imported[real].stamp:
+            if type_ in module.types and self._is_touched(real):
                 was = self._imported[real].fingerprint
                 with contextlib.suppress(NotFound, Refused):
                     return module.path if self.present_fingerprint(real) != was else ""
         return ""
+
+    def _is_touched(self, real: str) -> bool:
+        """Whether a file is not what it was; one look does for all components of a batch.
+
+        Each look gives the interpreter lock away, which another thread then keeps for long.
+        """
+        now_s = time.monotonic()
+        if now_s < self._look_at_s.get(real, 0.0):
+            return False
+        is_touched = _stamp(real) != self._imported[real].stamp
+        self._look_at_s[real] = 0.0 if is_touched else now_s + _LOOK_S
+        return is_touched
 
     def found(self) -> list[ModuleProfile]:
         """Return the modules that were found by the names of types since this was asked last."""

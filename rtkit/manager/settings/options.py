@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 from rtkit.component.base import ACTIVE_SET
 from rtkit.component.options import remarks
@@ -32,17 +33,24 @@ _EXTENSIONS = tuple(
 def unknown_options(options: Mapping[str, str]) -> Iterator[str]:
     """Yield what to tell of options that look like others that are known, a line each."""
     connector = {key: value for key, value in options.items() if key.startswith("dataport.")}
-    yield from remarks(connector)
-    known = [*_OPTIONS, *_EXTENSIONS, *properties.KNOWN]
+    if connector:
+        yield from remarks(connector)
     for key in options:
         if key.startswith(CONF):
             set_id, _, name = key.removeprefix(CONF).partition(".")
             if not set_id or not name:
                 yield f"not conf.SET.PARAMETER: {key}"
-        elif key not in connector and not key.startswith("port.") and not _is_known(key):
-            hint = did_you_mean(key, known, 1, least=CLOSE)
-            if hint or key.startswith(_OWN):
-                yield f"unknown option: {key}{hint}"
+        elif key not in connector and not key.startswith("port.") and (told := _told_of(key)):
+            yield told
+
+
+@lru_cache(maxsize=256)  # the components of a system have the same few options
+def _told_of(key: str) -> str:
+    if _is_known(key):
+        return ""
+    known = [*_OPTIONS, *_EXTENSIONS, *properties.KNOWN]
+    hint = did_you_mean(key, known, 1, least=CLOSE)
+    return f"unknown option: {key}{hint}" if hint or key.startswith(_OWN) else ""
 
 
 def _is_known(key: str) -> bool:

@@ -10,6 +10,7 @@ import pytest
 
 from rtkit.component.describe import describe
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.modules import loader as loader_module
 from rtkit.manager.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import parse_create
 
@@ -105,7 +106,21 @@ def test_methods_that_look_like_callbacks_are_told(loader, folder):
     assert loader.remarks(loader.load("Thing.py")) == []
 
 
-def test_code_that_was_edited_is_told(loader, folder):
+def test_one_look_at_a_file_does_for_a_batch(loader, folder, monkeypatch):
+    now_s = [0.0]
+    monkeypatch.setattr(loader_module.time, "monotonic", lambda: now_s[0])
+    component = make(loader, "Thing")
+    assert [loader.changed(component.type) for _ in range(2)] == [""] * 2
+    text = (folder / "Thing.py").read_text()
+    (folder / "Thing.py").write_text(text.replace("One", "Another"))
+    assert loader.changed(component.type) == ""
+    now_s[0] += 0.02
+    assert loader.changed(component.type) == "Thing.py"
+    assert loader.changed(component.type) == "Thing.py"  # what has changed is told each time
+
+
+def test_code_that_was_edited_is_told(loader, folder, monkeypatch):
+    monkeypatch.setattr(loader_module, "_LOOK_S", 0.0)
     component = make(loader, "Thing")
     assert [each.path for each in loader.found()] == ["Thing.py"]
     assert (loader.found(), loader.changed(component.type)) == ([], "")
