@@ -176,16 +176,22 @@ class Batches:
             if result is not None
         ]
         results = [result for _, result in done]
-        kept = self._state.kept
+        text, kept = results_to_text(results), self._state.kept
         if job.batch.id and kept.has_changed:  # in the same commit
             for old in list(kept.answered)[: 1 - REMEMBERED]:
                 kept.drop(ANSWERED, old)
-            kept.put(ANSWERED, job.batch.id, results_to_text(results))
-        self._keeping.finish([action for action, _ in done], results, partial(self._told, job))
+            kept.put(ANSWERED, job.batch.id, text)
 
-    def _told(self, job: _Job, results: list[Result]) -> None:
+        before = list(results)  # those that are taken back are changed in their place
+
+        def tell(recorded: list[Result]) -> None:
+            self._tell(job, text if recorded == before else results_to_text(recorded))
+
+        self._keeping.finish([action for action, _ in done], results, tell)
+
+    def _tell(self, job: _Job, text: str) -> None:
         """Answer a batch, now that what it says is recorded, or taken back."""
-        text, id, kept = results_to_text(results), job.batch.id, self._state.kept
+        id, kept = job.batch.id, self._state.kept
         self._answer(job, Reply(text))
         if not id:
             return
