@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 _TABLES = ("/proc/net/tcp", "/proc/net/tcp6")
 _LISTENING = "0A"
+SERVANT = "rtkit TCP port"
+"""Name of a process that serves a port for the manager that started it."""
 
 
 class Holder(NamedTuple):
@@ -23,7 +25,16 @@ class Holder(NamedTuple):
 
 
 def holder(port: int) -> Holder | None:
-    """Return who listens on a port; None for nobody."""
+    """Return who listens on a port, a manager where its servant does; None for nobody."""
+    found = listener(port)
+    if found is None or found.name != SERVANT:
+        return found
+    parent = _parent(found.pid)
+    return Holder(found.uid, parent, _name(parent)) if parent > 1 else found
+
+
+def listener(port: int) -> Holder | None:
+    """Return the process that listens on a port; None for none."""
     found = _listening(port)
     if found is None:
         return None
@@ -70,6 +81,14 @@ def _name(pid: int) -> str:
             return file.read().strip()
     except OSError:
         return "a process"
+
+
+def _parent(pid: int) -> int:
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as file:
+            return int(file.read().rpartition(")")[2].split()[1])
+    except OSError:
+        return 0
 
 
 def user_name(uid: int) -> str:

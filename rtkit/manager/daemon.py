@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.limits import Capacity
     from rtkit.manager.holding.holder import Holder
     from rtkit.manager.loop import Loop
+    from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
 
 _log = logging.getLogger(__name__)
 _DATA_SUFFIX = ".data"
@@ -229,8 +230,13 @@ def _open_doors(
     from rtkit.link.streams import remove_socket
     from rtkit.link.zenoh import ZenohLink, open_listener, unix_endpoint
     from rtkit.manager.loop import Loop
+    from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
 
     name, host = state.name, state.host
+    inner = unix_endpoint(places.manager_socket(name))
+    endpoint = TcpEndpoint(inner) if door(state.settings).port is not None else None
+    if endpoint is not None:
+        stack.callback(endpoint.close)  # whatever else fails
     listener = socket.socket(socket.AF_UNIX)
     listener.bind(places.control_socket(name))
     listener.listen(128)
@@ -253,7 +259,6 @@ def _open_doors(
     stack.callback(lambda: thread.join(0.0 if state.is_in_haste else _HOLDER_S))
     stack.callback(holder.close)
 
-    inner = unix_endpoint(places.manager_socket(name))
     session = open_listener(inner)
     link = ZenohLink(session)
     stack.callback(remove_socket, places.manager_socket(name))
@@ -262,7 +267,7 @@ def _open_doors(
     loop.open_lines(link, keys.service(host, name))
     link.serve(keys.service(host, name), loop.post)
     fault.point("manager.serving")
-    _open_front(state, session, inner, warn, stack)
+    _open_front(state, session, endpoint, inner, warn, stack)
     stack.callback(link.withdraw)  # last of all opened here, so first at the end
     fault.point("manager.doors_open")
     return loop
@@ -292,7 +297,12 @@ def _holder(
 
 
 def _open_front(
-    state: State, session: Session, inner: str, warn: Callable[[str], None], stack: ExitStack
+    state: State,
+    session: Session,
+    endpoint: TcpEndpoint | None,
+    inner: str,
+    warn: Callable[[str], None],
+    stack: ExitStack,
 ) -> None:
     """Open the TCP port for this user, where it is wanted and can be had."""
     from rtkit.link.door import Identity, introduce
@@ -301,10 +311,9 @@ def _open_front(
     identity = Identity(state.host, state.name, state.settings.text("manager.name"))
     withdraw = introduce(session, identity)
     try:
-        front = open_front(door(state.settings), inner, warn)
-        if front is not None:
-            stack.callback(front[0].close)
-            state.port = front[1]
+        if endpoint is not None:
+            state.port = open_front(door(state.settings), endpoint, inner, warn)
+            stack.callback(endpoint.close)
     finally:
         stack.callback(withdraw)
     state.properties["rtkit.address"] = f"{LOCAL}:{state.port}" if state.port else ""

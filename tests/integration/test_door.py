@@ -1,4 +1,4 @@
-"""A manager's two sessions, with and without company, end without a word of zenoh."""
+"""A manager's session and its TCP endpoint, with and without clients, end without a word of zenoh."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from contextlib import ExitStack
 from rtkit.link import door, keys, places, secret
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.manager import daemon
+from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
 from rtkit.manager.settings.configuration import Wanted, read
 
 settings = read(Wanted(overrides=("net.endpoints:localhost:0",))).settings
@@ -33,7 +34,7 @@ for number in range(int(sys.argv[1])):
         link = ZenohLink(session)
         stack.callback(link.close)
         link.serve(keys.service(state.host, name), lambda request: None)
-        daemon._open_front(state, session, inner, print, stack)
+        daemon._open_front(state, session, TcpEndpoint(inner), inner, print, stack)
         stack.callback(link.withdraw)
         clients = []
         silent = []

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import os
 import pwd
+import resource
 import select
 import signal
 import socket
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -363,3 +366,66 @@ def test_a_slave_manager_registers_with_its_master(shell: Any) -> None:
         check=True,
     )
     assert done.stdout == "''\n"
+
+
+# floods, and ends of the process that serves the port
+
+IDLE = 10_000
+"""Connections that say nothing; as many as the machine allows."""
+
+
+def test_thousands_of_idle_connections_keep_no_owner_out(shell: Any) -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+    port = start(shell)
+    before = descriptors_of(endpoint_of(port))
+    idle: list[socket.socket] = []
+    try:
+        for _ in range(min(IDLE, hard - 500)):
+            idle.append(socket.create_connection((door.LOOPBACK, port)))
+        for _ in range(50):
+            assert shell.ok("rtls --timeout 5 /localhost") == "manager.mgr/\n"
+        status, out, err = shell.run(f"rtls localhost:{port}")
+        assert (status, out) == (0, "manager.mgr/\n") or "lets nobody in: it is busy" in err
+    finally:
+        for each in idle:
+            each.close()
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    until(lambda: descriptors_of(endpoint_of(port)) <= before, "descriptors are given back")
+    assert shell.ok(f"rtls localhost:{port}") == "manager.mgr/\n"
+
+
+def test_the_process_of_the_port_is_started_again_when_it_is_killed(shell: Any) -> None:
+    port = start(shell)
+    killed = endpoint_of(port)
+    os.kill(killed, signal.SIGKILL)
+    assert shell.ok("rtls /localhost") == "manager.mgr/\n"
+    until(lambda: endpoint_of(port) not in (0, killed), "another one listens")
+    assert shell.ok(f"rtls localhost:{port}") == "manager.mgr/\n"
+
+
+def test_the_port_of_a_killed_manager_is_had_by_the_next_one(shell: Any) -> None:
+    port = start(shell)
+    endpoint = endpoint_of(port)
+    os.kill(endpoint, signal.SIGSTOP)  # so that it does not hear of the end of its manager
+    os.kill(json.loads(shell.ok("rtmgr status --json"))["pid"], signal.SIGKILL)
+    shell.ok(f"rtmgr start -p {port}")
+    assert shell.ok(f"rtls localhost:{port}") == "manager.mgr/\n"
+    assert endpoint_of(port) != endpoint
+
+
+def endpoint_of(port: int) -> int:
+    """Return the process that listens on a port, 0 for none."""
+    holder = ports.listener(port)
+    return 0 if holder is None else holder.pid
+
+
+def descriptors_of(pid: int) -> int:
+    return len(os.listdir(f"/proc/{pid}/fd"))
+
+
+def until(is_so: Callable[[], bool], what: str) -> None:
+    deadline = time.monotonic() + 30
+    while not is_so():
+        assert time.monotonic() < deadline, f"not within 30 s: {what}"
+        time.sleep(0.05)

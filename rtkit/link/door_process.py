@@ -1,0 +1,44 @@
+"""Serves the TCP port of a manager in a process of its own, until the manager is gone.
+
+It is told on a socket which port to open, as ``PORT SECRET_FILE``, and answers ``ready``, or why it
+cannot be opened; then it may be told another one. The end of the socket ends it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import sys
+
+from rtkit.errors import Unreachable
+from rtkit.link.door import open_door
+from rtkit.link.ports import SERVANT
+
+READY = "ready"
+
+
+def main() -> None:
+    """Be the process."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)  # meant for the manager, who says when to end
+    with open("/proc/self/comm", "w", encoding="ascii") as comm:
+        comm.write(SERVANT)
+    descriptor, inner = sys.argv[1:]
+    manager = socket.socket(fileno=int(descriptor))
+    for line in manager.makefile("r", encoding="utf-8"):
+        port, _, secret_file = line.rstrip("\n").partition(" ")
+        try:
+            session = open_door(int(port), inner, secret_file)
+        except Unreachable as error:
+            manager.sendall(" ".join(str(error).split()).encode() + b"\n")
+            continue
+        manager.sendall(f"{READY}\n".encode())
+        manager.recv(1)  # nothing comes but the end
+        session.close()  # type: ignore[no-untyped-call]
+        return
+
+
+if __name__ == "__main__":
+    main()
+    os._exit(0)  # threads of zenoh must not keep the process
