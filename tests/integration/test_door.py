@@ -1,4 +1,4 @@
-"""A manager's session and its TCP endpoint, with and without clients, end without a word of zenoh."""
+"""A manager's session and TCP endpoint, with and without clients, end without a word of zenoh."""
 
 from __future__ import annotations
 
