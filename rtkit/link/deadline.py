@@ -11,10 +11,37 @@ import math
 from functools import cache
 from time import monotonic
 
+_PARAMETER = "deadline="
+
 
 def deadline_to_text(timeout_s: float) -> str:
     """Return what goes with a request that is given up after `timeout_s` [s]."""
     return f"{boot_id()} {monotonic() + timeout_s:.6f} {timeout_s:g}"
+
+
+def deadline_at(until: float) -> str:
+    """Return what goes with a request that is given up at a moment, by the monotonic clock [s]."""
+    return deadline_to_text(until - monotonic())
+
+
+def with_deadline(target: str, until: float) -> str:
+    """Return a target with its deadline as a parameter; infinity needs none."""
+    if until == math.inf:
+        return target
+    mark = "&" if "?" in target else "?"
+    return f"{target}{mark}{_PARAMETER}{deadline_at(until).replace(' ', '_')}"
+
+
+def split_deadline(target: str) -> tuple[str, float]:
+    """Return a target as it was before `with_deadline`, and the deadline."""
+    if _PARAMETER not in target:
+        return target, math.inf
+    name, _, tail = target.partition("?")
+    given = tail.split("&")
+    told = [each for each in given if each.startswith(_PARAMETER)]
+    kept = "&".join(each for each in given if each not in told)
+    untils = (deadline_from_text(each[len(_PARAMETER) :].replace("_", " ")) for each in told)
+    return (f"{name}?{kept}" if kept else name), min(untils, default=math.inf)
 
 
 def deadline_from_text(text: str) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+import math
 import os
 import re
 import select
@@ -17,12 +18,15 @@ from urllib.parse import quote
 from rtkit.closing import Closing
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import digest
+from rtkit.link.deadline import deadline_at
 from rtkit.link.secret import Secret
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event
 from rtkit.property.messages import Answer, Event, Payload
 from rtkit.property.naming import parse_target
 
+DEADLINE = "rtkit-deadline"
+"""Header of a SET: when it is given up, as `rtkit.link.deadline` writes it."""
 SILENT_S = 35.0
 """How long a stream may be silent, heartbeats and all, until its door counts as gone [s]."""
 _ADDRESS = re.compile(r"http://([^/:@\s]+)(?::(\d{1,5}))?(?:/ps)?/?")
@@ -54,8 +58,11 @@ class HttpClient(Closing):
         self._streams: list[_Stream] = []
         self._events: deque[Event] = deque()
 
-    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET, and wait for the reply; nothing at all stands for the list of services.
+
+        A SET that has not begun at `until`, by the monotonic clock here [s], or within the
+        time-out, never does.
 
         Raises:
             Unreachable: No reply in time, or nobody listens there.
@@ -70,6 +77,7 @@ class HttpClient(Closing):
             method, body = "PUT", payload if isinstance(payload, bytes) else _encoded(payload)
             kind = "application/octet-stream" if is_bytes else "text/plain; charset=utf-8"
             headers["Content-Type"] = kind
+            headers[DEADLINE] = deadline_at(min(until, monotonic() + self._timeout_s))
             if not self._nonce:
                 self._exchange("GET", _ROOT, None, {})  # only to be told what to prove
         for _ in range(3):

@@ -17,6 +17,8 @@ from typing import Any, NamedTuple
 from rtkit.errors import Malformed, Refused
 from rtkit.property.messages import Event, Payload
 
+DEADLINE = "deadline"
+"""Key of the context of a request: when it is given up, as `rtkit.link.deadline` writes it."""
 DOOR = "door"
 """The object that is asked who one is."""
 LEASE_S = 10.0

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import hmac
+import math
 import threading
 import uuid
 from collections.abc import Callable
+from time import monotonic
 from typing import Any, NamedTuple
 
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
 from rtkit.link import ice
+from rtkit.link.deadline import deadline_at
 from rtkit.link.ice import DOOR, LEASE_S, LONGEST, IceAddress
 from rtkit.link.secret import Secret
 from rtkit.property.messages import DONE, Answer, Event, Payload
@@ -107,8 +110,15 @@ class IceSession(Closing):
 
     # Requests
 
-    def ask(self, target: str, payload: Payload | None, told: Told) -> None:
-        """GET, or SET; what came of it is told once, on a thread of Ice or at once."""
+    def ask(
+        self, target: str, payload: Payload | None, told: Told, until: float = math.inf
+    ) -> None:
+        """GET, or SET; what came of it is told once, on a thread of Ice or at once.
+
+        A SET that has not begun at `until`, by the monotonic clock here [s], never does.
+        """
+        if self._request_s is not None:
+            until = min(until, monotonic() + self._request_s)
         try:
             service, rest = self._split(target)
             if payload is None:
@@ -116,7 +126,8 @@ class IceSession(Closing):
             else:
                 if len(payload) * (4 if isinstance(payload, str) else 1) > LONGEST:
                     _check_size(payload)
-                future = service.setAsync(rest, ice.write_payload(payload))
+                context = None if until == math.inf else {ice.DEADLINE: deadline_at(until)}
+                future = service.setAsync(rest, ice.write_payload(payload), context=context)
         except UnicodeEncodeError as error:
             told(Answer(f"{error.start} expected UTF-8", "syntax"))
         except _TooLarge as error:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 PASSWORD = "RTKIT_MQTT_PASSWORD"
 """Variable of the environment that holds the password at the broker."""
+DEADLINE = "deadline"
+"""User property: when a request is given up, as `rtkit.link.deadline` writes it."""
 STATE, READY, LOST = "$state", "ready", "lost"
 _PORT = 1883
 _KEEPALIVE_S = 10

@@ -7,6 +7,7 @@ no effect is asked again. Nobody hears a client leave, so it listens with a leas
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import threading
@@ -17,10 +18,18 @@ from time import monotonic
 
 from rtkit.closing import Closing
 from rtkit.errors import Unreachable
+from rtkit.link.deadline import with_deadline
 from rtkit.link.inbox import Inbox
-from rtkit.link.serial_line import SerialAddress, SerialEnd, read_address
+from rtkit.link.serial_line import (
+    HELLO_TARGET,
+    KNOWS_DEADLINES,
+    SerialAddress,
+    SerialEnd,
+    read_address,
+)
 from rtkit.property.checked import HELLO, CheckedReplies, frame
 from rtkit.property.codes import PASSING, PropertyError
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Event, Mark, Payload
 
@@ -39,6 +48,7 @@ _ALIKE = 3
 _BELIEVED = 2
 """How often a refusal that names no request is heard until it is the answer."""
 
+_KNOWS = Answer(KNOWS_DEADLINES)
 _Told = tuple[str, Answer] | Event | bytes
 """A reply with its id, an event, or a line without a check that holds."""
 
@@ -55,6 +65,7 @@ class SerialClient(Closing):
         self._address = address
         self._timeout_s = timeout_s
         self._has_ids = True
+        self._has_deadlines = False
         self._replies: CheckedReplies | Replies = CheckedReplies()
         self._last_id = int.from_bytes(os.urandom(4), "big")
         self._inbox = Inbox()
@@ -84,8 +95,9 @@ class SerialClient(Closing):
         deadline = monotonic() + self._timeout_s
         self._exchange(HELLO + b"\n", "", deadline, may_repeat=True)
         id = self._next_id()
-        hello = write_request("door/hello", None, id)
-        self._has_ids = self._exchange(hello, id, deadline, may_repeat=True).error != "syntax"
+        hello = write_request(HELLO_TARGET, None, id)
+        told = self._exchange(hello, id, deadline, may_repeat=True)
+        self._has_ids, self._has_deadlines = told.error != "syntax", told == _KNOWS
         self._drain(_QUIET_S)
 
     def _knows_checks(self) -> bool:
@@ -94,10 +106,11 @@ class SerialClient(Closing):
         patience, plain = _PATIENCE_S, 0
         while monotonic() < deadline:
             id = self._next_id()
-            self._send(self._encoded(write_request("door/hello", None, id)), deadline)
+            self._send(self._encoded(write_request(HELLO_TARGET, None, id)), deadline)
             until = min(deadline, monotonic() + patience)
             while (told := self._receive(until)) is not None:
                 if not isinstance(told, bytes):
+                    self._has_deadlines |= not isinstance(told, Event) and told[1] == _KNOWS
                     return True
                 is_plain = told.startswith((b"! ", f"#{id} ".encode()))
                 if is_plain and not told.startswith(b"! checksum"):
@@ -118,20 +131,32 @@ class SerialClient(Closing):
 
     # Requests
 
-    def ask(self, target: str, payload: Payload | None = None, same_as: str = "") -> Answer:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None = None,
+        same_as: str = "",
+        until: float = math.inf,
+    ) -> Answer:
         """GET, or SET, and wait for the reply.
 
         Args:
             target: Name and parameters.
             payload: None of a GET.
             same_as: What was asked with the same text is the same request, however long ago.
+            until: When it is given up, by the monotonic clock here, if not before [s]. A far side
+                that says that it knows deadlines does not begin it later.
 
         Raises:
             Unreachable: No reply in time, or the device is gone.
         """
         id = "" if not self._has_ids else _short(same_as) if same_as else self._next_id()
+        if monotonic() > until:
+            return Answer(NOT_BEGUN, "timeout")
         data = self._encoded(write_request(target, payload, id))
-        deadline = monotonic() + self._timeout_s + self._duration_s(data)
+        deadline = min(until, monotonic() + self._timeout_s + self._duration_s(data))
+        if payload is not None and self._has_deadlines:
+            data = self._encoded(write_request(with_deadline(target, deadline), payload, id))
         return self._exchange(data, id, deadline, may_repeat=bool(id) or payload is None)
 
     def _duration_s(self, data: bytes) -> float:

@@ -11,6 +11,10 @@ from typing import NamedTuple
 from rtkit.errors import Malformed, Refused, Unreachable
 
 SCHEME = "serial:"
+HELLO_TARGET = "door/hello"
+"""What a client asks first, to hear how the far side talks."""
+KNOWS_DEADLINES = "deadline"
+"""The answer of a far side that knows the parameter of `rtkit.link.deadline`; others refuse."""
 _BAUD = 115200
 _SETTINGS = re.compile(r"([^?]*\?(?:baud|check)=[^/?]*)(?:/|$)")
 _CHECK = {"auto": None, "1": True, "0": False}

@@ -18,7 +18,7 @@ from rtkit.proxy.contact import Contact, Wire
 from rtkit.proxy.lines import LineContact
 from rtkit.serving.host import Host
 from rtkit.serving.owner import Owner
-from rtkit.tree.properties import End
+from rtkit.tree.properties import BoundedEnd
 
 _HERE = ("", "localhost", "127.0.0.1")
 
@@ -187,7 +187,7 @@ def _ice(address: str, setting: Setting) -> Source:
     return Source(lambda: ObjectContact(setting.host, place, setting.timeout_s), place.service)
 
 
-def _calls(another: Callable[[], End], host: Host) -> Wire:
+def _calls(another: Callable[[], BoundedEnd], host: Host) -> Wire:
     return lambda: CallContact(host, another(), another)
 
 

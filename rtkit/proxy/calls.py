@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from queue import SimpleQueue
+from time import monotonic
 
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.property.codes import code_of
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import DONE, Answer, Payload
 from rtkit.proxy.contact import Answering, Gone, Hearing, with_id
 from rtkit.proxy.mailbox import Mailbox
 from rtkit.proxy.turns import Turn, Turns
 from rtkit.proxy.waiting import Waiting
 from rtkit.serving.host import Host
-from rtkit.tree.properties import End
+from rtkit.tree.properties import BoundedEnd
 
+_LATE = Answer(NOT_BEGUN, "timeout")
 _LOOK_S = 1.0
 """How long an event is waited for, until is looked whether it is still wanted [s]."""
 
-_Call = Callable[[End | None], End | None]
+_Call = Callable[[BoundedEnd | None], BoundedEnd | None]
 """Made over a connection, which is made before if there is none; returns it."""
 _MOST_AT_ONCE = 8
 """Connections for requests."""
@@ -33,9 +37,9 @@ class CallContact:
         another: Makes one more, for requests that need not wait for others, or for listening.
     """
 
-    def __init__(self, host: Host, end: End, another: Callable[[], End]) -> None:
+    def __init__(self, host: Host, end: BoundedEnd, another: Callable[[], BoundedEnd]) -> None:
         self._host = host
-        self._end: End | None = end
+        self._end: BoundedEnd | None = end
         self._another = another
         self._calls: SimpleQueue[_Call | None] = SimpleQueue()
         self._turns = Turns(_MOST_AT_ONCE)
@@ -50,7 +54,14 @@ class CallContact:
         """See `Contact.start`."""
         self._gone = gone
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """See `Contact.ask`."""
         if not self._is_open:
             answer(Answer("the connection has ended", "no-service"))
@@ -60,10 +71,13 @@ class CallContact:
         def work() -> None:
             self._calls.put(call)
 
-        def call(end: End | None) -> End | None:
+        def call(end: BoundedEnd | None) -> BoundedEnd | None:
+            if monotonic() > until:
+                self._host.post(lambda: self._answered(number, turn, _LATE))
+                return end
             try:
                 end = self._another() if end is None else end
-                reply = end.ask(with_id(target, id), payload)
+                reply = end.ask(with_id(target, id), payload, until)
             except RtkitError as error:
                 reply, why = failure(error), str(error)
                 if isinstance(error, Unreachable) and reply.error != "timeout":
@@ -117,7 +131,7 @@ class CallContact:
 
     def _hear(
         self,
-        end: End,
+        end: BoundedEnd,
         target: str,
         is_over: threading.Event,
         mailbox: Mailbox,
@@ -163,7 +177,7 @@ class CallContact:
         self._listening.clear()
         self._waiting.end(Answer("the connection has ended", "no-service"))
 
-    def _work(self, end: End | None) -> None:
+    def _work(self, end: BoundedEnd | None) -> None:
         """Make calls, one after the other, over one connection, made when it is needed."""
         while (call := self._calls.get()) is not None:
             end = call(end)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Protocol
 
@@ -23,11 +24,19 @@ class Contact(Protocol):
         """Begin; `gone` hears, once, that it has ended and why."""
         ...
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """GET, or SET; `answer` is called exactly once, also when the connection ends.
 
         What is asked one after the other arrives in that order. By the id, one of
-        `rtkit.property.once.shared`, a repetition is known; it is empty for nothing.
+        `rtkit.property.once.shared`, a repetition is known; it is empty for nothing. What has not
+        begun at `until`, by the monotonic clock of this host [s], is to be done by nobody.
         """
         ...
 

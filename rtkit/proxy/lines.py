@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import math
 import select
 import socket
 from collections import deque
 from functools import partial
 
+from rtkit.link.deadline import with_deadline
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import Replies, write_request
 from rtkit.property.messages import Answer, Event, Payload
@@ -52,7 +54,14 @@ class LineContact:
         self._end.settimeout(0)
         self._host.register(self._end, self)
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """See `Contact.ask`.
 
         What could have to wait at the owner has an id, so that replies to others overtake its own.
@@ -68,7 +77,10 @@ class LineContact:
             self._by_id.setdefault(id, deque()).append(answer)
         else:
             self._in_turn.append(answer)
-        self._out += write_request(self._prefix + target, payload, id)
+        target = self._prefix + target
+        if payload is not None:
+            target = with_deadline(target, until)
+        self._out += write_request(target, payload, id)
         self._send()
 
     def has_room(self, name: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 from rtkit.errors import Unreachable
@@ -43,7 +44,14 @@ class ObjectContact:
         """See `Contact.start`."""
         self._gone = gone
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """See `Contact.ask`."""
         if not self._is_open:
             answer(Answer("the connection has ended", "no-service"))
@@ -53,6 +61,7 @@ class ObjectContact:
             with_id(target, id),
             payload,
             lambda told: self._host.post(lambda: self._answered(number, told)),
+            until,
         )
 
     def has_room(self, name: str) -> bool:

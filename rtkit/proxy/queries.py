@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import uuid
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from typing import NamedTuple
 import zenoh
 
 from rtkit.errors import Unreachable
+from rtkit.link.deadline import deadline_to_text
 from rtkit.link.properties import (
     LEASE_S,
     Heard,
@@ -29,6 +31,7 @@ from rtkit.serving.host import Host
 
 _REQUEST_S = 3600.0
 """How long an answer may take; that somebody lives is found out in another way [s]."""
+_LEAST_S = 1e-3
 _PROBE_S = 2.0
 _PROBE_EVERY_S = 1.0
 _NOBODY = "nobody answers for it"
@@ -64,9 +67,17 @@ class QueryContact:
         """See `Contact.start`."""
         self._gone = gone
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """See `Contact.ask`."""
-        self._query(with_id(target, id), payload, "", _REQUEST_S, answer)
+        wait_s = min(_REQUEST_S, max(until - monotonic(), _LEAST_S))
+        self._query(with_id(target, id), payload, "", wait_s, answer)
 
     def has_room(self, name: str) -> bool:
         """See `Contact.has_room`: each listening has a key of its own."""
@@ -159,6 +170,7 @@ class QueryContact:
         self._session.get(
             for_ear(selector, ear) if ear else selector,
             payload=payload,
+            attachment=None if payload is None or ear else deadline_to_text(timeout_s),
             timeout=timeout_s,
             handler=zenoh.handlers.Callback(receive, ended, indirect=False),
             consolidation=zenoh.ConsolidationMode.NONE,

@@ -7,11 +7,13 @@ here. What begins with ``~proxy`` it answers itself: whom it stands for, and whe
 from __future__ import annotations
 
 import itertools
+import math
 import uuid
 from collections.abc import Callable, Hashable
 from time import monotonic
 
 from rtkit.property.codes import PropertyError
+from rtkit.property.lanes import wait_of
 from rtkit.property.messages import Answer, Ask, Caller
 from rtkit.property.naming import Target, parse_target, write_parameters
 from rtkit.property.once import Once, is_shared, marked, shared
@@ -150,7 +152,9 @@ class Relay:
             if first is None:
                 return
             answer = first
-        self.uplink.ask(text, ask.payload, id, answer)
+        now = monotonic()
+        wait = wait_of(ask, now)
+        self.uplink.ask(text, ask.payload, id, answer, now + wait if wait else math.inf)
 
     def _shared(self, id: str, origin: Hashable) -> str:
         """Return by what the owner knows a repetition, empty for nothing."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from queue import Empty, SimpleQueue
@@ -35,9 +36,16 @@ class SerialContact:
         self._gone = gone
         threading.Thread(target=self._work, name="serial line", daemon=True).start()
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """See `Contact.ask`."""
-        self._call(lambda: self._client.ask(target, payload, id), answer)
+        self._call(lambda: self._client.ask(target, payload, id, until), answer)
 
     def has_room(self, name: str) -> bool:
         """See `Contact.has_room`: there is one listener of a property on each line."""

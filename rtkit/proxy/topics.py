@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import uuid
 from time import monotonic
 from typing import NamedTuple
 
 from rtkit.errors import Unreachable
-from rtkit.link.mqtt import READY, STATE, Message, MqttAddress, MqttSession, topic_of
+from rtkit.link.deadline import deadline_at
+from rtkit.link.mqtt import DEADLINE, READY, STATE, Message, MqttAddress, MqttSession, topic_of
 from rtkit.link.properties import LEASE_S
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import read_event
@@ -66,9 +68,16 @@ class TopicContact:
         """See `Contact.start`."""
         self._gone = gone
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """See `Contact.ask`."""
-        self._request(with_id(target, id), payload, f"{self._own}/0", answer)
+        self._request(with_id(target, id), payload, f"{self._own}/0", answer, until)
 
     def has_room(self, name: str) -> bool:
         """See `Contact.has_room`: each listening has a topic of its own."""
@@ -125,7 +134,12 @@ class TopicContact:
         return renewed
 
     def _request(
-        self, target: str, payload: Payload | None, reply_to: str, answer: Answering
+        self,
+        target: str,
+        payload: Payload | None,
+        reply_to: str,
+        answer: Answering,
+        until: float = math.inf,
     ) -> None:
         if not self._is_open:
             answer(Answer("the connection has ended", "no-service"))
@@ -139,6 +153,8 @@ class TopicContact:
         _, is_given, parameters = target.partition("?")
         topic = f"{self._root}/{topic_of(name)}/{'get' if payload is None else 'set'}"
         more = (("parameters", parameters),) if is_given else ()
+        if payload is not None and until < math.inf:
+            more = (*more, (DEADLINE, deadline_at(until)))
         self._session.publish(
             Message(topic, "" if payload is None else payload, reply_to, mark, more)
         )

@@ -6,11 +6,14 @@ wishes to listen to a property in another way. When one of them ends, all are ma
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
+from time import monotonic
 
 from rtkit.errors import RtkitError
 from rtkit.property.codes import PropertyError
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer, Payload
 from rtkit.proxy.contact import Answering, Contact, Wire
 from rtkit.serving.host import Host
@@ -66,7 +69,14 @@ class Uplink:
         """Begin to connect; from any thread."""
         self._dial(self._connected, 0.0)
 
-    def ask(self, target: str, payload: Payload | None, id: str, answer: Answering) -> None:
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
         """GET, or SET, and be told what came of it."""
         if not self._is_up:
             answer(Answer(self.why, "no-service"))
@@ -74,13 +84,16 @@ class Uplink:
         if self._waiting >= _MOST_WAITING:
             answer(Answer(f"{_MOST_WAITING} requests are not answered", "busy"))
             return
+        if monotonic() > until:
+            answer(Answer(NOT_BEGUN, "timeout"))
+            return
         self._waiting += 1
 
         def answered(reply: Answer) -> None:
             self._waiting -= 1
             answer(reply)
 
-        self._contacts[0].ask(target, payload, id, answered)
+        self._contacts[0].ask(target, payload, id, answered, until)
 
     def place(self, name: str, placed: Placed) -> None:
         """Give a connection on which a property can be listened to, now or later."""

@@ -13,6 +13,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from rtkit.link import unix
+from rtkit.link.deadline import split_deadline
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.line import Asked, Requests, write_answer, write_event
 from rtkit.property.listening import Listener
@@ -214,7 +215,11 @@ class Connection(Hearer):
             # The client waited as long as it said, and has told its user that nothing was done.
             answer(Answer(NOT_BEGUN, "timeout"))
             return
-        service.handle(Ask(target, asked.payload, answer, self, asked.id))
+        target, until = split_deadline(target)
+        if asked.payload is not None and monotonic() > until:
+            answer(Answer(NOT_BEGUN, "timeout"))
+            return
+        service.handle(Ask(target, asked.payload, answer, self, asked.id, until))
 
     def flush(self, now: float) -> float | None:
         """See `Tenant.flush`."""

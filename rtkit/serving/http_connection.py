@@ -14,7 +14,10 @@ from typing import TYPE_CHECKING
 
 import h11
 
+from rtkit.link.deadline import deadline_from_text
+from rtkit.link.http_client import DEADLINE
 from rtkit.property.codes import PropertyError
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask
 from rtkit.serving import http_request
@@ -305,7 +308,11 @@ class HttpConnection(Hearer):
                 if not self._is_working:
                     self._host.mark(self)
 
-        service.handle(Ask(target, payload, answer, self))
+        until = deadline_from_text(self._headers.get(DEADLINE, ""))
+        if is_get or monotonic() <= until:
+            service.handle(Ask(target, payload, answer, self, until=until))
+        else:
+            answer(Answer(NOT_BEGUN, "timeout"))
 
     def _open_stream(self, asked: Wanted) -> None:
         self._heard = Heard(self._headers.get("last-event-id", ""))

@@ -15,6 +15,7 @@ from typing import Any
 
 from rtkit.errors import Unreachable
 from rtkit.link import ice, secret
+from rtkit.link.deadline import deadline_from_text
 from rtkit.property.messages import Answer, failed
 from rtkit.serving.gate import LOOPBACK
 from rtkit.serving.host import Host
@@ -85,6 +86,7 @@ class IceDoor:
             None if payload is None else ice.read_payload(payload),
             lambda reply: self._answer(future, reply),
             listener,
+            deadline_from_text(current.ctx.get(ice.DEADLINE, "")),
         )
         host = self._host
         if listener is None and self._is_plain(asked) and host.lock.acquire(blocking=False):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from time import monotonic
@@ -10,6 +11,7 @@ from typing import Any, NamedTuple
 from rtkit.link import ice
 from rtkit.link.ice import DOOR, LEASE_S
 from rtkit.property.codes import PropertyError
+from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.listening import Listener
 from rtkit.property.messages import Answer, Ask, Caller, Payload
 from rtkit.serving.host import Host
@@ -34,6 +36,7 @@ class Asked(NamedTuple):
     Attributes:
         payload: None of a GET, and of who wants to listen.
         listener: The identity of who wants to listen.
+        until: When the client gives it up, by the monotonic clock of this host [s].
     """
 
     service: str
@@ -41,6 +44,7 @@ class Asked(NamedTuple):
     payload: Payload | None
     answer: Callable[[Answer], None]
     listener: Any = None
+    until: float = math.inf
 
     @property
     def size(self) -> int:
@@ -129,7 +133,11 @@ class IceGuest(Caller):
     def _dispatch(self, asked: Asked, answer: Callable[[Answer], None]) -> None:
         service = self._host.services[asked.service]
         if asked.listener is None:
-            service.handle(Ask(asked.target, asked.payload, answer, self))
+            if monotonic() > asked.until:
+                answer(Answer(NOT_BEGUN, "timeout"))
+                return
+            ask = Ask(asked.target, asked.payload, answer, self, until=asked.until)
+            service.handle(ask)
             return
         try:
             ear = self._ear(asked.listener)

@@ -9,7 +9,9 @@ from __future__ import annotations
 import itertools
 from logging import getLogger
 
+from rtkit.link.deadline import deadline_from_text
 from rtkit.link.mqtt import (
+    DEADLINE,
     READY,
     STATE,
     Message,
@@ -110,9 +112,11 @@ class MqttDoor:
         topic, _, method = message.topic.rpartition("/")
         rest = topic.removeprefix(self._root).lstrip("/")
         if method in ("get", "set") and rest and not rest.startswith("$"):
-            self._host.post(lambda: self._request(message, name_of(rest), is_get=method == "get"))
+            until = deadline_from_text(message.told(DEADLINE) or "")
+            name, is_get = name_of(rest), method == "get"
+            self._host.post(lambda: self._request(message, name, until, is_get=is_get))
 
-    def _request(self, message: Message, name: str, *, is_get: bool) -> None:
+    def _request(self, message: Message, name: str, until: float, *, is_get: bool) -> None:
         parameters = message.told("parameters")
         target = name if parameters is None else f"{name}?{parameters}"
         payload: Payload | None = None if is_get else _decoded(message.payload)
@@ -138,7 +142,7 @@ class MqttDoor:
             answer(Answer("events need a response topic", "denied"))
             return
         ear = message.reply_to if is_listening else ""
-        self._desk.work(Queried(target, payload, answer, ear))
+        self._desk.work(Queried(target, payload, answer, ear, until=until))
 
 
 def _decoded(payload: Payload) -> Payload:

@@ -11,7 +11,7 @@ from logging import getLogger
 from time import monotonic
 
 from rtkit.errors import Unreachable
-from rtkit.link.serial_line import SerialAddress, SerialEnd
+from rtkit.link.serial_line import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
 from rtkit.property.access import NOBODY, Rule
 from rtkit.property.checked import CheckedRequests, frame
 from rtkit.property.line import Asked
@@ -134,6 +134,9 @@ class _SerialConnection(Connection):
         self._told.pop(listener, None)
 
     def _dispatch(self, asked: Asked, answer: Callable[[Answer], None]) -> None:
+        if asked.target == HELLO_TARGET and asked.payload is None:
+            answer(Answer(KNOWS_DEADLINES))
+            return
         name, mark, tail = asked.target.partition("?")
         if asked.payload != "self" or not name.endswith(".listen"):
             super()._dispatch(asked, answer)

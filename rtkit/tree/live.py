@@ -6,6 +6,7 @@ any service does; a SET becomes the action of the manager that it stands for.
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections.abc import Mapping, Sequence
@@ -43,6 +44,7 @@ DO = (
 )  # fmt: skip
 """Operations of a manager that are actions."""
 
+_LEAST_S = 1e-3
 _FIGURES_S = 3.0
 """How long the first figures are waited for; they come once a second [s]."""
 _ARGUMENT = (Parameter("argument", parse_type("string"), "", (), "as the operation takes it"),)
@@ -85,6 +87,7 @@ class Live:
 
     def __init__(self, tree: Tree, instance: str) -> None:
         self._tree = tree
+        self._timeout_s = tree.timeout_s
         self._instance = instance
         self._service = Service()
         self._me = _Me()
@@ -95,12 +98,13 @@ class Live:
         if not instance:
             self._add_operations()
 
-    def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """GET, or SET, and wait for the reply.
+    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
+        """GET, or SET, and wait for the reply, at most until a moment of the monotonic clock [s].
 
         Raises:
             Unreachable: The manager does not answer.
         """
+        self._tree.timeout_s = max(min(self._timeout_s, until - time.monotonic()), _LEAST_S)
         if _is_count(target) and self._figures is None:
             with _ear(self._tree) as ear:
                 self._await_figures(ear)
@@ -282,7 +286,7 @@ class ThisHost:
         self._me = _Me()
         self.names = self._service.registry.children("")
 
-    def ask(self, target: str, payload: Payload | None = None) -> Answer:
+    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET, which it refuses."""
         answers: list[Answer] = []
         self._service.handle(Ask(target, payload, answers.append, self._me))

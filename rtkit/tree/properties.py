@@ -6,6 +6,7 @@ is the service is known from the services there are: the longest that fits.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
@@ -43,6 +44,14 @@ class End(Protocol):
 
     def close(self) -> None:
         """End the connection."""
+        ...
+
+
+class BoundedEnd(End, Protocol):
+    """A connection on which each request may be given up sooner."""
+
+    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
+        """GET, or SET that has begun at `until`, by the monotonic clock [s], or never does."""
         ...
 
 

@@ -8,7 +8,13 @@ from time import monotonic
 
 import pytest
 
-from rtkit.link.deadline import boot_id, deadline_from_text, deadline_to_text
+from rtkit.link.deadline import (
+    boot_id,
+    deadline_from_text,
+    deadline_to_text,
+    split_deadline,
+    with_deadline,
+)
 from rtkit.link.properties import Joined, Queried
 from rtkit.property.access import read_policy
 from rtkit.property.exchange import NOT_BEGUN
@@ -58,3 +64,18 @@ def test_a_deadline_of_another_host_counts_from_when_it_came() -> None:
 @pytest.mark.parametrize("text", ["", "rubbish", "a b", "a b c", "a 1 2 3"])
 def test_what_is_no_deadline_bounds_nothing(text: str) -> None:
     assert deadline_from_text(text) == math.inf
+
+
+@pytest.mark.parametrize("target", ["speed", "speed?echo", "speed?if=3&id=x"])
+def test_a_deadline_travels_as_a_parameter_that_leaves_the_others_alone(target: str) -> None:
+    until = monotonic() + 7
+    carried = with_deadline(target, until)
+    told, found = split_deadline(carried)
+    assert (told, abs(found - until) < 1e-5) == (target, True)
+    assert split_deadline(f"{carried}&lease=3")[0] in (f"{target}&lease=3", f"{target}?lease=3")
+    assert with_deadline(target, math.inf) == target
+
+
+@pytest.mark.parametrize("target", ["speed", "speed?xdeadline=1", "deadline=3", "a?deadline"])
+def test_a_target_without_a_deadline_stays_as_it_is(target: str) -> None:
+    assert split_deadline(target) == (target, math.inf)
