@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
@@ -15,6 +16,7 @@ _NAMES: dict[type, str] = {cls: cls.__name__ for cls in get_args(Action)}
 _TYPES: dict[str, type] = {name: cls for cls, name in _NAMES.items()}
 MAX_TIMEOUT_S = 86_400.0
 """The longest time that a manager waits for one action [s]."""
+_STAMPED = re.compile(r"([0-9a-f]{8})-([0-9a-f]{1,15})-[0-9a-f]+")
 MAX_ID = 64
 """The longest id of a batch."""
 
@@ -34,6 +36,23 @@ class Batch:
     is_ordered: bool = True
     timeout_s: float = 10.0
     id: str = ""
+
+
+def stamped_id(boot: str, since_boot_us: int, random: str) -> str:
+    """Return the id of a request that tells when it was made, and is like no other.
+
+    Args:
+        boot: Which run of which machine it is.
+        since_boot_us: How long that has run [us].
+        random: Tells requests of one moment apart.
+    """
+    return f"{boot[:8]}-{since_boot_us:x}-{random}"
+
+
+def stamp_of(id: str) -> tuple[str, int] | None:
+    """Return the run of a machine in which an id was made, and when [us]; None if it tells none."""
+    found = _STAMPED.fullmatch(id)
+    return None if found is None else (found[1], int(found[2], 16))
 
 
 def action_to_plain(action: Action) -> dict[str, Any]:

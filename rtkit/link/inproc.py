@@ -24,6 +24,7 @@ class InprocLink:
 
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """See `Link.send`."""
+        key, _, id = key.partition("?id=")
         service_key, is_extension, name = _split(key)
         enqueue = self._services.get(service_key)
         if enqueue is None:
@@ -41,7 +42,7 @@ class InprocLink:
             return replies[0]
 
         until = time.monotonic() + timeout_s
-        enqueue(Request(name, payload, answer, is_extension=is_extension, until=until))
+        enqueue(Request(name, payload, answer, is_extension=is_extension, until=until, id=id))
         return reply
 
     def serve(self, service_key: str, enqueue: Callable[[Request], object]) -> None:

@@ -26,6 +26,7 @@ _RETRY = "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"
 LEASE_S = 600.0
 """How long a peer may be silent until it is given up: a stopped machine is no death [s]."""
 
+_ID = "id="
 NOTHING: Mapping[str, str] = {}
 _ERROR_ENCODING = zenoh.Encoding("text/plain;rtkit.error")
 
@@ -238,8 +239,9 @@ def _receiver(
         except ValueError:  # which is what zenoh raises
             answer(Reply("payload is not UTF-8 text", "malformed"))
             return
-        until = deadline_from_text(told)
-        enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension, until))
+        until, given = deadline_from_text(told), str(query.parameters)
+        id = given.removeprefix(_ID) if given.startswith(_ID) else ""
+        enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension, until, id))
 
     return receive
 

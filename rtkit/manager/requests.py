@@ -7,7 +7,8 @@ from collections.abc import Callable
 from time import monotonic
 from typing import Any, NamedTuple
 
-from rtkit.deployment.batch import batch_from_text
+from rtkit.deployment.actions import Create
+from rtkit.deployment.batch import MAX_ID, Batch, batch_from_text, results_from_text
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.lease import Lease
 from rtkit.deployment.listing import listing_of, listing_to_text
@@ -143,9 +144,25 @@ class Desk:
         argument = request.payload or ""
         if name in operations.READ:
             raise Refused(f"read-only property: {name}")
+        if name == "create_component" and request.id:
+            return _create_once(request)
         if name in operations.DO:
             return OperationAsked(name, argument, request.answer)
         return OperationAsked("set_configuration", f"{name}:{argument}", request.answer)
+
+
+def _create_once(request: Request) -> BatchAsked:
+    """Return a creation as a batch, so that it is known by its id when it comes again."""
+
+    def answer(reply: Reply) -> None:
+        if not reply.error:
+            (result,) = results_from_text(reply.text)
+            reply = Reply(result.value) if result.ok else Reply(result.why, result.kind)
+        request.answer(reply)
+
+    made = (Create(request.payload or ""),)
+    batch = Batch(made, True, operations.TIMEOUT_S, request.id[:MAX_ID])
+    return BatchAsked(batch, answer, request.until)
 
 
 def _aside(request: Request, work: Callable[[], str]) -> None:

@@ -40,6 +40,7 @@ class Request(NamedTuple):
         name: The property below the service, chunks joined with ``/``.
         is_extension: The name lies in the reserved space (snapshots, meta data).
         until: When the client gives the request up, by the monotonic clock of this host [s].
+        id: By which the same request is known when it comes again; empty for nothing.
         answer: To be called exactly once, from any thread.
     """
 
@@ -48,6 +49,7 @@ class Request(NamedTuple):
     answer: Callable[[Reply], None]
     is_extension: bool = False
     until: float = math.inf
+    id: str = ""
 
 
 def failure(error: BaseException) -> Reply:

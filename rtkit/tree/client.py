@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from rtkit.link.base import Link
 
 DEFAULT_TIMEOUT_S = 10.0
+_CREATE = "create_component"
+"""An operation that makes another thing each time: it bears an id, like batches."""
 _GRACE_S = 1.0
 _LONGEST_S = 7 * 86_400.0
 _MOST_IN_A_PART = 50
@@ -193,7 +196,7 @@ class Tree(ByPath, Closing):
         from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 
         bound = self.timeout_s if timeout_s is None else timeout_s
-        batch = Batch(tuple(actions), is_ordered, bound, os.urandom(8).hex())
+        batch = Batch(tuple(actions), is_ordered, bound, request_id())
         rounds = len(batch.actions) if is_ordered else 1
         key = keys.property_key(self._service, "batch")
         answer = self._send(key, batch_to_text(batch), bound * rounds)
@@ -262,6 +265,8 @@ class Tree(ByPath, Closing):
             Refused: It cannot be changed now.
         """
         key = keys.property_key(self._service, as_text(name, "a property's name"))
+        if name == _CREATE:
+            key += f"?id={request_id()}"
         return self._ask(key, as_text(value, f"value of {name}"), timeout_s)
 
     def _ask(self, key: str, payload: str | None = None, timeout_s: float | None = None) -> str:
@@ -296,6 +301,15 @@ class Tree(ByPath, Closing):
                 unsure = "; whether it did what was asked shows when it is started again"
                 raise Unreachable(told + unsure * is_change) from error
             raise Unreachable(f"{self.manager} on {self.host}: {error}") from error
+
+
+def request_id() -> str:
+    """Return an id for one request, which tells the manager how old it is."""
+    from rtkit.deployment.batch import stamped_id
+    from rtkit.link.deadline import boot_id
+
+    now_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+    return stamped_id(boot_id(), now_us, os.urandom(4).hex())
 
 
 def bounded(timeout_s: float) -> float:

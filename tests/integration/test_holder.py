@@ -234,6 +234,20 @@ def test_a_failure_at_birth_makes_nothing(process: Process, callback: str, error
     process.create("A")
 
 
+@pytest.mark.parametrize("error", [ValueError, SystemExit, KeyboardInterrupt])
+def test_whatever_is_raised_in_an_operation_does_not_end_the_process(
+    process: Process, error: type[BaseException], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise error("on purpose")
+
+    monkeypatch.setattr(Maker, "load", fail)
+    answer = process.call("load", path="Any.py", init="AnyInit")
+    assert (answer["kind"], answer["why"]) == ("error", f"{error.__name__}: on purpose")
+    process.holder.post(fail)
+    process.create("A")
+
+
 @pytest.mark.parametrize("error", ["ValueError", "SystemExit", "KeyboardInterrupt"])
 @pytest.mark.parametrize(
     ("callback", "transitions", "state"),

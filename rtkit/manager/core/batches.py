@@ -9,7 +9,7 @@ from __future__ import annotations
 from functools import partial
 
 from rtkit.deployment.actions import Result
-from rtkit.deployment.batch import results_to_text
+from rtkit.deployment.batch import results_to_text, stamp_of
 from rtkit.errors import Refused, Unreachable
 from rtkit.manager.core import operations
 from rtkit.manager.core.events import (
@@ -33,6 +33,7 @@ from rtkit.records import replace
 STOPPING = "the manager is stopping"
 REMEMBERED = 64
 """How many answers are remembered, the last ones."""
+TOO_OLD = "request {} is too old: it may have been done, and its answer is not remembered any more"
 
 
 class _Job:
@@ -71,12 +72,15 @@ class Batches:
         self._supervisor = supervisor
         self._jobs: dict[str, _Job] = {}
         self._answered: dict[str, str] = {}
+        self._forgotten: dict[str, int] = {}
         self.now = 0.0
         self.is_stopping = False
 
     def recall(self) -> None:
         """Remember what an earlier manager has answered."""
         self._answered.update(self._state.kept.answered)
+        if len(self._answered) >= REMEMBERED - 1:  # before the first of them were others
+            self._forget(next(iter(self._answered)))
 
     def take(self, asked: BatchAsked) -> None:
         """Begin a batch as soon as it can be recorded, unless it is or was done already."""
@@ -85,8 +89,25 @@ class Batches:
             self._jobs[id].answers.append(asked.answer)
         elif id and id in self._answered:
             self._out.append(AnswerClient(asked.answer, Reply(self._answered[id])))
+        elif self._is_too_old(id):
+            self._out.append(AnswerClient(asked.answer, Reply(TOO_OLD.format(id), Refused.kind)))
         else:
             self._admit(_Job(asked))
+
+    def _is_too_old(self, id: str) -> bool:
+        """Whether an id may be one of those that were answered and forgotten."""
+        stamp = stamp_of(id)
+        return stamp is not None and stamp[1] <= self._forgotten.get(stamp[0], -1)
+
+    def _forget(self, id: str) -> None:
+        """Note that the answer to a batch is remembered no longer."""
+        stamp = stamp_of(id)
+        if stamp is None:
+            return
+        boot, made = stamp
+        self._forgotten[boot] = max(made, self._forgotten.pop(boot, -1))
+        while len(self._forgotten) > REMEMBERED:
+            del self._forgotten[next(iter(self._forgotten))]
 
     def operate(self, asked: OperationAsked) -> None:
         """Begin an operation."""
@@ -198,5 +219,6 @@ class Batches:
         self._answered[id] = text
         for old in list(self._answered)[:-REMEMBERED]:
             del self._answered[old]
+            self._forget(old)
         if kept.answered.get(id, text) != text:
             kept.drop(ANSWERED, id)

@@ -21,6 +21,7 @@ from rtkit.component.context import ExecutionContext
 from rtkit.component.current import current
 from rtkit.component.wholes import is_composite
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.guard import guarded, kind_and_text
 from rtkit.manager.core.message import Message
 from rtkit.manager.holding.asked import Asked
 from rtkit.manager.holding.composites import Composites
@@ -133,13 +134,10 @@ class Holder:
             item = self._inbox.get()
             if item is _CLOSE:
                 break
-            try:
-                if callable(item):
-                    item()
-                else:
-                    self._serve(item)
-            except Exception:
-                _log().exception("holder failed at %r", item)
+            # User code may raise SystemExit, too, which must not end the process.
+            error = guarded(item if callable(item) else partial(self._serve, item)).error
+            if error is not None:
+                _log().error("holder failed at %r", item, exc_info=error)
         self._wind_up()
         self._wires.close()
 
@@ -175,8 +173,8 @@ class Holder:
             if message["op"] in ("load", "create") and error.__cause__ is not None:
                 _log().error("%s failed: %s", message["op"], error, exc_info=error.__cause__)
             self.refuse(message, error)
-        except Exception as error:
-            self.refuse(message, RtkitError(f"{type(error).__name__}: {error}"))
+        except BaseException as error:
+            self.refuse(message, RtkitError(kind_and_text(error)))
             raise
         else:
             if value is not LATER:

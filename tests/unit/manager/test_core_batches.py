@@ -8,13 +8,14 @@ import pytest
 from endings import heir
 
 from rtkit.deployment.actions import ActivateSet, ChangeState, Create, Delete, SetParameters, Tick
+from rtkit.deployment.batch import stamped_id
 from rtkit.errors import Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core import procedures
-from rtkit.manager.core.batches import REMEMBERED
+from rtkit.manager.core.batches import REMEMBERED, TOO_OLD
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
 from rtkit.manager.fake import OWN, FakeShell
-from rtkit.property.exchange import NOT_BEGUN
+from rtkit.property.exchange import NOT_BEGUN, Reply
 from rtkit.rtc.enums import ReturnCode, Transition
 
 
@@ -68,6 +69,25 @@ def test_what_was_refused_for_the_disk_may_be_asked_again(shell):
     again = shell.ask(Create("Thing"), id="y")
     shell.serve()
     assert again.result.value == "Thing0"
+
+
+def test_a_batch_that_may_have_been_forgotten_is_refused_by_name(shell):
+    """Also by the next manager; what is younger, or of another run of the machine, is not."""
+    ids = [stamped_id("0123456789", moment, "ab") for moment in range(REMEMBERED + 3)]
+    shell.make("A")
+    for number, id in enumerate(ids):
+        shell.ask(SetParameters("A", "default", {"p": str(number)}), id=id)
+        shell.serve()
+    for manager in (shell, heir(shell)):
+        again = manager.ask(Create("Thing"), id=ids[1])
+        manager.serve()
+        assert again.replies == [Reply(TOO_OLD.format(ids[1]), Refused.kind)]
+        assert manager.ask(Create("Thing"), id=ids[-1]).result.ok
+    young = stamped_id("0123456789", REMEMBERED + 9, "ab")
+    for id in (young, stamped_id("fedcba9876", 1, "ab"), "no-stamp"):
+        new = shell.ask(Create("Thing"), id=id)
+        shell.serve()
+        assert new.result.ok
 
 
 def test_only_the_last_answers_are_remembered(shell):
