@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from rtkit.errors import Refused
 from rtkit.link import places, unix
 from rtkit.link.bound import is_abandoned
+from rtkit.link.segments import remove_orphans
 
 _DYING_MS = 1000
 """How long a manager that was killed may still be heard after its lock is free."""
@@ -98,6 +99,7 @@ def remove_stale(name: str, living: Collection[int]) -> None:
     Raises:
         Refused: Something else than a socket lies there, or it cannot be removed.
     """
+    remove_orphans()
     folder = places.runtime_dir()
     own = (places.manager_socket(name), places.control_socket(name))
     left = [os.path.join(folder, entry) for entry in os.listdir(folder)]

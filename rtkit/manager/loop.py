@@ -21,6 +21,7 @@ from rtkit.deployment.news import TREE
 from rtkit.errors import RtkitError
 from rtkit.link import keys, places
 from rtkit.link.base import Link
+from rtkit.link.segments import remove_orphans
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.message import Message
@@ -258,6 +259,7 @@ class Loop:
                 self._watchman.forget(key)
                 if self._limiter is not None:
                     self._limiter.forget(key)
+                remove_orphans()
 
     def _with_last_words(self, event: ev.SlaveEnded) -> ev.SlaveEnded:
         """Find out why a slave ended that was to live, and log it."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -111,3 +113,19 @@ def test_shared_memory_that_fills_up_and_is_emptied(shell: Any) -> None:
 def within(prefix: list[str], line: str) -> None:
     """Run a line of shell where the small file system is seen."""
     subprocess.run([*prefix, "sh", "-c", line], check=True, env=dict(os.environ))
+
+
+def test_nothing_stays_when_a_manager_was_stopped(shell: Any) -> None:
+    """Neither what slaves held that ended in order, nor what one held that was killed."""
+    with mountkit.small("/dev/shm", "size=500m") as prefix:
+        shell.prefix = prefix
+        bring_up(shell)
+        go_on(shell)
+        told = json.loads(shell.ok("rtcat --json /localhost/manager.mgr/a.mgr"))
+        assert subprocess.run([*prefix, "ls", "/dev/shm"], capture_output=True, check=True).stdout
+        os.kill(told["pid"], signal.SIGKILL)
+        shell.run("rtmgr stop")
+        left = subprocess.run(
+            [*prefix, "ls", "-l", "/dev/shm"], capture_output=True, text=True, check=True
+        )
+        assert left.stdout == "total 0\n"

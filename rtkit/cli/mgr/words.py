@@ -63,6 +63,7 @@ def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...]
 
 def _stop(app: App, name: str) -> None:
     """Stop a manager, or end what one left that was killed, perhaps just now."""
+    from rtkit.link.segments import remove_orphans
     from rtkit.tree import managers
 
     absent = None
@@ -73,6 +74,7 @@ def _stop(app: App, name: str) -> None:
             raise
         absent = error
     left = _end_remains(name)
+    remove_orphans()  # its own, which it held until it ended
     is_forgotten = absent is not None and _forget_wishes(name)
     if absent is not None and not left and not is_forgotten:
         raise absent
