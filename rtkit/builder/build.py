@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from rtkit.builder.component_code import component_code
+from rtkit.builder.mirror import FOLDER, listening, mirror_system, mirrored
 from rtkit.builder.names import module_name
 from rtkit.builder.obstacles import obstacle
 from rtkit.builder.packaging import pyproject
@@ -49,13 +50,20 @@ class Built:
     notes: tuple[str, ...]
 
 
-def build(profile: RtcProfile, sources: Sources, made_of: tuple[str, ...] = ()) -> Built:
+def build(
+    profile: RtcProfile,
+    sources: Sources,
+    made_of: tuple[str, ...] = (),
+    *,
+    has_mirror: bool = False,
+) -> Built:
     """Generate a component.
 
     Args:
         profile: Its RTC profile.
         sources: What there is beside it.
         made_of: Names of the IDL files that were read.
+        has_mirror: Also generate its mirror, and a system of both.
 
     Raises:
         Malformed: A text of the profile cannot be written to XML.
@@ -68,10 +76,30 @@ def build(profile: RtcProfile, sources: Sources, made_of: tuple[str, ...] = ()) 
         files[f"{subject.types_module}.py"] = File(text, has_regions=True)
     files[f"tests/test_{module}.py"] = File(trial_code(subject), has_regions=True)
     files["README.md"] = File(readme(subject))
-    files["pyproject.toml"] = File(pyproject(subject, made_of))
+    notes = subject.notes
+    if has_mirror:
+        mirror, more = _mirror(subject, sources, made_of)
+        files |= more
+        notes = tuple(dict.fromkeys([*notes, *mirror.notes]))
+    files["pyproject.toml"] = File(pyproject(subject, made_of, has_mirror=has_mirror))
     files["system.xml"] = File(sample_system(subject))
     files[PROFILE] = File(_profile(profile))
-    return Built(subject, files, subject.notes)
+    return Built(subject, files, notes)
+
+
+def _mirror(
+    subject: Subject, sources: Sources, made_of: tuple[str, ...]
+) -> tuple[Subject, dict[str, File]]:
+    """Return what is the mirror of a component, and its files."""
+    found, types = prepare(mirrored(subject.profile, subject), replace(sources, drawn=None))
+    mirror = replace(found, working=tuple(listening(found.ports)))
+    code = File(component_code(mirror, types), has_regions=True)
+    files = {f"{FOLDER}/{mirror.module}.py": code}
+    if mirror.has_types:
+        text = types.text(made_of, [CODE_STAMP, ""])
+        files[f"{FOLDER}/{mirror.types_module}.py"] = File(text, has_regions=True)
+    files[f"{FOLDER}.xml"] = File(mirror_system(subject, mirror))
+    return mirror, files
 
 
 def _profile(profile: RtcProfile) -> str:

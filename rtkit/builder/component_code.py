@@ -17,9 +17,18 @@ from rtkit.builder.layout import (
     constant,
     mapping,
 )
+from rtkit.builder.layout import lines as lines_of
 from rtkit.builder.methods import documentation, signature
 from rtkit.builder.regions import CODE_STAMP, region
-from rtkit.builder.subject import Machine, Offer, Port, Service, Setting, Subject
+from rtkit.builder.subject import (
+    Machine,
+    Offer,
+    Port,
+    Service,
+    Setting,
+    StateClass,
+    Subject,
+)
 from rtkit.builder.text import INDENT, clean, docstring, one_line, told, width
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.contexts import PERIODIC
@@ -82,6 +91,8 @@ def component_code(subject: Subject, types: TypesCode) -> str:
         for offer in service.offers:
             if offer.servant:
                 lines += ["", "", *_servant(service, offer, subject, types)]
+    for each in subject.machine.classes if subject.machine else ():
+        lines += ["", "", *_state_class(each, subject)]
     lines += ["", "", *_class(subject, types)]
     lines += ["", "", *_init(subject), ""]
     return "\n".join(lines)
@@ -156,6 +167,9 @@ def _machine(machine: Machine) -> Iterator[str]:
         yield from mapping(
             "events: ClassVar", [(each.name, Code(each.type)) for each in machine.events]
         )
+    yield from mapping(
+        "state_classes: ClassVar", [(each.state, Code(each.name)) for each in machine.classes]
+    )
 
 
 def _named(attribute: str, name: str) -> list[tuple[str, Node]]:
@@ -243,11 +257,15 @@ def _callbacks(subject: Subject) -> Iterator[list[str]]:
         yield [
             f"{INDENT}def {each.name}(self{given}) -> None:",
             *callback_doc(each.name, each.status.doc),
-            *region(each.name, BODY),
+            *region(each.name, BODY, _beginning(subject, each.name)),
             *([f"{BODY}super().{each.name}(context)"] if is_driven else []),
         ]
     if subject.machine:
         yield from _machine_callbacks(subject.machine, names)
+
+
+def _beginning(subject: Subject, callback: str) -> list[str]:
+    return [BODY + line for line in subject.working] if callback == "on_execute" else []
 
 
 def _others(subject: Subject) -> Iterator[str]:
@@ -278,11 +296,13 @@ def _machine_callbacks(machine: Machine, names: list[str]) -> Iterator[list[str]
         f"{INDENT}def on_entry(self, state: str) -> None:",
         f'{BODY}"""Enter a state."""',
         *region("on_entry", BODY),
+        f"{BODY}super().on_entry(state)",
     ]
     yield [
         f"{INDENT}def on_exit(self, state: str) -> None:",
         f'{BODY}"""Leave a state."""',
         *region("on_exit", BODY),
+        f"{BODY}super().on_exit(state)",
     ]
     yield [
         f"{INDENT}def on_event(self, event: str, value: Any) -> str | None:",
@@ -292,8 +312,30 @@ def _machine_callbacks(machine: Machine, names: list[str]) -> Iterator[list[str]
             conditions if machine.conditions else [],
             BODY,
         ),
-        *region("on_event", BODY, [f"{BODY}return None"]),
+        *region("on_event", BODY, [f"{BODY}return super().on_event(event, value)"]),
     ]
+
+
+def _state_class(each: StateClass, subject: Subject) -> Iterator[str]:
+    events = subject.machine.events if subject.machine else ()
+    types = {event.name: event.type for event in events}
+    yield f"class {each.name}(rt.State):"
+    yield from docstring("What is done in a state.", f"State {one_line(each.state)}", (), INDENT)
+    yield ""
+    yield f"{INDENT}component: {subject.class_name}"
+    for name, summary in (("on_entry", "Enter the state."), ("on_exit", "Leave the state.")):
+        yield ""
+        yield f"{INDENT}def {name}(self) -> None:"
+        yield f'{BODY}"""{summary}"""'
+        yield from region(f"{each.name}.{name}", BODY)
+    for name, event, target in each.moves:
+        yield ""
+        yield from lines_of("@", Call("rt.takes", [("", Text(event))]))
+        yield f"{INDENT}def {name}(self, value: {types[event]}) -> str | None:"
+        yield from docstring(
+            "Take an event.", f"Take {one_line(event)}, which leads to {one_line(target)}", (), BODY
+        )
+        yield from region(f"{each.name}.{name}", BODY, [f"{BODY}return None"])
 
 
 def _operations(subject: Subject, types: TypesCode) -> Iterator[list[str]]:

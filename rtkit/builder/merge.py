@@ -15,6 +15,9 @@ from rtkit.builder.regions import (
 )
 from rtkit.errors import Malformed
 
+_EVENT, _FORMER, _STATES = "on_event", ["return None"], "(rt.State):"
+"""A region, what it held in the beginning before states had classes, and what tells them."""
+
 
 class Fate(Enum):
     """What is to be done with a file."""
@@ -81,7 +84,10 @@ def _with_regions(old: str, text: str) -> Merged:
         if name not in after.regions and not is_placeholder(lines):
             why = f"there is no place any more for your code {name}"
             return Merged(Fate.CONFLICT, joined(after, before.regions), why, _place(old, name))
-    merged = joined(after, before.regions)
+    regions = dict(before.regions)
+    if _STATES not in old and [line.strip() for line in regions.get(_EVENT, ())] == _FORMER:
+        del regions[_EVENT]  # else classes of states would never be asked
+    merged = joined(after, regions)
     return Merged(Fate.SAME if merged == old else Fate.WRITE, merged)
 
 

@@ -28,6 +28,7 @@ FOREIGN_RULES = ("E741", "E742", "E743", "N802", "N803", "N999")
 TYPE_RULES = ("E741", "E742", "E743", "N801", "N802", "N803", "N815", "N816", "N999")
 """Rules about names that do not hold in a file: our own, with names of IDL files, of types."""
 
+_MIRROR_RULES = tuple(sorted({*FOREIGN_RULES, *TYPE_RULES, "I001"}))
 _SELECT = ("E", "F", "W", "I", "UP", "B", "C4", "D", "N", "SLF", "RUF", "PT", "SIM", "TID")
 
 
@@ -49,7 +50,7 @@ def toml(text: str) -> str:
     return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in plain) + '"'
 
 
-def pyproject(subject: Subject, made_of: Sequence[str] = ()) -> str:
+def pyproject(subject: Subject, made_of: Sequence[str] = (), *, has_mirror: bool = False) -> str:
     """Return ``pyproject.toml``, not yet stamped; IDL files that it is `made_of` go with it."""
     module = subject.module
     rules: dict[str, Sequence[str]] = {}
@@ -88,6 +89,7 @@ def pyproject(subject: Subject, made_of: Sequence[str] = ()) -> str:
         "",
         *linter(rules),
         '"tests/**" = ["D", "N999", "SLF"]',
+        *([f'"mirror/**" = [{_listed(_MIRROR_RULES)}]'] if has_mirror else []),
         "",
     ]
     return "\n".join(lines)

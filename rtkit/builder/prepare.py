@@ -17,12 +17,21 @@ from rtkit.builder.names import (
 )
 from rtkit.builder.obstacles import of_interface, of_type
 from rtkit.builder.settings import settings_of, unused
-from rtkit.builder.subject import Callback, Machine, Offer, Port, Service, Subject
-from rtkit.builder.text import one_line
+from rtkit.builder.subject import (
+    Callback,
+    Machine,
+    Offer,
+    Port,
+    Service,
+    StateClass,
+    Subject,
+)
+from rtkit.builder.text import one_line, width
 from rtkit.builder.types_code import TypesCode
 from rtkit.component.base import Component
 from rtkit.component.contexts import PERIODIC, kind_named
-from rtkit.component.fsm import FsmComponent
+from rtkit.component.fsm import FsmComponent, State
+from rtkit.component.machine import lineage
 from rtkit.errors import Refused
 from rtkit.idl.model import Definitions, Interface, Named, Path
 from rtkit.profile.rtc_model import (
@@ -39,6 +48,7 @@ NOTHING = Definitions({})
 EVENT_PORT = "EventPort"
 _KINDS = {"DataInPort": "InPort", "DataOutPort": "OutPort", EVENT_PORT: EVENT_PORT}
 _HELP = "-I DIR tells where IDL files are"
+_WIDEST_METHOD = 28
 _IN_CLASS = ("ClassVar", "I", "O", "idl", "images", "l", "rt", "super")
 
 
@@ -191,8 +201,18 @@ class _Preparation:
             )
             if found is not None:
                 self.event_port = port
-                return found
+                return found._replace(classes=tuple(self._state_classes(found)))
         return None
+
+    def _state_classes(self, machine: Machine) -> Iterator[StateClass]:
+        states = [reversed(list(lineage(state))) for state in machine.states]
+        for state in dict.fromkeys(each for line in states for each in line):
+            taken = Taken([*dir(State), "component", *_IN_CLASS])
+            moves = tuple(
+                (taken.add(_method_name(event)), event, target)
+                for event, target in machine.states.get(state, {}).items()
+            )
+            yield StateClass(state, unused(class_name(state), self.classes, ""), moves)
 
     def _event_ports(self) -> list[DataPort]:
         return [each for each in self.profile.data_ports if each.port_type == EVENT_PORT]
@@ -284,6 +304,14 @@ def _uses_types(
     expressions += [event.type for event in machine.events] if machine else []
     expressions += [offer.protocol for service in services for offer in service.offers]
     return any(each.startswith("idl.") for each in expressions)
+
+
+def _method_name(event: str) -> str:
+    """Return what takes an event; short, because it stands behind a class in marks."""
+    name = attribute_name(event, "event")
+    while width(name) > _WIDEST_METHOD:
+        name = name[:-1]
+    return name.rstrip("_") or "event"
 
 
 def _unnamed(stem: str) -> BasicInfo:

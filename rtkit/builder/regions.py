@@ -24,7 +24,13 @@ XML_STAMP = (
     f"<!-- Made by rtbuild; changed by you, the file is yours and is kept [{_UNSTAMPED}]. -->"
 )
 MARKDOWN_STAMP = XML_STAMP
-_PLACEHOLDERS = ("", "pass", "raise NotImplementedError", "return None")
+_PLACEHOLDERS = (
+    "",
+    "pass",
+    "raise NotImplementedError",
+    "return None",
+    "return super().on_event(event, value)",
+)
 
 
 class Split(NamedTuple):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rtkit.builder.regions import XML_STAMP
 from rtkit.builder.subject import Subject
 from rtkit.component.contexts import kind_named
@@ -12,10 +14,12 @@ from rtkit.profile.rts_model import (
     Component,
     ConfigurationData,
     ConfigurationSet,
+    DataPortConnector,
     ExecutionContext,
     Location,
     Port,
     RtsProfile,
+    ServicePortConnector,
 )
 from rtkit.profile.write import write_rts
 from rtkit.rtc.create import CreateString
@@ -31,16 +35,36 @@ _DEFAULT_RATE = 1000.0
 
 def sample_system(subject: Subject) -> str:
     """Return a system profile of one component, not yet stamped."""
-    info = subject.info
-    identity = TypeProfile(subject.type_name, info.vendor, info.category, info.version)
-    instance = f"{subject.type_name}0"
+    return system_of([(subject, "")], f"A sample of component type {subject.type_name}")
+
+
+def system_of(
+    subjects: Sequence[tuple[Subject, str]],
+    abstract: str,
+    data: tuple[DataPortConnector, ...] = (),
+    services: tuple[ServicePortConnector, ...] = (),
+) -> str:
+    """Return a system profile of components and their connectors, not yet stamped.
+
+    Args:
+        subjects: Each component, and the folder of its module, which ends in a slash.
+        abstract: What the system is.
+        data: Connectors of data ports.
+        services: Connectors of service ports.
+    """
+    first, _ = subjects[0]
+    info = first.info
     profile = RtsProfile(
-        id=f"RTSystem:{info.vendor}:{subject.type_name}:{info.version or '1.0'}",
+        id=f"RTSystem:{info.vendor}:{first.type_name}:{info.version or '1.0'}",
         version=RTS_VERSION,
         creation_date=info.creation_date or _EPOCH,
         update_date=info.update_date or info.creation_date or _EPOCH,
-        abstract=f"A sample of component type {subject.type_name}",
-        components=(_component(subject, identity.id, instance),),
+        abstract=abstract,
+        components=tuple(
+            _component(subject, folder, place) for place, (subject, folder) in enumerate(subjects)
+        ),
+        data_port_connectors=data,
+        service_port_connectors=services,
     )
     head, _, body = write_rts(profile).decode().partition("\n")
     return f"{head}\n{XML_STAMP}\n{body}"
@@ -50,7 +74,9 @@ def _options(subject: Subject) -> dict[str, str]:
     return {"instance_name": f"{subject.type_name}0", "manager_name": subject.module}
 
 
-def _component(subject: Subject, id: str, instance: str) -> Component:
+def _component(subject: Subject, folder: str, place: int) -> Component:
+    info, instance = subject.info, f"{subject.type_name}0"
+    id = TypeProfile(subject.type_name, info.vendor, info.category, info.version).id
     data = [port.name for port in subject.ports]
     if subject.machine:
         data.append(subject.machine.port)
@@ -74,9 +100,9 @@ def _component(subject: Subject, id: str, instance: str) -> Component:
         ),
         configuration_sets=(ConfigurationSet("default", values),) if values else (),
         execution_contexts=(ExecutionContext("0", kind.value, rate),),
-        location=Location(100, 100, 50, 100, "RIGHT"),
+        location=Location(100 + 300 * place, 100, 50, 100, "RIGHT"),
         properties=(
             Property(CREATE, str(CreateString(subject.type_name, options=_options(subject)))),
-            Property(MODULE, f"{subject.module}.py:{subject.init}"),
+            Property(MODULE, f"{folder}{subject.module}.py:{subject.init}"),
         ),
     )

@@ -79,6 +79,19 @@ class Event(NamedTuple):
     type: str
 
 
+class StateClass(NamedTuple):
+    """The class of a state.
+
+    Attributes:
+        name: What the class is called.
+        moves: Method, event, and where the table leads.
+    """
+
+    state: str
+    name: str
+    moves: tuple[tuple[str, str, str], ...]
+
+
 class Machine(NamedTuple):
     """A state machine.
 
@@ -86,12 +99,14 @@ class Machine(NamedTuple):
         port: Name of its event port.
         states: State, event, next state.
         conditions: What the profile says of when a transition is taken, a line for each.
+        classes: A class for each state, outer ones first.
     """
 
     port: str
     states: dict[str, dict[str, str]]
     events: tuple[Event, ...]
     conditions: tuple[str, ...]
+    classes: tuple[StateClass, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +121,7 @@ class Subject:
         rate: Of a periodic execution context [Hz]; 0 where none is given.
         has_types: Whether a module of interface definitions goes with it.
         notes: What could not be taken over as it is.
+        working: Code that does the work of a period in the beginning.
     """
 
     profile: RtcProfile
@@ -123,6 +139,7 @@ class Subject:
     machine: Machine | None
     has_types: bool
     notes: tuple[str, ...]
+    working: tuple[str, ...] = ()
 
     @property
     def types_module(self) -> str:

@@ -68,6 +68,10 @@ def test_it_takes_an_event(trial: Trial[Subject], event: str) -> None:
     trial.tick()
     assert trial.state == "Active", trial.component.cause
 """
+_STATES = """
+def test_each_state_has_its_class(trial: Trial[Subject]) -> None:
+    assert set(trial.component.state_classes) == set(trial.component.machine.table)
+"""
 _MANAGER = """
 def test_a_manager_runs_it() -> None:
     folder = Path(__file__).parents[1]
@@ -86,6 +90,7 @@ def trial_code(subject: Subject) -> str:
     blocks = [_FIXTURE, _PARAMETERS if subject.settings else "", _LIFE_CYCLE]
     blocks.append(_VALUES if _in_ports(subject) else "")
     blocks.append(_EVENTS if subject.machine and subject.machine.events else "")
+    blocks.append(_STATES if subject.machine else "")
     blocks.append(_MANAGER)
     title = f"Tests of component type {one_line(subject.type_name)}"
     found = [*docstring("Tests of a component type.", title), "", CODE_STAMP]

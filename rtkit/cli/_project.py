@@ -106,7 +106,9 @@ class _Idl:
         return self.read[path]
 
 
-def read(typed: str, output: str | None, folders: Sequence[str]) -> Project:
+def read(
+    typed: str, output: str | None, folders: Sequence[str], *, has_mirror: bool = False
+) -> Project:
     """Read a profile or an IDL file and generate what it asks for.
 
     Raises:
@@ -130,7 +132,8 @@ def read(typed: str, output: str | None, folders: Sequence[str]) -> Project:
     sources = {os.path.basename(path): text for path, text in idl.read.items()}
     stem = os.path.basename(typed).partition(".")[0] if typed != STDIN else "Component"
     drawn = _drawn(reading.profile, beside)
-    built = build(reading.profile, Sources(stem, definitions, drawn), tuple(sources))
+    found = Sources(stem, definitions, drawn)
+    built = build(reading.profile, found, tuple(sources), has_mirror=has_mirror)
     project = Project(folder, dict(built.files), list(built.notes))
     project.notes += [f"{path}: not named by the profile; types are taken from it" for path in more]
     project.remarks = [f"{typed}:{note.line}: {note.text}" for note in reading.notes]

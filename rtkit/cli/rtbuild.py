@@ -29,6 +29,9 @@ _SHOWN = ("written", "kept")
     metavar="DIR",
     help="Look for IDL files there too.",
 )
+@click.option(
+    "--mirror", "has_mirror", is_flag=True, help="Generate a mirror, too, to try it by hand."
+)
 @click.option("-n", "--dry-run", is_flag=True, help="Tell what would be written, write nothing.")
 @click.option(
     "-f",
@@ -43,6 +46,7 @@ def main(
     files: tuple[str, ...],
     output: str | None,
     folders: tuple[str, ...],
+    has_mirror: bool,
     dry_run: bool,
     force: bool,
     is_json: bool,
@@ -58,6 +62,10 @@ def main(
     Generating again keeps the code between "user code" marks, and whole files that are not code
     once they were changed. Changed code outside of the marks is a conflict: nothing is written.
 
+    A mirror (--mirror) is a component with each port reversed, mirror/NAMEMirror.py; rtresurrect
+    mirror.xml, with a manager that was started in the folder of the project, connects both. It
+    logs what arrives; what it sends, or how it serves, is for you to write, or to rtinject.
+
     IDL files are looked for where the profile says, beside it, in its folder idl, in the folders
     of -I and below $RTM_ROOT.
     """
@@ -65,7 +73,7 @@ def main(
 
     if len(files) != 1:
         raise Malformed("One RTC profile or IDL file has to be given.")
-    project = _project.read(files[0], output, folders)
+    project = _project.read(files[0], output, folders, has_mirror=has_mirror)
     if project.other and not force:
         raise Refused(
             f"{project.folder or '.'} is the folder of component {project.other}:"

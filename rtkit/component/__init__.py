@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from rtkit.component.extended import TimedSpeedHeading3D as TimedSpeedHeading3D
     from rtkit.component.fsm import EventPort as EventPort
     from rtkit.component.fsm import FsmComponent as FsmComponent
+    from rtkit.component.fsm import State as State
+    from rtkit.component.fsm import takes as takes
     from rtkit.component.geometry import Acceleration2D as Acceleration2D
     from rtkit.component.geometry import Acceleration3D as Acceleration3D
     from rtkit.component.geometry import AngularAcceleration3D as AngularAcceleration3D
@@ -168,7 +170,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "base": ("Component", "Manager"),
-    "fsm": ("EventPort", "FsmComponent"),
+    "fsm": ("EventPort", "FsmComponent", "State", "takes"),
     "interface": ("raises",),
     "parameter": ("Parameter",),
     "port": ("InPort", "OutPort"),

@@ -12,6 +12,20 @@
         def on_entry(self, state):
             self.logger.info("now %s", state)
 
+What is to be done in a state may be written as a class of its own, with a method for each event::
+
+    class Open(State):
+        def on_entry(self):
+            self.component.logger.info("somebody may come in")
+
+        @takes("close")
+        def close(self, value):
+            return None  # as the table says
+
+    class Door(FsmComponent):
+        ...
+        state_classes: ClassVar = {"Open": Open}
+
 An out port is connected to the event port (``event`` by default) for one event: the one that the
 connector property ``fsm_event_name`` says, else the one of the connector's or the out port's name.
 """
@@ -19,18 +33,19 @@ connector property ``fsm_event_name`` says, else the one of the connector's or t
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, TypeVar
 
 from rtkit.component.base import Component
 from rtkit.component.buffer import Sink, Source
-from rtkit.component.machine import Machine, Move, Table
+from rtkit.component.machine import Machine, Move, Table, lineage
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort, Listener, Renew
 from rtkit.component.typenames import type_by_name, type_name
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.data_types import is_same_type, scoped_name
 from rtkit.rtc.enums import ReturnCode
+from rtkit.rtc.nearest import did_you_mean
 from rtkit.rtc.profiles import ConnectorProfile
 
 EVENT_NAME = "fsm_event_name"
@@ -40,6 +55,47 @@ PROFILES = "fsm.events"
 """Port property that tells the events, ``open:RTC::TimedLong,…``."""
 
 _LONGEST_QUEUE = 1024
+_TAKES = "_rtkit_takes"
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def takes(event: str) -> Callable[[F], F]:
+    """Make a method of a `State` the one that takes an event.
+
+    It is given the value of the event, and returns what `FsmComponent.on_event` returns.
+    """
+
+    def mark(method: F) -> F:
+        setattr(method, _TAKES, event)
+        return method
+
+    return mark
+
+
+class State:
+    """What a component does in one state of its machine; each instance of it has one.
+
+    Attributes:
+        component: The component.
+        events: Names of the methods that take events, by event.
+    """
+
+    events: ClassVar[Mapping[str, str]] = {}
+
+    def __init__(self, component: Any) -> None:
+        self.component = component
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        own = {getattr(value, _TAKES, ""): name for name, value in vars(cls).items()}
+        own.pop("", None)
+        cls.events = {**cls.events, **own}
+
+    def on_entry(self) -> None:
+        """Enter the state."""
+
+    def on_exit(self) -> None:
+        """Leave the state."""
 
 
 class EventPort(InPort[Any]):
@@ -168,6 +224,7 @@ class FsmComponent(Component):
         states: The table: state, event, next state (see `rtkit.component.machine`).
         events: Data type of each event; ``bytes`` takes any.
         event_port: Name of the port that events arrive at.
+        state_classes: What is done in a state, for those that have a class of their own.
         machine: The machine that is in force.
         state: Its present state, the innermost one; empty before the first activation.
         ignored: Events that came while the present state did not know them.
@@ -179,6 +236,7 @@ class FsmComponent(Component):
     states: ClassVar[Table] = {}
     events: ClassVar[Mapping[str, type]] = {}
     event_port: ClassVar[str] = "event"
+    state_classes: ClassVar[Mapping[str, type[State]]] = {}
 
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
         self.machine = Machine(self.states)
@@ -188,21 +246,39 @@ class FsmComponent(Component):
         unknown = sorted(set(self.events) - set(self.machine.events))
         if unknown:
             raise Malformed(f"{instance}: no state knows event {', '.join(unknown)}")
+        self._check_state_classes()
+        self._states = {state: cls(self) for state, cls in self.state_classes.items()}
         self.event_in = self._add(EventPort(self.event_port))
         self.event_in.events = self.events
 
     def on_entry(self, state: str) -> None:
-        """Enter a state: called for each one entered, outer ones first."""
+        """Enter a state: called for each one entered, outer ones first.
+
+        By default the class of the state enters it.
+        """
+        if state in self._states:
+            self._states[state].on_entry()
 
     def on_exit(self, state: str) -> None:
-        """Leave a state: called for each one left, inner ones first."""
+        """Leave a state: called for each one left, inner ones first.
+
+        By default the class of the state leaves it.
+        """
+        if state in self._states:
+            self._states[state].on_exit()
 
     def on_event(self, event: str, value: Any) -> str | None:
         """Take an event that the present state knows, before it is left.
 
         Return another state to go there instead of where the table leads; the present one as
-        `state` says it to stay, which leaves and enters nothing.
+        `state` says it to stay, which leaves and enters nothing. By default the class of the
+        state whose event it is, the present one or one around it, takes it.
         """
+        knows = (each for each in lineage(self.state) if event in self.machine.table[each])
+        own = self._states.get(next(knows, ""))
+        name = own.events.get(event) if own is not None else None
+        chosen: str | None = getattr(own, name)(value) if name else None
+        return chosen
 
     def on_action(self, context: str) -> ReturnCode | None:
         """React to a transition: called after each, by the thread that drives the component."""
@@ -221,6 +297,19 @@ class FsmComponent(Component):
         if count:
             self.participation(context).changed(self)
         return None
+
+    def _check_state_classes(self) -> None:
+        table = self.machine.table
+        for state, cls in self.state_classes.items():
+            if state not in table:
+                hint = did_you_mean(state, table)
+                raise Malformed(f"{self.instance}: {cls.__name__} is of no state {state}{hint}")
+            unknown = [event for event in cls.events if event not in table[state]]
+            if unknown:
+                hint = did_you_mean(unknown[0], table[state])
+                raise Malformed(
+                    f"{self.instance}: state {state} does not know event {unknown[0]}{hint}"
+                )
 
     def set_structure(self, table: Table) -> None:
         """Put another table in force; only for the thread that drives the component.

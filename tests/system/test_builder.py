@@ -9,6 +9,7 @@ import sys
 import tomllib
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
@@ -35,9 +36,9 @@ MANAGER = "/localhost/manager.mgr"
 pytestmark = pytest.mark.skipif(not CORPUS.is_dir(), reason="corpus absent")
 
 
-def build(shell: Any, name: str) -> Path:
+def build(shell: Any, name: str, options: str = "") -> Path:
     shutil.copy(CORPUS / SPREAD[name], shell.folder / f"{name}.xml")
-    outcome = shell.run(f"rtbuild {name}.xml -o {name} -I '{IDL}'")
+    outcome = shell.run(f"rtbuild {name}.xml -o {name} -I '{IDL}' {options}")
     assert outcome.status == 0, outcome.err
     folder: Path = shell.folder / name
     return folder
@@ -57,6 +58,23 @@ def test_it_passes_its_own_test(shell: Any, name: str) -> None:
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "test_a_manager_runs_it" in (folder / "tests" / f"test_{name}.py").read_text()
+
+
+@pytest.mark.parametrize("name", ["ConsoleSeqIn", "XXX", "ModuleName", "ActArray"])
+def test_it_is_connected_with_its_mirror(shell: Any, name: str) -> None:
+    folder = build(shell, name, "--mirror")
+    linted = [sys.executable, "-m", "ruff", "check", "--no-cache", "."]
+    subprocess.run(linted, cwd=folder, check=True)
+    shell.folder = folder
+    shell.ok("rtmgr start")
+    shell.ok("rtresurrect mirror.xml")
+    shell.ok(f"rtact /localhost/{name}0.rtc /localhost/{name}Mirror0.rtc")
+    shell.ok("rtcheck mirror.xml")
+    told = ElementTree.parse(folder / "mirror.xml").getroot()
+    ports = [each.tag.rpartition("}")[2] for each in told.iter()]
+    wires = ports.count("DataPortConnectors") + ports.count("ServicePortConnectors")
+    own = shell.ok(f"rtcat -l /localhost/{name}0.rtc").splitlines()
+    assert sum("Connected to" in line for line in own) == wires > 0
 
 
 def test_three_of_them_work_together(manager: Any) -> None:

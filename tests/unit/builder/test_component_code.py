@@ -205,7 +205,7 @@ def test_a_state_machine(builder):
         ),
         actions=Actions(on_execute=ActionStatus(True), on_action=ActionStatus(True)),
     )
-    assert text == dedent('''
+    assert text[text.index("class Foo(") :] == dedent('''
         class Foo(rt.FsmComponent):
             """Component Foo."""
 
@@ -222,6 +222,11 @@ def test_a_state_machine(builder):
             events: ClassVar = {
                 "go": rt.TimedLong,
                 "halt": bytes,
+            }
+            state_classes: ClassVar = {
+                "Idle": Idle,
+                "Busy": Busy,
+                "Busy.Deep": BusyDeep,
             }
 
             other = rt.EventPort()
@@ -241,11 +246,13 @@ def test_a_state_machine(builder):
                 """Enter a state."""
                 # <user code on_entry>
                 # </user code on_entry>
+                super().on_entry(state)
 
             def on_exit(self, state: str) -> None:
                 """Leave a state."""
                 # <user code on_exit>
                 # </user code on_exit>
+                super().on_exit(state)
 
             def on_event(self, event: str, value: Any) -> str | None:
                 """Take an event; return another state than the table says, or None.
@@ -254,9 +261,85 @@ def test_a_state_machine(builder):
                 go in Idle: if ready
                 """
                 # <user code on_event>
-                return None
+                return super().on_event(event, value)
                 # </user code on_event>
     ''').strip("\n")
+
+
+def test_each_state_has_a_class(builder):
+    events = (
+        Event("", "InitialState", "Idle"),
+        Event("on_entry", "Idle", "Idle.Deep", "", "RTC::TimedLong"),
+        Event("ab'c", "Idle.Deep", "Foo"),
+    )
+    built = builder.build(data_ports=(DataPort("EventPort", "e", "Any", "LEFT", events=events),))
+    text = built.files["Foo.py"].text
+    states = text[text.index("class Idle(") : text.index("class Foo(")]
+    assert (
+        states.rstrip()
+        == dedent('''
+        class Idle(rt.State):
+            """State Idle."""
+
+            component: Foo
+
+            def on_entry(self) -> None:
+                """Enter the state."""
+                # <user code Idle.on_entry>
+                # </user code Idle.on_entry>
+
+            def on_exit(self) -> None:
+                """Leave the state."""
+                # <user code Idle.on_exit>
+                # </user code Idle.on_exit>
+
+            @rt.takes("on_entry")
+            def on_entry_(self, value: rt.TimedLong) -> str | None:
+                """Take on_entry, which leads to Idle.Deep."""
+                # <user code Idle.on_entry_>
+                return None
+                # </user code Idle.on_entry_>
+
+
+        class IdleDeep(rt.State):
+            """State Idle.Deep."""
+
+            component: Foo
+
+            def on_entry(self) -> None:
+                """Enter the state."""
+                # <user code IdleDeep.on_entry>
+                # </user code IdleDeep.on_entry>
+
+            def on_exit(self) -> None:
+                """Leave the state."""
+                # <user code IdleDeep.on_exit>
+                # </user code IdleDeep.on_exit>
+
+            @rt.takes("ab'c")
+            def ab_c(self, value: bytes) -> str | None:
+                """Take ab'c, which leads to Foo."""
+                # <user code IdleDeep.ab_c>
+                return None
+                # </user code IdleDeep.ab_c>
+
+
+        class Foo2(rt.State):
+            """State Foo."""
+
+            component: Foo
+
+            def on_entry(self) -> None:
+                """Enter the state."""
+                # <user code Foo2.on_entry>
+                # </user code Foo2.on_entry>
+
+            def on_exit(self) -> None:
+                """Leave the state."""
+                # <user code Foo2.on_exit>
+                # </user code Foo2.on_exit>
+    ''').strip()
+    )
 
 
 def test_a_drawing_has_the_states(builder):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
-from rtkit.component import FsmComponent, OutPort, TimedLong, TimedString
+from rtkit.component import FsmComponent, OutPort, State, TimedLong, TimedString, takes
 from rtkit.component.carried import passage
 from rtkit.component.codec import codec_for
 from rtkit.component.describe import describe
@@ -281,3 +281,75 @@ def test_an_event_that_no_state_knows_is_a_mistake():
 
     with pytest.raises(Malformed, match="no state knows event come"):
         Odd("Odd0")
+
+
+class Waiting(State):
+    def on_entry(self) -> None:
+        self.component.notes.append("waits")
+
+    def on_exit(self) -> None:
+        self.component.notes.append("waits no more")
+
+    @takes("go")
+    def leave(self, value: Any) -> str | None:
+        self.component.notes.append(f"go {value}")
+        return {"off": "Off", "stay": "On.Waiting"}.get(value)
+
+
+class On(State):
+    @takes("halt")
+    def halt(self, value: Any) -> str | None:
+        self.component.notes.append("halt")
+
+
+class Robot(FsmComponent):
+    states: ClassVar = {
+        "On.Waiting": {"go": "On.Working"},
+        "On.Working": {"done": "On.Waiting"},
+        "On": {"halt": "Off"},
+        "Off": {},
+    }
+    state_classes: ClassVar = {"On.Waiting": Waiting, "On": On}
+
+    def __init__(self, instance, options=None):
+        self.notes = []
+        super().__init__(instance, options)
+
+
+@pytest.mark.parametrize(
+    ("events", "state", "notes"),
+    [
+        ([("go", "")], "On.Working", ["waits", "go ", "waits no more"]),
+        ([("go", "off")], "Off", ["waits", "go off", "waits no more"]),
+        ([("go", "stay")], "On.Waiting", ["waits", "go stay"]),
+        (
+            [("go", ""), ("halt", "")],
+            "Off",
+            ["waits", "go ", "waits no more", "halt"],
+        ),
+        (
+            [("go", ""), ("done", ""), ("halt", "")],
+            "Off",
+            ["waits", "go ", "waits no more", "waits", "halt", "waits no more"],
+        ),
+    ],
+)
+def test_the_class_of_a_state_does_what_is_done_in_it(events, state, notes):
+    robot = Robot("R0")
+    robot.on_activated("0")
+    for event, value in events:
+        robot._dispatch("0", event, value)
+    assert (robot.state, robot.notes) == (state, notes)
+
+
+@pytest.mark.parametrize(
+    ("classes", "why"),
+    [
+        ({"Of": Waiting}, r"R0: Waiting is of no state Of \(did you mean Off\?\)"),
+        ({"On": Waiting}, "R0: state On does not know event go"),
+    ],
+)
+def test_classes_of_states_that_are_not_there_are_refused(classes, why):
+    kind = type("Kind", (Robot,), {"state_classes": classes})
+    with pytest.raises(Malformed, match=why):
+        kind("R0")
