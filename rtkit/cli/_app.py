@@ -63,6 +63,7 @@ class App:
         self._tree = tree
         self._is_own_tree = tree is None
         self._place: str | None = None
+        self._has_warned_of_servers = False
 
     @property
     def tree(self) -> Tree:
@@ -85,11 +86,20 @@ class App:
         if self._is_own_tree:
             from rtkit.tree.place import root_for
 
+            self._warn_of_servers()
             return root_for(lambda: self.tree, path, is_deep=is_deep)
         from rtkit.tree.view import build
 
         listing = self.tree.listing()
         return build(listing), listing.host
+
+    def _warn_of_servers(self) -> None:
+        """Warn, once, of entries of RTKIT_SERVERS that cannot be asked."""
+        from rtkit.tree.place import strange_servers
+
+        if not self._has_warned_of_servers:
+            self._has_warned_of_servers = True
+            self.warn(strange_servers())
 
     def tell_silent(self, root: Node, nodes: Iterable[Node], done: str) -> int:
         """Tell which managers did not answer, so that nothing was `done` there; return the status.
@@ -113,6 +123,7 @@ class App:
             return 0
         from rtkit.tree.place import silent_servers
 
+        self._warn_of_servers()
         silent = silent_servers(self.timeout_s)
         for why in silent:
             self.fail(f"{done}: {why}")

@@ -22,6 +22,7 @@ from rtkit.property.values import Value
 from rtkit.proxy.contact import STATUS, Contact, Wire
 from rtkit.proxy.listenings import Listenings
 from rtkit.proxy.names import Allowed, Names
+from rtkit.proxy.narrowing import narrowed, tells_access
 from rtkit.proxy.uplink import Uplink
 from rtkit.serving.host import Host
 
@@ -136,7 +137,22 @@ class Relay:
         self._check_caller("GET" if ask.payload is None else "SET", target.name, ask.caller)
         if ask.payload is not None and not self._is_allowed(target.name):
             self._refuse("SET", target.name, ask.caller, "the proxy lets nobody set it")
+        if ask.payload is None and tells_access(target.name, target.parameters):
+            ask = ask._replace(answer=self._narrowing(target.name, ask))
         self._forward(name, target.parameters, ask)
+
+    def _narrowing(self, name: str, ask: Ask) -> Callable[[Answer], object]:
+        """Return what answers with the access that whoever asks has through this proxy."""
+
+        def may_set(property_name: str) -> bool:
+            return self._is_allowed(property_name) and ask.caller.may("SET", property_name)
+
+        def answer(reply: Answer) -> None:
+            if isinstance(reply.payload, str) and not reply.error:
+                reply = Answer(narrowed(name, reply.payload, may_set))
+            ask.answer(reply)
+
+        return answer
 
     def _forward(self, name: str, parameters: dict[str, str | None], ask: Ask) -> None:
         given = dict(parameters)
@@ -244,8 +260,9 @@ class Relay:
                     reply = Answer(told)
                 except PropertyError as error:
                     reply = Answer(str(error), error.code)
-            ask.answer(reply)
+            answer(reply)
 
+        answer = self._narrowing(target.name, ask) if _is(options.get("meta")) else ask.answer
         more = "".join(f"&{key}" for key in ("values", "meta") if _is(options.get(key)))
         self.uplink.ask(f"properties?all{more}", None, "", answered)
 

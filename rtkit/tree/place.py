@@ -44,8 +44,20 @@ def manager_of(path: Path) -> str:
 
 def servers() -> list[str]:
     """Return the addresses that are always to be in the tree (``RTKIT_SERVERS``)."""
-    given = os.environ.get("RTKIT_SERVERS") or os.environ.get("RTCTREE_NAMESERVERS") or ""
-    return [address for address in map(str.strip, given.split(";")) if is_address(address)]
+    return [each for each in _servers()[1] if is_address(each)]
+
+
+def strange_servers() -> list[str]:
+    """Return why entries of ``RTKIT_SERVERS`` are not in the tree: they are no addresses."""
+    variable, entries = _servers()
+    return [f"{variable}: not HOST:PORT: {each!r}" for each in entries if not is_address(each)]
+
+
+def _servers() -> tuple[str, list[str]]:
+    """Return the variable that names servers, and its entries."""
+    variable = "RTKIT_SERVERS" if os.environ.get("RTKIT_SERVERS") else "RTCTREE_NAMESERVERS"
+    entries = os.environ.get(variable, "").split(";")
+    return variable, [each for each in map(str.strip, entries) if each]
 
 
 def others(tree: Tree) -> list[str]:

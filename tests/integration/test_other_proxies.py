@@ -117,3 +117,17 @@ def test_what_is_slow_to_get_holds_nobody_up(cable: Cable, served: Served) -> No
         go.set()
         assert "done" in str(answers.get(timeout=BOUND_S).payload)
         asking.join()
+
+
+def test_meta_data_tell_the_access_that_there_is_through_a_proxy(
+    served: Served, cable: Cable
+) -> None:
+    path = f"{os.path.dirname(cable.near)}/near.sock"
+    near = bridge("robot", f"unix:{path}", allow_set=["lab.mode"], prefix="lab")
+    with near, connect_unix(path, BOUND_S) as client:
+        assert client.ask("lab.speed.meta.access").value() == "r"
+        assert client.ask("lab.mode.meta.access").value() == "rw"
+        assert "<access>r</access>" in str(client.ask("lab.speed.meta").value())
+        for listing in ("lab.properties?meta", "properties?meta&all"):
+            told = str(client.ask(listing).value())
+            assert told.count("<access>rw</access>") == 1

@@ -178,7 +178,10 @@ def _clock(name: str, started: float) -> Iterator[Diagnosis]:
 def servers(environment: Mapping[str, str], timeout_s: float) -> Iterator[Diagnosis]:
     """Look whether the doors of RTKIT_SERVERS can be entered; all at once."""
     from rtkit.tree.place import servers as named
+    from rtkit.tree.place import strange_servers
 
+    for why in strange_servers() if environment else []:
+        yield Diagnosis("doors", ERROR, why, "write HOST:PORT, with ; between several")
     addresses = named() if environment else []
     told: dict[str, str] = {}
     threads = [

@@ -53,6 +53,15 @@ def test_the_manager_that_was_chosen_is_missed(
     assert err.startswith(f"{line.split()[0]}: manager 'nosuch' is not running (start it with: ")
 
 
+def test_entries_of_servers_that_are_no_addresses_are_warned_of(
+    service: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("RTKIT_SERVERS", "robot2")
+    status, out, err = typed("rtls /localhost", capsys)
+    assert (status, bool(out)) == (0, True)
+    assert err == "rtls: warning: RTKIT_SERVERS: not HOST:PORT: 'robot2'\n"
+
+
 def test_a_default_manager_that_was_killed_is_missed(
     service: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -14,6 +14,7 @@ from rtkit.errors import Unreachable
 from rtkit.rtc.names import parse_path
 from rtkit.tree import place
 from rtkit.tree.fake import fake_tree
+from rtkit.tree.place import servers, strange_servers
 from rtkit.tree.view import Kind, Node
 
 
@@ -175,3 +176,14 @@ def test_others_are_asked_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> N
     place.add_others(root, fake_tree(World()), parse_path("/"), is_deep=True)
     assert local.trouble == "a is silent; b is silent"
     assert [node.trouble for node in local.children.values()] == ["a is silent", "b is silent"]
+
+
+def test_entries_of_servers_that_are_no_addresses_are_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("RTCTREE_NAMESERVERS", "b;")
+    assert strange_servers() == ["RTCTREE_NAMESERVERS: not HOST:PORT: 'b'"]
+    monkeypatch.setenv("RTKIT_SERVERS", "a:1; rubbish;:7;;corbaloc::c:3")
+    told = [f"RTKIT_SERVERS: not HOST:PORT: {each!r}" for each in ("rubbish", ":7")]
+    assert strange_servers() == told
+    assert servers() == ["a:1", "corbaloc::c:3"]
