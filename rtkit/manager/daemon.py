@@ -37,6 +37,7 @@ from rtkit.manager.holding.estate import Estate
 from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.logs import open_log
 from rtkit.manager.processes.absent import estates_of_the_dead, living_slaves
+from rtkit.manager.processes.descendants import bear_mark, end_descendants
 from rtkit.manager.processes.newborns import end_lost
 from rtkit.manager.processes.nursery import Nursery
 from rtkit.manager.processes.subreaper import become_subreaper
@@ -175,12 +176,16 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
     check_silence(name)
     living = living_slaves(name)
     dead = estates_of_the_dead(name, living)
+    left = end_descendants(name)
     remove_stale(name, living)
     # What an earlier manager leaves that was just dying at the start is seen at the end only.
     stack.callback(lambda: remove_stale(name, living_slaves(name)))
     stack.callback(fault.point, "manager.unlocking")
     stack.enter_context(open_log(name, is_shown=is_shown))
     fault.point("manager.logging")
+    if left:
+        pids = ", ".join(map(str, left))
+        _log.warning("what components of a killed manager had started was ended: pids %s", pids)
     for pid in end_lost(name):
         _log.warning("a fork of an earlier manager that said nothing was ended: pid %d", pid)
     return dead
@@ -196,6 +201,7 @@ def _assemble(
 ) -> Loop:
     name, host = state.name, state.host
     become_subreaper()
+    bear_mark(name)
     _raise_limits()
     data = os.path.join(places.runtime_dir(), f"{name}.%p{_DATA_SUFFIX}")
     nursery = Nursery(

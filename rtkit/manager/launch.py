@@ -12,7 +12,7 @@ from typing import NamedTuple
 from rtkit import fault
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
-from rtkit.manager.processes.inherited import withhold
+from rtkit.manager.processes.inherited import unmarked, withhold
 from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
 from rtkit.manager.settings.configuration import Wanted
 
@@ -42,7 +42,7 @@ def start(name: str, wanted: Wanted, timeout_s: float) -> Started:
     os.set_inheritable(ready_write, True)
     # -P: no file of this folder stands in for a standard module.
     arguments = [sys.executable, "-P", "-m", "rtkit.manager.daemon", name, wanted.to_text()]
-    environment = {**os.environ, READY_VARIABLE: str(ready_write)}
+    environment = {**unmarked(os.environ), READY_VARIABLE: str(ready_write)}
     pid = _spawn(arguments, environment, places.output_file(name))
     os.close(ready_write)
     fault.point("start.spawned")

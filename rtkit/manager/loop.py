@@ -29,6 +29,7 @@ from rtkit.manager.core.state import Process
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.outputs import cut
+from rtkit.manager.processes.descendants import Descendants
 from rtkit.manager.processes.lastwords import LastWords, last_words, log_crash
 from rtkit.manager.processes.lines import Lines
 from rtkit.manager.processes.nursery import Nursery
@@ -86,6 +87,7 @@ class Loop:
             nursery.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
         )
         self._watchman.watch(ev.OWN_PROCESS, core.state.pid)
+        self._descendants: Descendants | None = None
         self._limiter: Limiter | None = None  # made for the first slave with limits
         self._stacks = open_stacks(nursery.data_pattern, core.state.pid)
         self._tidy_at = 0.0
@@ -294,10 +296,18 @@ class Loop:
             self._tidy_at = now + TIDY_S
             for event in list(self._nursery.halts()):
                 self._handle(event)
+            self._note_descendants()
             for process in state.processes.values():
                 if process.is_guest:
                     continue
                 cut(places.output_file(state.name, process.name if process.is_slave else ""))
+
+    def _note_descendants(self) -> None:
+        """Note what components in this process have started, should the manager be killed."""
+        if self._descendants is None and ev.OWN_PROCESS in self._core.state.holders.values():
+            self._descendants = Descendants(self._core.state.name)
+        if self._descendants is not None:
+            self._descendants.note(self._nursery.processes)
 
     def _listened(self, line: str, is_heard: bool) -> None:
         self.post(ev.Listened(line, is_heard))

@@ -13,6 +13,7 @@ from rtkit.errors import Refused
 from rtkit.link import places, running, unix
 from rtkit.manager.claim import remove_stale, take_lock
 from rtkit.manager.processes.absent import is_slave, living_slaves
+from rtkit.manager.processes.descendants import end_descendants
 from rtkit.manager.processes.leftovers import end_sessions
 from rtkit.manager.processes.newborns import end_lost
 
@@ -41,6 +42,7 @@ def end_remains(name: str, term_s: float = TERM_S) -> int:
                 os.close(pidfd)
         end_sessions(slaves.keys(), is_heir=False)
         lost = end_lost(name)
+        end_descendants(name)
         remove_stale(name, ())
     return len(slaves) + len(lost)
 

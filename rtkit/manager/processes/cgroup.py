@@ -62,10 +62,11 @@ class ControlGroups:
 
     def tidy(self) -> None:
         """Remove groups in which nothing runs: those of an earlier manager, too."""
-        for entry in os.listdir(self._parent):
-            if entry.startswith(_OURS) and entry != _MANAGER:
-                with suppress(OSError):  # something runs in it
-                    os.rmdir(f"{self._parent}/{entry}")
+        with suppress(FileNotFoundError):  # somebody removed it all
+            for entry in os.listdir(self._parent):
+                if entry.startswith(_OURS) and entry != _MANAGER:
+                    with suppress(OSError):  # something runs in it
+                        os.rmdir(f"{self._parent}/{entry}")
 
     def _make(self, pid: int) -> str:
         name = f"{_OURS}{pid}"

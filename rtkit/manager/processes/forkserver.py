@@ -15,7 +15,7 @@ from typing import Any
 
 from rtkit.errors import Malformed
 from rtkit.manager.core.message import Message
-from rtkit.manager.processes.inherited import withhold
+from rtkit.manager.processes.inherited import unmarked, withhold
 from rtkit.manager.processes.patience import Patience
 from rtkit.manager.processes.wire import Channel
 from rtkit.manager.processes.zygote import reason
@@ -56,7 +56,8 @@ class ForkServer:
             theirs.set_inheritable(True)
             module = ["-P", "-m", "rtkit.manager.processes.zygote"]
             arguments = [sys.executable, *module, str(theirs.fileno()), self._settings]
-            self.pid = os.posix_spawn(sys.executable, arguments, {**os.environ, **_ONE_THREAD})
+            environment = {**unmarked(os.environ), **_ONE_THREAD}  # it outlives the manager
+            self.pid = os.posix_spawn(sys.executable, arguments, environment)
         ours.setblocking(False)
         self._channel = Channel(ours)
         self._patience.begin(time.monotonic())

@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 
+MARK = "RTKIT_MANAGER_PROCESS"
+"""Environment variable of what components in a manager's own process start: whose it is."""
+
 _FIRST = 3  # those before are input, output and error
+
+
+def unmarked(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment without the mark, for what is to outlive the manager."""
+    return {key: value for key, value in environment.items() if key != MARK}
 
 
 def withhold() -> None:

@@ -64,7 +64,7 @@ def end_sessions(
                 process.session in ended
                 or (
                     (process.parent == own or not is_heir)
-                    and not marks.isdisjoint(_environment(process.pid))
+                    and not marks.isdisjoint(environment_of(process.pid))
                 )
             )
         ]
@@ -105,6 +105,21 @@ def end_orphans(known: Container[int]) -> list[tuple[int, str]]:
 def family(pid: int) -> dict[int, int]:
     """Return what descends from a process: when each began, by pid."""
     return {each.pid: each.began for each in _descendants(pid) if not each.is_over}
+
+
+def family_beside(known: Collection[int]) -> dict[int, int]:
+    """Return what descends from this process but for those children and what is below them."""
+    found: dict[int, int] = {}
+    for pid in _children(os.getpid()):
+        if pid not in known and (began := began_at(pid)):
+            found.update({pid: began, **family(pid)})
+    return found
+
+
+def began_at(pid: int) -> int:
+    """Return when a process began [ticks]; 0 when it is over."""
+    process = _process(pid)
+    return 0 if process is None or process.is_over else process.began
 
 
 def end_family(known: Mapping[int, int]) -> None:
@@ -177,7 +192,8 @@ def _kill(pid: int) -> None:
         return
 
 
-def _environment(pid: int) -> list[bytes]:
+def environment_of(pid: int) -> list[bytes]:
+    """Return what a process was given as environment; nothing if it is another user's."""
     try:
         with open(f"/proc/{pid}/environ", "rb") as file:
             return file.read().split(b"\0")

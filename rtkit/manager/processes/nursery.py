@@ -183,6 +183,11 @@ class Nursery:
             if key in self._adopted and key in self._pidfds and not self.fosters.has(pid)
         ]
 
+    @property
+    def processes(self) -> set[int]:
+        """The children of the manager that are none of its components' making, and their like."""
+        return {*self._zygotes, *self._keys}
+
     def halts(self) -> Iterator[ev.Event]:
         """Yield which of those slaves have been stopped since the last look, or have gone on.
 
