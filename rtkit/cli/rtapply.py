@@ -56,8 +56,9 @@ def main(
     --timeout bounds each step. Steps are told on stderr when they are done, and what they took is
     noted: plans made later count with it.
     """
+    from rtkit.deployment.applying import Applier
     from rtkit.deployment.planning.telling import lines
-    from rtkit.tree.applying import Applier
+    from rtkit.tree.grace import uninterrupted
 
     source, data = read_data(files)
     is_saved = is_saved_plan(data)
@@ -78,6 +79,6 @@ def main(
         _out.write(map(_out.printable, lines(plan, goal.costs)))
         return 0
     with step_times.noting(app, goal.system, snapshot) as taken:
-        applier = Applier(app.tree, goal, app.say, app.say, taken, survey)
+        applier = Applier(app.tree, goal, app.say, app.say, taken, survey, uninterrupted)
         applier.run(plan, snapshot, rolls_back=rollback or app.is_strict, is_exact=is_saved)
     return app.status(Refused()) if applier.unmet else 0

@@ -120,7 +120,7 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     from rtkit.cli.system.gathering import Managers, names_another
     from rtkit.cli.system.planning import Begun
     from rtkit.cli.system.states import States
-    from rtkit.tree.applying import Goal
+    from rtkit.deployment.goal import Goal
 
     document = read_document(app, (file,))
     managers = Managers(document.profile) if names_another(document.profile) else None

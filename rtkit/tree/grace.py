@@ -6,13 +6,12 @@ from collections.abc import Callable
 from threading import Event, Thread
 from typing import TypeVar
 
+from rtkit.deployment.site import UNFINISHED
+
 T = TypeVar("T")
 
 GRACE_S = 5.0
 """How long a batch under way may still run after an interruption [s]."""
-
-UNFINISHED = "the manager has not answered yet"
-"""Text of the interruption of a call that had not ended after its grace."""
 
 
 def uninterrupted(call: Callable[[], T]) -> T:

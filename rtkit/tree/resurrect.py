@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from rtkit.deployment.creation import NOTHING_LACKS, checks, creation_plan
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.live import Live
+from rtkit.deployment.runner import Runner, regret
 from rtkit.deployment.system import System
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.errors import RtkitError
-from rtkit.tree.apply import Runner, regret
 from rtkit.tree.client import Tree
 
 

@@ -14,11 +14,11 @@ from time import monotonic
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.execution import Execution
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.runner import Count, Talk
 from rtkit.deployment.turns import StartPlan, Turn
 from rtkit.deployment.watch import look
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree import grace
-from rtkit.tree.apply import Count, Talk
 from rtkit.tree.bell import Bell
 from rtkit.tree.client import Tree, bounded
 from rtkit.tree.fleet import FleetEar, ear_at

@@ -91,7 +91,7 @@ FOR_REPAIRS_AND_CHANGES = (
     "rtkit.profile.normalise",
     "rtkit.profile.references",
     "rtkit.report",
-    "rtkit.tree.apply",
+    "rtkit.deployment.runner",
     "rtkit.tree.resurrect",
     "rtkit.tree.view",
 )

@@ -10,8 +10,10 @@ from systems import ACTIVE, INACTIVE, INSTANCES, by_key, disturb, disturbances, 
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.applying import Applier
 from rtkit.deployment.check import deviations
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.live import Live
 from rtkit.deployment.planning.whole import judge
 from rtkit.deployment.wanted import wanted
@@ -19,7 +21,6 @@ from rtkit.deployment.world import World
 from rtkit.errors import RtkitError
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
-from rtkit.tree.applying import Applier, Goal
 from rtkit.tree.fake import fake_tree
 
 few = settings(max_examples=20, deadline=None)

@@ -11,8 +11,10 @@ from systems import INSTANCES, PORTS, SETS, disturb, disturbances, make_world, p
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.applying import Applier
 from rtkit.deployment.check import deviations, surplus
 from rtkit.deployment.extension import policy_in
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.live import Live
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.world import World
@@ -22,7 +24,6 @@ from rtkit.profile.common import Property
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortRef, TypeProfile
-from rtkit.tree.applying import Applier, Goal
 from rtkit.tree.fake import fake_tree
 
 few = settings(max_examples=20, deadline=None)

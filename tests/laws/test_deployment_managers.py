@@ -10,19 +10,20 @@ from systems import ACTIVE, INACTIVE, INSTANCES, disturb, disturbances, make_wor
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.applying import Applier
 from rtkit.deployment.capture import Heading, capture
 from rtkit.deployment.check import deviations
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.joint import homes_in
 from rtkit.deployment.live import Live
 from rtkit.deployment.planning.whole import judge
+from rtkit.deployment.runner import Runner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.profile import rts_model as rts
 from rtkit.profile.common import Property
 from rtkit.rtc.enums import ReturnCode
-from rtkit.tree.apply import Runner
-from rtkit.tree.applying import Applier, Goal
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.fleet import Fleet
 from rtkit.tree.resurrect import resurrect

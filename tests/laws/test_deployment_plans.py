@@ -14,6 +14,7 @@ from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import merged
+from rtkit.deployment.runner import Runner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.system import System
 from rtkit.deployment.wanted import wanted
@@ -22,7 +23,6 @@ from rtkit.deployment.world import World
 from rtkit.errors import Refused
 from rtkit.profile import rts_model as rts
 from rtkit.rtc.enums import ReturnCode
-from rtkit.tree.apply import Runner
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from systems import INSTANCES, disturb, disturbances, make_world, profiles
 
 from rtkit.deployment import actions as act
+from rtkit.deployment.applying import Applier
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.states.wishes import Wish, variant
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.world import World
-from rtkit.tree.applying import Applier, Goal
 from rtkit.tree.fake import fake_tree
 
 few = settings(max_examples=25, deadline=None)

@@ -8,14 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from systems import ACTIVE, INACTIVE, by_key, make_world, profiles
 
+from rtkit.deployment.applying import Applier
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.live import Live
+from rtkit.deployment.runner import Runner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.system import System
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.world import World
 from rtkit.profile import rts_model as rts
-from rtkit.tree.apply import Runner
-from rtkit.tree.applying import Applier, Goal
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter

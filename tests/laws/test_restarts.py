@@ -15,13 +15,13 @@ from systems import ACTIVE, INSTANCES, disturbances, make_world, profiles
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.live import Live
+from rtkit.deployment.runner import Runner
 from rtkit.deployment.running import start_plan
 from rtkit.deployment.system import System
 from rtkit.deployment.upkeep import Upkeep
 from rtkit.deployment.wanted import wanted
-from rtkit.tree.apply import Runner
-from rtkit.tree.applying import Goal
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter

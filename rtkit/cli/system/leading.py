@@ -69,7 +69,7 @@ class Leading:
                 return before, event, state
 
     def _reach(self, state: str) -> None:
-        from rtkit.tree.applying import Applier
+        from rtkit.deployment.applying import Applier
         from rtkit.tree.grace import uninterrupted
 
         tree, goal = self._app.tree, self._states.goal(state)
@@ -78,7 +78,7 @@ class Leading:
                 self._leases.take(*tree.trees.values())
             snapshot = uninterrupted(tree.snapshot)
             with step_times.noting(self._app, goal.system, snapshot) as taken:
-                applier = Applier(tree, goal, self._say, self._say, taken)
+                applier = Applier(tree, goal, self._say, self._say, taken, careful=uninterrupted)
                 applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
         finally:
             if self._leases is not None:

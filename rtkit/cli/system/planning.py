@@ -15,12 +15,12 @@ from rtkit.errors import UsageProblem
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.goal import Goal
     from rtkit.deployment.planning.costs import Costs
     from rtkit.deployment.planning.model import Model
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.planning.survey import Survey
     from rtkit.deployment.system import System
-    from rtkit.tree.applying import Goal
     from rtkit.tree.lease import Leases
 
 ANY = "Any"
@@ -185,7 +185,7 @@ def begin(
     from rtkit.cli.system.foresight import look_ahead
     from rtkit.cli.system.known_types import known_types
     from rtkit.cli.system.reserving import check_reserved
-    from rtkit.tree.applying import Goal
+    from rtkit.deployment.goal import Goal
 
     snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lease=lease)
     system = shared.wanted_system(

@@ -20,11 +20,11 @@ from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.goal import Goal
     from rtkit.deployment.planning.model import Model
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.planning.saved import Saved
     from rtkit.deployment.system import System
-    from rtkit.tree.applying import Goal
     from rtkit.tree.lease import Leases
 
 _MOST_PROFILE = 1 << 26

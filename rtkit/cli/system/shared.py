@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.plan import Plan
+    from rtkit.deployment.runner import Count, Runner
     from rtkit.deployment.system import KnownType, System
     from rtkit.deployment.turns import StartPlan
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.rtc.profiles import ConnectorProfile
-    from rtkit.tree.apply import Count, Runner
     from rtkit.tree.lease import Leases
 
 MOST_WAIT_S = 86_400.0
@@ -281,9 +281,12 @@ def runner(
     taken: list[tuple[Action, float]] | None = None,
 ) -> Runner:
     """Return what carries plans out and talks on stderr; `taken` gets what actions took [s]."""
-    from rtkit.tree.apply import Runner
+    from rtkit.deployment.runner import Runner
+    from rtkit.tree.grace import uninterrupted
 
-    return Runner(app.tree, app.fail, app.tell, count, taken, is_strict=app.is_strict)
+    return Runner(
+        app.tree, app.fail, app.tell, count, taken, uninterrupted, is_strict=app.is_strict
+    )
 
 
 def check_text(text: str) -> str:

@@ -12,9 +12,9 @@ from rtkit.errors import Impossible, InvalidDocument, Malformed, NotFound
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.goal import Goal
     from rtkit.deployment.planning.plan import DeploymentPlan
     from rtkit.deployment.states.machine import Machine, Table
-    from rtkit.tree.applying import Goal
 
 
 class Way(NamedTuple):

@@ -7,15 +7,16 @@ import pytest
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.plan import Check, Layer, Plan, Step
+from rtkit.deployment.runner import Runner, regret
+from rtkit.deployment.site import UNFINISHED
 from rtkit.deployment.world import World
 from rtkit.errors import Refused, Unreachable
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree import grace
-from rtkit.tree.apply import Runner, regret
 from rtkit.tree.fake import fake_tree
-from rtkit.tree.grace import UNFINISHED, uninterrupted
+from rtkit.tree.grace import uninterrupted
 
 SETS = {"default": {"a": "1", "b": "1"}}
 NO = Result(ReturnCode.ERROR, "refused", "no")

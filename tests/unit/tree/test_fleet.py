@@ -8,9 +8,12 @@ from typing import NoReturn
 import pytest
 
 from rtkit.deployment import actions as act
+from rtkit.deployment.applying import Applier
 from rtkit.deployment.creation import creation_plan
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.joint import homes_in, inward, outward
 from rtkit.deployment.live import Live
+from rtkit.deployment.runner import Runner
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.world import World
 from rtkit.errors import Impossible, Refused, Unreachable
@@ -20,8 +23,6 @@ from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
 from rtkit.tree import managers
-from rtkit.tree.apply import Runner
-from rtkit.tree.applying import Applier, Goal
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.fleet import Fleet, ear_at
 from rtkit.tree.resurrect import resurrect

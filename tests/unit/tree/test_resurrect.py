@@ -4,13 +4,13 @@ import pytest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.runner import Runner
 from rtkit.deployment.system import System, WantedComponent, WantedConnector
 from rtkit.deployment.world import World
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
-from rtkit.tree.apply import Runner
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
 

@@ -7,31 +7,27 @@ step fails nothing more is begun: what is left, or the way back, is planned from
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.goal import Goal
 from rtkit.deployment.joint import homes_in
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import Layer, Plan
 from rtkit.deployment.planning.back import WayBack
-from rtkit.deployment.planning.costs import Costs
 from rtkit.deployment.planning.doing import Doing
 from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.model import Model
 from rtkit.deployment.planning.moves import Move
-from rtkit.deployment.planning.outlook import NOTHING_KNOWN, Outlook
-from rtkit.deployment.planning.plan import NO_RANKS, DeploymentPlan, make_plan
-from rtkit.deployment.planning.survey import NO_STATES, Survey, survey
+from rtkit.deployment.planning.plan import DeploymentPlan, make_plan
+from rtkit.deployment.planning.survey import Survey
 from rtkit.deployment.planning.telling import lines
+from rtkit.deployment.runner import Runner, Talk
+from rtkit.deployment.site import Careful, Site, at_once
 from rtkit.deployment.system import System
-from rtkit.errors import Impossible, Refused, RtkitError, Unreachable, from_kind
-from rtkit.rtc.enums import LifeCycleState
-from rtkit.tree.apply import Runner, Talk
-from rtkit.tree.client import Tree
-from rtkit.tree.grace import uninterrupted
+from rtkit.errors import Refused, RtkitError, Unreachable, from_kind
 
 _MOST_PLANS = 10
 """How often it is planned anew before a world that never behaves is given up."""
@@ -39,77 +35,8 @@ _MOST_PLANS = 10
 See = Callable[[Snapshot], Model]
 
 
-@dataclass(frozen=True)
-class Goal:
-    """What is wanted, and how it is to be reached.
-
-    Attributes:
-        state: In which every component is to be; None for as it is.
-        ranks: Components of lower numbers are activated before those of higher ones.
-        parallel: Most actions that are under way at once; 0 for no bound.
-        outlook: What is known of components that do not live yet.
-        states: In which single components are to be, instead of `state`.
-        absent: Components that are not to be there.
-        replaces: What cannot be changed in place is made again.
-        prunes: What is not in the system is not to be there.
-        is_strict: What would be made with a note on it is to fail instead.
-    """
-
-    system: System
-    state: LifeCycleState | None = LifeCycleState.ACTIVE
-    ranks: Mapping[str, int] = field(default_factory=lambda: NO_RANKS)
-    costs: Costs = field(default_factory=Costs)
-    parallel: int = 0
-    outlook: Outlook = NOTHING_KNOWN
-    states: Mapping[str, LifeCycleState | None] = field(default_factory=lambda: NO_STATES)
-    absent: frozenset[str] = frozenset()
-    replaces: bool = False
-    prunes: bool = False
-    is_strict: bool = False
-
-    def survey(
-        self, snapshot: Snapshot, began: Snapshot | None = None, *, is_back: bool = False
-    ) -> Survey:
-        """Return what is wanted over what lives, with what lived when it `began`.
-
-        Raises:
-            Impossible: Something else lives where a required component belongs.
-        """
-        live = Live(snapshot, self.system, takes_namesakes=True)
-        return survey(
-            self.system,
-            live,
-            self.state,
-            self.costs.values,
-            began,
-            self.outlook,
-            self.states,
-            self.absent,
-            replaces=self.replaces,
-            prunes=self.prunes,
-            is_back=is_back,
-        )
-
-    def holds(self, snapshot: Snapshot) -> bool:
-        """Whether all that is wished is so."""
-        try:
-            model = self.survey(snapshot).model
-        except Impossible:
-            return False
-        wished = [v for v in model.desired if not v.startswith("cfg:") or v[4:] in model.keys]
-        return all(model.allows(variable, model.now(variable)) for variable in wished)
-
-    def plan(self, snapshot: Snapshot, began: Snapshot | None = None) -> DeploymentPlan:
-        """Return the cheapest plan from what lives.
-
-        Raises:
-            Impossible: There is none.
-        """
-        return make_plan(self.survey(snapshot, began).model, self.ranks)
-
-
 class Applier:
-    """Reaches a goal on one tree.
+    """Reaches a goal at one site.
 
     Attributes:
         unmet: In what required components are not what is wanted, as was seen last.
@@ -117,31 +44,36 @@ class Applier:
 
     def __init__(
         self,
-        tree: Tree,
+        site: Site,
         goal: Goal,
         report: Talk,
         progress: Talk,
         taken: list[tuple[Action, float]] | None = None,
         seen: Survey | None = None,
+        careful: Careful = at_once,
     ) -> None:
         """Prepare to reach `goal`.
 
         Args:
-            tree: Where.
+            site: Where.
             goal: What.
             report: Is told what went otherwise than planned.
             progress: Is told each step when it is done.
             taken: Gets what the actions took that were done [s].
             seen: What the plan was made from, if its notes are told already.
+            careful: Makes the calls; an interruption of the command waits for their end.
         """
         self.unmet = seen.unmet if seen is not None else ()
         self._noted = set(seen.notes if seen is not None else ())
-        self._tree = tree
+        self._site = site
+        self._careful = careful
         self._goal = goal
         self._report = report
         self._progress = progress
-        self._runner = Runner(tree, report, taken=taken, is_strict=goal.is_strict)
-        self._look: Callable[[], Snapshot] = lambda: uninterrupted(tree.snapshot)
+        self._runner = Runner(
+            site, report, taken=taken, careful=careful, is_strict=goal.is_strict
+        )
+        self._look: Callable[[], Snapshot] = lambda: careful(site.snapshot)
         self._moves: Sequence[Move] = ()
         self._is_exact = False
 
@@ -194,7 +126,7 @@ class Applier:
         starts = [move for move in plan.moves if move.kind == "start_manager"]
         for move in starts:
             try:
-                uninterrupted(partial(self._tree.start, move.subject))
+                self._careful(partial(self._site.start, move.subject))
             except RtkitError as error:
                 raise from_kind(error.kind, f"{move.text}: {error}") from error
             self._progress(f"[1/{len(plan.layers)}] {move.text}")
@@ -272,7 +204,7 @@ class Applier:
         try:
             if rolls_back:
                 return self._go_back(before)
-            rest = self._goal.plan(uninterrupted(self._tree.remains), before)
+            rest = self._goal.plan(self._careful(self._site.remains), before)
             for line in lines(rest) if rest.moves else ():
                 self._report(line.replace("plan:", "left:", 1))
             steps = len(rest.moves)
@@ -284,7 +216,7 @@ class Applier:
         """Lead back to what was; what fails on the way is told, and the rest goes on."""
         self._is_exact = False
         way = WayBack(lambda now: self._goal.survey(now, before, is_back=True).model, before)
-        self._look = lambda: uninterrupted(self._tree.remains)
+        self._look = lambda: self._careful(self._site.remains)
         nothing = System()
         doing = Doing(nothing, Live(before, nothing))
         ended: list[str] | None = None
@@ -308,7 +240,7 @@ class Applier:
                 known, ended = ended, way.gone(self._look())
                 if ended == known or not ended:
                     raise
-        return self._outcome(way, self._look(), uninterrupted(self._tree.end_started))
+        return self._outcome(way, self._look(), self._careful(self._site.end_started))
 
     def _give_up(self, way: WayBack, variables: Iterable[str], error: RtkitError) -> None:
         given_up = list(variables)

@@ -8,17 +8,16 @@ from collections.abc import Callable, Iterable, Sequence
 from rtkit.deployment.actions import Action, Result, strict
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.plan import Check, Layer, Plan, Step, merged
+from rtkit.deployment.site import UNFINISHED, Careful, Site, at_once
 from rtkit.deployment.undo import traces
 from rtkit.errors import Refused, RtkitError, Unreachable
-from rtkit.tree.client import Tree
-from rtkit.tree.grace import UNFINISHED, uninterrupted
 
 Talk = Callable[[str], None]
 Count = Callable[[int, int], None]
 
 
 class Runner:
-    """Carries plans out on one tree.
+    """Carries plans out at one site.
 
     Attributes:
         attempted: Every action sent so far.
@@ -28,26 +27,29 @@ class Runner:
 
     def __init__(
         self,
-        tree: Tree,
+        site: Site,
         report: Talk,
         progress: Talk = lambda _: None,
         count: Count = lambda _done, _known: None,
         taken: list[tuple[Action, float]] | None = None,
+        careful: Careful = at_once,
         *,
         is_strict: bool = False,
     ) -> None:
-        """Carry out plans on `tree`.
+        """Carry out plans at `site`.
 
         Args:
-            tree: Where.
+            site: Where.
             report: Is told failures that do not end the run.
             progress: Is told each layer before it is done.
             count: Is told how many steps are done, of how many that are known of.
             taken: Gets what the actions took that were done [s], where the manager tells.
+            careful: Makes the calls; an interruption of the command waits for their end.
             is_strict: What would be done with a note is to fail instead.
         """
         self._is_strict = is_strict
-        self._tree = tree
+        self._site = site
+        self._careful = careful
         self._report = report
         self._progress = progress
         self._count = count
@@ -145,7 +147,7 @@ class Runner:
         if self._is_strict:
             actions = [strict(action) for action in actions]
         self.attempted += actions
-        results = uninterrupted(lambda: self._tree.apply(actions, is_ordered=is_ordered))
+        results = self._careful(lambda: self._site.apply(actions, is_ordered=is_ordered))
         for result in filter(_has_note, results):
             self._report(f"note: {result.note}")
         done = zip(actions, results, strict=False)  # what follows a failure has no result
@@ -153,7 +155,7 @@ class Runner:
         return results
 
     def _perform(self, action: Action) -> tuple[Result, ...]:
-        return uninterrupted(lambda: self._tree.apply([action]))
+        return self._careful(lambda: self._site.apply([action]))
 
     def undo(self, before: Snapshot) -> tuple[list[str], list[str]]:
         """Take back what was attempted since `before`; return what was removed and what remains.
@@ -163,7 +165,7 @@ class Runner:
         """
         removed: list[str] = []
         remaining: list[str] = []
-        left = deque(traces(self.attempted, before, uninterrupted(self._tree.remains)))
+        left = deque(traces(self.attempted, before, self._careful(self._site.remains)))
         while left:
             trace = left.popleft()
             try:
