@@ -8,7 +8,7 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
-from rtkit.cli.system import planning, shared, step_times
+from rtkit.cli.system import following, planning, shared, step_times
 from rtkit.cli.system.document import is_saved_plan, parse_document, read_data
 from rtkit.errors import Refused
 
@@ -61,7 +61,7 @@ def main(
     from rtkit.tree.grace import uninterrupted
 
     source, data = read_data(files)
-    is_saved = is_saved_plan(data)
+    is_saved, is_followed = is_saved_plan(data), False
     lease = None if dry_run else shared.leases(app, files, wait_s)
     if is_saved:
         from rtkit.cli.system import saving
@@ -71,6 +71,7 @@ def main(
         )
     else:
         document = parse_document(app, source, data)
+        is_followed = not dry_run and following.is_wanted(document)
         prepared = planning.prepare(
             app, document, is_dry=dry_run, parallel=parallel or 0, lease=lease, **options
         )
@@ -81,4 +82,12 @@ def main(
     with step_times.noting(app, goal.system, snapshot) as taken:
         applier = Applier(app.tree, goal, app.say, app.say, taken, survey, uninterrupted)
         applier.run(plan, snapshot, rolls_back=rollback or app.is_strict, is_exact=is_saved)
+    if is_followed:
+        following.begin_as_told(
+            app,
+            document,
+            options["mapped"],
+            stand_in=options["stand_in"],
+            transmit=options["transmit"],
+        )
     return app.status(Refused()) if applier.unmet else 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, command
-from rtkit.cli.system import shared
+from rtkit.cli.system import following, shared
 from rtkit.cli.system.document import read_document
 from rtkit.cli.system.foresight import lacking
 from rtkit.errors import UsageProblem
@@ -68,6 +68,7 @@ def main(
 
         with document.naming():
             check_paths(document.profile)
+    is_followed = not dry_run and following.is_wanted(document)
     lease = None if dry_run else shared.leases(app, files, wait_s)
     found = shared.look(app, document.profile, dry_run=dry_run, starts=not no_create, lease=lease)
     with shared.managers_started(app, found, dry_run=dry_run) as before:
@@ -90,6 +91,8 @@ def main(
                 shared.show(wiring_plan(system, live, creation.made))
             else:
                 _bring_up(app, system, before, lacks, may_create=not no_create)
+    if is_followed:
+        following.begin_as_told(app, document, mapped, stand_in=stand_in, transmit=transmit)
 
 
 def _bring_up(

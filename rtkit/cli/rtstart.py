@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtkit.cli._app import App, command
-from rtkit.cli.system import shared, starting
+from rtkit.cli.system import following, shared, starting
 from rtkit.cli.system.document import read_document
 
 
@@ -35,6 +35,7 @@ def main(
     with document.naming():
         orders = start_orders(document.profile)
         stop_orders(document.profile)  # what cannot be stopped as written is not started
+    is_followed = not (dry_run or draws) and following.is_wanted(document)
     starting.run(
         app,
         document,
@@ -43,3 +44,5 @@ def main(
         dry_run=dry_run,
         mapped=mapped,
     )
+    if is_followed:
+        following.begin_as_told(app, document, mapped)

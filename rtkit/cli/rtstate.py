@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import click
 
 from rtkit.cli import _out, _records
@@ -15,14 +17,22 @@ from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
 @click.option("-g", "--goto", metavar="STATE", help="Lead the system to this state.")
 @click.option("-e", "--event", metavar="EVENT", help="Lead it to where this event leads.")
 @click.option(
-    "-f", "--follow", is_flag=True, help="Lead it wherever its events lead, until interrupted."
+    "-f",
+    "--follow",
+    is_flag=True,
+    help="Have its manager lead it wherever its events lead, and watch until interrupted.",
+)
+@click.option(
+    "--unfollow",
+    metavar="NAME",
+    help="End that: the manager follows the system of this name, or identity, no more.",
 )
 @click.option(
     "-n",
     "--number",
     type=click.IntRange(min=1),
     metavar="N",
-    help="With --follow: stop after N transitions.",
+    help="With --follow: watch until N transitions were made.",
 )
 @click.option("--json", "is_json", is_flag=True, help="One JSON object.")
 @click.option("--rollback", is_flag=True, help="When a step fails, go back to what was before.")
@@ -35,6 +45,7 @@ def main(
     goto: str | None,
     event: str | None,
     follow: bool,
+    unfollow: str | None,
     number: int | None,
     is_json: bool,
     rollback: bool,
@@ -59,24 +70,35 @@ def main(
     A state that cannot be reached and has the event failed leads on by it; the status is 1 then.
 
     Without options the states are shown, with the way to each and the events of the present one;
-    the status is 1 when the system is in none. With --follow each transition is told on stdout,
-    and the steps on stderr when verbose.
+    the status is 1 when the system is in none.
+
+    With --follow the manager of the system follows its events from now on, also after its own
+    restart, until --unfollow, rtteardown or a transition that fails without an event failed. The
+    command only watches: each transition is told on stdout, and an interruption ends nothing but
+    the watching. What a profile with rtkit.follow=true describes is followed from rtapply,
+    rtresurrect or rtstart on.
     """
-    if sum((goto is not None, event is not None, follow)) > 1:
-        raise UsageProblem("--goto, --event and --follow exclude each other")
+    if sum((goto is not None, event is not None, follow, unfollow is not None)) > 1:
+        raise UsageProblem("--goto, --event, --follow and --unfollow exclude each other")
+    if unfollow is not None:
+        return _unfollow(app, files, unfollow)
     if number is not None and not follow:
         raise UsageProblem("--number is for --follow")
     if is_json and (goto is not None or event is not None):
         raise UsageProblem("--json is for states and for --follow")
     if dry_run and follow:
         raise UsageProblem("--dry-run and --follow exclude each other")
-    from rtkit.cli.system.states import States, as_lines, as_record
+    from rtkit.cli.system import following
+    from rtkit.cli.system.states import as_lines, as_record, states_of
     from rtkit.deployment.planning.telling import lines
 
     is_led = goto is not None or event is not None
+    document = read_document(app, files)
+    if follow:
+        following.check_one_manager(document)
     begun = planning.begin(
         app,
-        read_document(app, files),
+        document,
         is_dry=dry_run,
         mapped=mapped,
         costs=costs,
@@ -87,21 +109,22 @@ def main(
         starts=is_led,
         lease=shared.leases(app, files, wait_s) if is_led and not dry_run else None,
     )
-    states, snapshot = States(begun), begun.snapshot
+    states, snapshot = states_of(begun), begun.snapshot
     if follow:
-        from rtkit.cli.system.following import Following
-        from rtkit.tree.lease import Leases
+        from rtkit.cli.system.watching import Watching
 
-        leases = Leases(" ".join([app.name, *files]), wait_s or app.timeout_s, app.tell)
-        Following(app, states, leases, is_json=is_json, rolls_back=rollback).run(number)
+        app.ask(following.owner(app))
+        start = partial(following.begin, app, document, states, rolls_back=rollback)
+        Watching(app, states.name, is_json=is_json).run(start, number)
         return 0
+    told = following.followed_in(snapshot, states.name)
     now = states.now(snapshot)
     if goto is None and event is None:
         ways = [states.way(state, snapshot) for state in states.machine.table]
         if is_json:
-            _out.write([_records.line("system-state", as_record(states, now, ways))])
+            _out.write([_records.line("system-state", as_record(states, now, ways, told))])
         else:
-            _out.write(map(_out.printable, as_lines(states, now, ways)))
+            _out.write(map(_out.printable, as_lines(states, now, ways, told)))
         return 0 if now else 1
     try:
         if event is None:
@@ -116,10 +139,20 @@ def main(
         goal = states.goal(target)
         _out.write(map(_out.printable, lines(goal.plan(snapshot), goal.costs)))
         return 0
-    from rtkit.cli.system.leading import Leading
+    from rtkit.cli.system.leading import leader
+    from rtkit.deployment.states.following import Passage
 
-    leading = Leading(app, states, app.say, rolls_back=rollback)
-    _, _, reached = leading.lead(now, target, event or "goto")
+    leading = leader(app, states, app.say, rolls_back=rollback)
+    _, _, reached = leading.lead(Passage(now, event or "goto", target))
     if reached != target:
         raise Refused(f"{target} was not reached; the system was led to {reached}")
+    return 0
+
+
+def _unfollow(app: App, files: tuple[str, ...], name: str) -> int:
+    from rtkit.cli.system import following
+
+    if files:
+        raise UsageProblem("--unfollow takes the name of a system, and no FILE")
+    app.say(following.end(app.tree, following.named(shared.snapshot(app), name)))
     return 0

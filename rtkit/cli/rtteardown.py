@@ -21,7 +21,8 @@ def main(
 ) -> None:
     """Remove every connection of an RTS profile (FILE, or stdin).
 
-    What is missing is reported; the rest is removed all the same.
+    What is missing is reported; the rest is removed all the same. A system that its manager
+    follows (rtstate) is followed no more.
     """
     from rtkit.deployment.live import Live
     from rtkit.deployment.running import left_now, teardown_plan
@@ -29,6 +30,11 @@ def main(
     document = read_document(app, files)
     snapshot = shared.look(app, document.profile, dry_run=dry_run, may_lack=True)
     system = shared.wanted_system(app, document, snapshot, mapped=mapped)
+    if not dry_run:
+        from rtkit.cli.system import following
+
+        if following.end_if_followed(app, document, snapshot):
+            snapshot = shared.remains(app)
     plan = teardown_plan(system, Live(snapshot, system), ends_components=ends)
     if dry_run:
         shared.show(plan)

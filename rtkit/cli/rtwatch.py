@@ -21,9 +21,9 @@ from rtkit.deployment.happenings import HEARTBEAT, KINDS, SYSTEM_STATE, Happenin
 if TYPE_CHECKING:
     from rtkit.cli._ears import Told
     from rtkit.cli.system.gathering import Managers
-    from rtkit.cli.system.states import States
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.figures import Figures
+    from rtkit.deployment.states.states import States
     from rtkit.tree.scope import Scope
 
 Record = dict[str, Any]
@@ -76,7 +76,9 @@ def main(
     FSM_EVENT          its state machine: state, structure, events
     SUPERVISION        its policy and rules of health: RETURNING MADE_AGAIN GIVEN_UP DEGRADED
                        WELL STOPPED CRITICAL_STOP, with the reason
-    SYSTEM_STATE       with --system: it came to a state, all of whose wishes hold
+    SYSTEM_STATE       a system that is followed (rtstate): to which state it came, or FOLLOWED
+                       TRANSITION_FAILED WAITS NOT_FOLLOWED; with --system it is seen in what
+                       lives: all wishes of the state hold
     HEARTBEAT          once a second, of the component and each execution context that runs
 
     A manager that ends is waited for, one that begins is listened to. A state that is left
@@ -119,7 +121,7 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     from rtkit.cli.system.document import read_document
     from rtkit.cli.system.gathering import Managers, names_another
     from rtkit.cli.system.planning import Begun
-    from rtkit.cli.system.states import States
+    from rtkit.cli.system.states import states_of
     from rtkit.deployment.goal import Goal
 
     document = read_document(app, (file,))
@@ -128,7 +130,7 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     if managers is not None:
         snapshot = managers.joined([snapshot])
     system = shared.wanted_system(app, document, snapshot)
-    return States(Begun(document, Goal(system), snapshot)), managers
+    return states_of(Begun(document, Goal(system), snapshot)), managers
 
 
 class _Watch:
@@ -180,9 +182,17 @@ class _Watch:
         self, manager: str, moment: float, happened: Iterable[Happening]
     ) -> Iterator[Record]:
         for each in happened:
+            if self._is_seen(each):
+                continue
             if each.kind in self._wanted and is_covered(self._scopes, manager, each, self._host):
                 self.count += 1
                 yield self._record(manager, moment, each)
+
+    def _is_seen(self, happening: Happening) -> bool:
+        """Whether it is told all the same that a system came to a state."""
+        told = happening.system
+        is_own = self._states is not None and told is not None and told.system == self._states.name
+        return is_own and told is not None and happening.event == told.state
 
     def begin(self) -> None:
         """Note in which state the system is before anything happens."""

@@ -70,9 +70,7 @@ class Applier:
         self._goal = goal
         self._report = report
         self._progress = progress
-        self._runner = Runner(
-            site, report, taken=taken, careful=careful, is_strict=goal.is_strict
-        )
+        self._runner = Runner(site, report, taken=taken, careful=careful, is_strict=goal.is_strict)
         self._look: Callable[[], Snapshot] = lambda: careful(site.snapshot)
         self._moves: Sequence[Move] = ()
         self._is_exact = False

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.upkeep import Upkeep
 from rtkit.records import dataclass, field
 from rtkit.rtc.enums import merged_state
@@ -106,6 +107,7 @@ class Snapshot:
 
     Attributes:
         names: Paths under which the manager itself is registered, ``localhost/manager.mgr``.
+        systems: Those whose events it follows, or followed until a transition failed.
     """
 
     host: str
@@ -118,6 +120,7 @@ class Snapshot:
     modules: tuple[ModuleProfile, ...] = ()
     properties: Mapping[str, str] = field(default_factory=dict)
     names: tuple[str, ...] = ()
+    systems: tuple[Followed, ...] = ()
 
     @property
     def others(self) -> tuple[Snapshot, ...]:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.news import News
+from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.upkeep import Upkeep
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile
@@ -37,7 +38,7 @@ KINDS = (
     HEARTBEAT,
 )
 SYSTEM_STATE = "SYSTEM_STATE"
-"""A system came to another of its states: no manager tells it, it is seen in what lives."""
+"""A system came to another of its states: its manager tells it that follows it, else it is seen."""
 
 _PROFILE = {
     "names": "names",
@@ -59,6 +60,7 @@ class Happening(NamedTuple):
         detail: More about it.
         names: Names under which the component is registered, or was.
         restart: Of one that was made again by its policy: how often, for what, how long it took.
+        system: What became of a system that is followed.
     """
 
     kind: str
@@ -69,6 +71,7 @@ class Happening(NamedTuple):
     detail: str = ""
     names: tuple[str, ...] = ()
     restart: Upkeep | None = None
+    system: Followed | None = None
 
 
 def _of(kind: str, facts: ComponentFacts, subject: str, event: str, detail: str = "") -> Happening:
@@ -93,6 +96,33 @@ def happenings(before: Snapshot, news: News) -> Iterator[Happening]:
     for wire in news.connectors:
         if wire.connector_id not in wires:
             yield from _wired(wire, places, "PORT_CONNECT")
+    yield from _systems(before, news)
+
+
+def _systems(before: Snapshot, news: News) -> Iterator[Happening]:
+    """Yield where systems came that are followed, and which transitions failed."""
+    if news.systems is None:
+        return
+    known = {each.system: each for each in before.systems}
+    for each in news.systems:
+        old = known.pop(each.system, None)
+
+        def told(event: str, detail: str = "", each: Followed = each) -> Happening:
+            return Happening(SYSTEM_STATE, "", "", each.system, event, detail, system=each)
+
+        if old is None or (old.is_over and not each.is_over):
+            yield told("FOLLOWED")
+            old = Followed(each.system)
+        if each.why and each.why != old.why:
+            yield told("TRANSITION_FAILED", each.why)
+        if each.waits and each.waits != old.waits:
+            yield told("WAITS", each.waits)
+        if each.count != old.count:
+            yield told(each.state, str(each))
+        if each.is_over and not old.is_over:
+            yield told("NOT_FOLLOWED", "that transition failed")
+    for each in known.values():
+        yield Happening(SYSTEM_STATE, "", "", each.system, "NOT_FOLLOWED", system=each)
 
 
 def beats(facts: ComponentFacts, contexts: Iterable[str]) -> Iterator[Happening]:

@@ -58,6 +58,7 @@ def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
     told = {each.name: getattr(first, each.name) for each in fields(first)}
     told["components"] = tuple(facts for each in shown for facts in each.components)
     told["connectors"] = tuple(wire for each in shown for wire in each.connectors)
+    told["systems"] = tuple(system for each in snapshots for system in each.systems)
     return JointSnapshot(**told, others=tuple(shown[1:]))
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from typing import Any, TypeVar
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
+from rtkit.deployment.states.followed import Followed
 from rtkit.errors import Malformed
 from rtkit.records import dataclass, replace
 from rtkit.rtc.plain import decode, encode
@@ -38,6 +39,7 @@ class News:
         processes: Those that are new or other than before.
         ended: Pids of those that are not there any more.
         names: Paths of the manager itself, when those have changed.
+        systems: All that are followed, when one of them has changed.
         is_last: The manager ends; none follow.
     """
 
@@ -51,6 +53,7 @@ class News:
     processes: tuple[ProcessFacts, ...] = ()
     ended: tuple[int, ...] = ()
     names: tuple[str, ...] | None = None
+    systems: tuple[Followed, ...] | None = None
     is_last: bool = False
 
 
@@ -78,6 +81,7 @@ def news_between(before: Snapshot, after: Snapshot, run: str, number: int) -> Ne
         processes=processes,
         ended=ended,
         names=after.names if after.names != before.names else None,
+        systems=after.systems if after.systems != before.systems else None,
     )
 
 
@@ -89,6 +93,7 @@ def applied(facts: Snapshot, news: News) -> Snapshot:
         connectors=_merged(facts.connectors, news.connectors, news.cut, "connector_id"),
         processes=_merged(facts.processes, news.processes, news.ended, "pid"),
         names=facts.names if news.names is None else news.names,
+        systems=facts.systems if news.systems is None else news.systems,
     )
 
 

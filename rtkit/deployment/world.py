@@ -17,6 +17,7 @@ from rtkit.deployment.extension import with_policy
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
 from rtkit.deployment.lease import Immortal, Lease
 from rtkit.deployment.shown_ports import OwnEnds
+from rtkit.deployment.states.followed import Followed
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.records import replace
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
@@ -52,6 +53,7 @@ class World:
         performed: Every action performed, in order.
         changed: Called after facts of a component changed.
         lease: Who carries a plan out.
+        systems: What a manager would tell of those that it follows; nobody follows them here.
     """
 
     def __init__(
@@ -75,6 +77,7 @@ class World:
         self.properties: dict[str, str] = {}
         self.lacking: dict[str, str] = {}
         self.names: tuple[str, ...] = (f"{LOCAL}/{manager}{MANAGER_SUFFIX}",)
+        self.systems: tuple[Followed, ...] = ()
         self.fault: Callable[[Action], Result | None] = _no_fault
         self.performed: list[Action] = []
         self.changed: Callable[[], object] = _nothing
@@ -94,6 +97,7 @@ class World:
             tuple(self.loaded.values()),
             dict(self.properties),
             self.names,
+            self.systems,
         )
 
     def perform(self, action: Action) -> Result:

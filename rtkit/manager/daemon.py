@@ -146,6 +146,7 @@ def _started(
         report.ready()
         fault.point("manager.ready")
         keeper.begin()
+        loop.following.begin()
 
 
 def _forget_folder(folder: str) -> None:

@@ -26,6 +26,7 @@ from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.message import Message
 from rtkit.manager.core.state import Process
+from rtkit.manager.following.following import Following
 from rtkit.manager.holding.holder import Holder
 from rtkit.manager.keeping.keeper import Keeper
 from rtkit.manager.logs.outputs import cut
@@ -63,6 +64,7 @@ class Loop:
 
     Attributes:
         desk: Where requests are taken.
+        following: Follows the events of systems.
         has_failed: The manager ends because its start failed.
     """
 
@@ -78,6 +80,8 @@ class Loop:
         self._keeper = keeper
         keeper.heard = lambda *told: self.post(ev.Kept(*told))
         self.desk = Desk(core.state)
+        self.following = Following(self.post, core.state)
+        self.desk.follow = self.following.ask
         self.has_failed = False
         self._holder = holder
         self._nursery = nursery
@@ -146,6 +150,7 @@ class Loop:
     def close(self) -> None:
         """Let go of all descriptors; what is posted from now on is not heard."""
         self._is_closed = True
+        self.following.close()
         self._selector.close()
         self._lines.close()
         self._watchman.forget(ev.OWN_PROCESS)
@@ -252,6 +257,10 @@ class Loop:
         match event:
             case ev.HolderSaid(key, message) if "figures" not in message:
                 self._watchman.hasten(key)
+            case ev.FollowAsked():
+                self.following.sync()
+            case ev.StopAsked():
+                self.following.end()
             case ev.SlaveReady(key):
                 self._watchman.watch(key, self._core.state.processes[key].pid)
             case ev.SlaveHalted(key, is_halted):
@@ -320,6 +329,7 @@ class Loop:
                 used = usage(process["pid"])
                 if used is not None:
                     process.update(used._asdict())
+        self.following.heard(line, whole)
         if line in self._announce:
             self._announce[line](json.dumps(whole, separators=(",", ":")))
 

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Create
 from rtkit.deployment.batch import MAX_ID, Batch, batch_from_text, results_from_text
+from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.lease import Lease
 from rtkit.deployment.listing import listing_of, listing_to_text
@@ -49,11 +50,13 @@ class Desk:
     Attributes:
         restart: Set when the manager is to start again after its end.
         lease: Who carries a plan out.
+        follow: Is given wishes to follow a system, or not to.
     """
 
     def __init__(self, state: State) -> None:
         self.restart: Restart | None = None
         self.lease = Lease(Life)
+        self.follow: Callable[[Request], object] = lambda _request: None
         self._state = state
         self._views: dict[str, str] = {}
 
@@ -96,6 +99,9 @@ class Desk:
             self.restart = Restart(open_report(request.payload))
             request.answer(Reply(str(self._state.pid)))
             return StopAsked(is_kept=True)
+        if keys.unescape(request.name) == FOLLOW:
+            self.follow(request)
+            return None
         return self._operation(keys.unescape(request.name), request)
 
     def _find(self, request: Request) -> None:

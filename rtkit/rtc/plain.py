@@ -50,6 +50,9 @@ def _encoder(hint: Any) -> Coder:
 
 def _make_encoder(hint: Any) -> Coder:
     origin, args = get_origin(hint), get_args(hint)
+    if origin is frozenset:
+        item = _encoder(args[0])
+        return lambda value: sorted(map(item, value))
     if origin is tuple:
         item = _encoder(args[0])
         return list if item is _same else lambda value: [item(x) for x in value]
@@ -129,6 +132,9 @@ def _make_decoder(hint: Any) -> Coder:
     origin, args = get_origin(hint), get_args(hint)
     if origin is tuple:
         return _sequence_decoder(_decoder(args[0]))
+    if origin is frozenset:
+        items = _sequence_decoder(_decoder(args[0]))
+        return lambda data: frozenset(items(data))
     if origin is not None and origin not in (Union, UnionType) and issubclass(origin, Mapping):
         return _mapping_decoder(_decoder(args[1]))
     if origin in (Union, UnionType):

@@ -12,6 +12,7 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.figures import FIGURES, ComponentFigures, Figures
 from rtkit.deployment.news import TREE
@@ -253,6 +254,13 @@ class Live:
                 spec=Spec(parse_type("text"), "r"),
                 read=lambda _given, name=name: self._tree.get(name),  # type: ignore[misc]
             )
+
+        self._service.add(
+            FOLLOW,
+            spec=Spec(parse_type("text"), "rw", doc="Systems whose events the manager follows"),
+            read=lambda _given: self._tree.get(FOLLOW),
+            write=lambda value, _given: self._tree.set(FOLLOW, str(value)),
+        )
 
     def close(self) -> None:
         """End the connection."""

@@ -43,13 +43,13 @@ def test_a_robot_is_led_from_state_to_state_and_follows_its_events(manager: Any)
     sensor = pid(shell, "sensor")
 
     follower = shell.open(f"rtstate --follow -n 3 {robot}")
-    watch = shell.open(f"rtwatch -v -n 3 -f system_state --system {robot} /")
-    assert watch.stderr.readline() == "listening\n"
 
     def state() -> str:
         return str(follower.stdout.readline().partition("] ")[2].strip())
 
     assert state() == "standby (is so)"
+    watch = shell.open(f"rtwatch -v -n 3 -f system_state --system {robot} /")
+    assert watch.stderr.readline() == "listening\n"
     assert shell.run(f"rtstate --event start {robot}").status == 0
     assert state() == "standby -by others-> explore"
     # A property has a value.

@@ -1,119 +1,143 @@
-"""Follows the events of a system, in the foreground: listens, and leads it from state to state."""
+"""Has the manager of a system follow its events, or ends that."""
 
 from __future__ import annotations
 
-import time
+import hashlib
+import json
 from typing import TYPE_CHECKING
 
-from rtkit.cli import _out
 from rtkit.cli._app import App
-from rtkit.cli._ears import write_now
-from rtkit.cli._moments import clock
-from rtkit.cli._records import line as json_line
-from rtkit.cli._records import time_text
-from rtkit.cli.system.leading import Leading
-from rtkit.cli.system.states import States
-from rtkit.errors import Unreachable
+from rtkit.deployment.extension import FOLLOW
+from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
+    from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.figures import ComponentFigures
-    from rtkit.tree.lease import Leases
-    from rtkit.tree.listening import Heard
+    from rtkit.deployment.states.followed import Followed
+    from rtkit.deployment.states.states import States
+    from rtkit.tree.client import Tree
 
-SYSTEM_STATE = "SYSTEM_STATE"
-BY_OTHERS = "by others"
-AT_FIRST = "at first"
+_YES = ("true", "yes", "on", "1")
 
 
-class Following:
-    """Leads one system wherever its events lead."""
+def is_wanted(document: Document) -> bool:
+    """Whether the profile wants its system followed from when it is brought up.
 
-    def __init__(
-        self, app: App, states: States, leases: Leases, *, is_json: bool, rolls_back: bool
-    ) -> None:
-        self._app = app
-        self._states = states
-        self._is_json = is_json
-        self._leading = Leading(app, states, app.tell, leases, rolls_back=rolls_back)
-        self._follower = self._leading.follower
-        self._figures: dict[str, ComponentFigures] = {}
-        self._left: int | None = None
+    Raises:
+        InvalidDocument: It does, and its states make no sense.
+        Refused: It does, and its components are in several managers.
+    """
+    told = [item.value or "" for item in document.profile.properties if item.name == FOLLOW]
+    if not told or told[-1].strip().lower() not in _YES:
+        return False
+    from rtkit.cli.system.states import read_machine
 
-    def run(self, number: int | None) -> None:
-        """Go on until interrupted, or until `number` transitions were made.
+    read_machine(document)
+    check_one_manager(document)
+    return True
 
-        Raises:
-            Unreachable: The manager ended.
-            Refused: A transition failed, and no event leads on from there.
-        """
-        from rtkit.deployment.figures import FIGURES
-        from rtkit.deployment.news import TREE
-        from rtkit.tree.fleet import ear_at
 
-        self._left = number
-        conditions = self._states.machine.conditions.values()
-        needs_figures = any(condition.needs_figures for condition in conditions)
-        with ear_at(self._app.tree, (TREE, FIGURES) if needs_figures else (TREE,)) as ear:
-            self._begin(ear.facts)
-            while self._left != 0:
-                if not self._step(ear.facts):
-                    self._take(ear.wait())
-                else:
-                    self._take(ear.take())
+def check_one_manager(document: Document) -> None:
+    """Refuse a system that no manager knows as a whole.
 
-    def _begin(self, facts: Snapshot) -> None:
-        first = self._states.machine.first
-        now = self._states.now(facts)
-        self._follower.state = now or first
-        if now:
-            self._tell("", now, "is so")
-        else:
-            self._lead("", first, AT_FIRST)
+    Raises:
+        Refused: Its components are in several.
+    """
+    from rtkit.cli.system.gathering import Managers
 
-    def _step(self, facts: Snapshot) -> bool:
-        """Follow what is due; return whether something was."""
-        passage = self._follower.look(facts, self._figures, time.monotonic())
-        if passage is None:
-            return False
-        if passage.event:
-            self._lead(passage.before, passage.state, passage.event)
-        else:
-            self._count(passage.before, passage.state, BY_OTHERS)
-        return True
+    names = Managers(document.profile).names
+    if len(names) > 1:
+        raise Refused(
+            f"{document.source}: no manager can follow {document.profile.id}: its components are"
+            f" in several ({', '.join(names)}), and each knows only its own"
+        )
 
-    def _lead(self, before: str, state: str, event: str) -> None:
-        """Lead the system to a state; on from there if it cannot be reached."""
-        before, event, state = self._leading.lead(before, state, event)
-        self._count(before, state, event)
 
-    def _take(self, heard: list[Heard]) -> None:
-        from rtkit.deployment.figures import Figures
-        from rtkit.tree.listening import Ended
+def owner(app: App) -> Tree:
+    """Return the connection to the one manager of a system."""
+    (tree,) = app.tree.trees.values()
+    return tree
 
-        for each in heard:
-            if isinstance(each, Ended):
-                raise Unreachable(each.why)
-            if isinstance(each, Figures):
-                found = (c for process in each.processes for c in process.components)
-                self._figures.update((figures.instance, figures) for figures in found)
 
-    def _count(self, before: str, state: str, event: str) -> None:
-        self._tell(before, state, event)
-        if self._left is not None:
-            self._left -= 1
+def begin(app: App, document: Document, states: States, *, rolls_back: bool = False) -> None:
+    """Have the manager of a system follow its events, from now on and after its restart.
 
-    def _tell(self, before: str, state: str, event: str) -> None:
-        moment = time.time()
-        if self._is_json:
-            record = {
-                "time": time_text(int(moment * 1e9)),
-                "system": self._states.name,
-                "from": before,
-                "to": state,
-                "event": event,
-            }
-            write_now([json_line("transition", record)])
-            return
-        way = f"{before} -{event}-> {state}" if before else f"{state} ({event})"
-        write_now([_out.printable(f"[{clock(moment)}] {way}")])
+    Raises:
+        Refused: It is followed as another profile tells it.
+    """
+    from rtkit.deployment.states.spec import spec_to_text
+
+    said = bytes([rolls_back, states.base.replaces])
+    digest = hashlib.sha256(document.data + said).hexdigest()
+    text = spec_to_text(states, [document.source, digest], rolls_back=rolls_back)
+    app.tell(owner(app).set(FOLLOW, f'{{"start": {text}}}'))
+
+
+def begin_as_told(
+    app: App,
+    document: Document,
+    mapped: tuple[str, ...],
+    *,
+    stand_in: bool = False,
+    transmit: bool = False,
+) -> None:
+    """Have the system of a profile followed from what lives now, perhaps with stand-ins.
+
+    Raises:
+        Refused: It is followed as another profile tells it.
+    """
+    from rtkit.cli.system import planning
+    from rtkit.cli.system.states import states_of
+
+    begun = planning.begin(
+        app,
+        document,
+        is_dry=False,
+        mapped=mapped,
+        costs=(),
+        basis=planning.MEASURED,
+        stand_in=stand_in,
+        transmit=transmit,
+        replaces=False,
+    )
+    begin(app, document, states_of(begun))
+
+
+def end(tree: Tree, name: str) -> str:
+    """Follow a system no more, when what is under way of that has ended; return what to tell.
+
+    Raises:
+        NotFound: It is not followed.
+    """
+    return tree.set(FOLLOW, json.dumps({"stop": name}))
+
+
+def end_if_followed(app: App, document: Document, facts: Snapshot) -> bool:
+    """Follow a system no more, if it is; return whether it was."""
+    name = document.profile.id
+    managers = [m.manager for m in (facts, *facts.others) if followed_in(m, name) is not None]
+    for manager in managers:
+        app.tell(end(app.tree.at(manager), name))
+    return bool(managers)
+
+
+def followed_in(facts: Snapshot, name: str) -> Followed | None:
+    """Return what is told of a system that is followed; None for one that is not."""
+    return next((each for each in facts.systems if each.system == name), None)
+
+
+def named(facts: Snapshot, name: str) -> str:
+    """Return the identity of a followed system by that, or by the name in it.
+
+    Raises:
+        NotFound: None is followed of that name.
+        Refused: Several are.
+    """
+    known = [each.system for each in facts.systems]
+    fits = [each for each in known if name == each or name in each.split(":")[2:3]]
+    if len(fits) > 1:
+        raise Refused(f"several systems have that name: {', '.join(fits)}")
+    if not fits:
+        there = f"; it follows {', '.join(known)}" if known else ""
+        raise NotFound(f"manager {facts.manager!r} does not follow {name}{there}")
+    return fits[0]

@@ -1,4 +1,4 @@
-"""Leads a system to a state; one that cannot be reached leads on by its event ``failed``."""
+"""Leads a system to a state on command."""
 
 from __future__ import annotations
 
@@ -7,79 +7,28 @@ from collections.abc import Callable
 
 from rtkit.cli._app import App
 from rtkit.cli.system import step_times
-from rtkit.cli.system.states import States
-from rtkit.errors import RtkitError, from_kind
-from rtkit.tree.lease import Leases
+from rtkit.deployment.applying import Applier
+from rtkit.deployment.states.following import Passage
+from rtkit.deployment.states.leading import Leader
+from rtkit.deployment.states.states import States
+from rtkit.tree.grace import uninterrupted
 
 
-class Leading:
-    """Carries transitions of one system out.
+def leader(app: App, states: States, say: Callable[[str], None], *, rolls_back: bool) -> Leader:
+    """Return what leads a system, whose managers' leases the command has.
 
-    Attributes:
-        follower: The state that the system is in, or is led to.
+    Args:
+        app: The command.
+        states: Of the system.
+        say: Is told each step.
+        rolls_back: When a step fails, go back to what was before.
     """
 
-    def __init__(
-        self,
-        app: App,
-        states: States,
-        say: Callable[[str], None],
-        leases: Leases | None = None,
-        *,
-        rolls_back: bool,
-    ) -> None:
-        """Prepare to lead a system.
+    def reach(passage: Passage) -> None:
+        tree, goal = app.tree, states.goal(passage.state)
+        snapshot = uninterrupted(tree.snapshot)
+        with step_times.noting(app, goal.system, snapshot) as taken:
+            applier = Applier(tree, goal, say, say, taken, careful=uninterrupted)
+            applier.run(goal.plan(snapshot), snapshot, rolls_back=rolls_back)
 
-        Args:
-            app: The command.
-            states: Of the system.
-            say: Is told each step.
-            leases: Are taken for each transition; None where the command has them already.
-            rolls_back: When a step fails, go back to what was before.
-        """
-        from rtkit.deployment.states.following import Follower
-
-        self.follower = Follower(states.machine, states.holds)
-        self._app = app
-        self._states = states
-        self._say = say
-        self._leases = leases
-        self._rolls_back = rolls_back
-
-    def lead(self, before: str, state: str, event: str) -> tuple[str, str, str]:
-        """Lead the system to a state; return the last transition: from where, event, to where.
-
-        Raises:
-            RtkitError: A state could not be reached, and no event leads on from there.
-        """
-        from rtkit.deployment.states.machine import FAILED
-
-        self.follower.state = state
-        while True:
-            try:
-                self._reach(state)
-            except RtkitError as error:
-                told = f"{before or 'the beginning'} -{event}-> {state}: {error}"
-                if FAILED not in self._states.machine.table[state]:
-                    raise from_kind(error.kind, told) from error
-                self._app.fail(told)
-                before, event = state, FAILED
-                state = self.follower.go(FAILED, time.monotonic())
-            else:
-                return before, event, state
-
-    def _reach(self, state: str) -> None:
-        from rtkit.deployment.applying import Applier
-        from rtkit.tree.grace import uninterrupted
-
-        tree, goal = self._app.tree, self._states.goal(state)
-        try:
-            if self._leases is not None:
-                self._leases.take(*tree.trees.values())
-            snapshot = uninterrupted(tree.snapshot)
-            with step_times.noting(self._app, goal.system, snapshot) as taken:
-                applier = Applier(tree, goal, self._say, self._say, taken, careful=uninterrupted)
-                applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
-        finally:
-            if self._leases is not None:
-                self._leases.close()
+    return Leader(states, reach, app.fail, time.monotonic)

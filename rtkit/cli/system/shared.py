@@ -167,6 +167,17 @@ def snapshot(app: App) -> Snapshot:
     return uninterrupted(lambda: app.tree.snapshot())
 
 
+def remains(app: App) -> Snapshot:
+    """Return what lives, where a manager may have ended.
+
+    Raises:
+        Unreachable: One that runs does not answer.
+    """
+    from rtkit.tree.grace import uninterrupted
+
+    return uninterrupted(lambda: app.tree.remains())
+
+
 def look(
     app: App,
     profile: RtsProfile,

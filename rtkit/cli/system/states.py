@@ -1,79 +1,30 @@
-"""The states of a system as its profile tells them, which of them holds, and the ways to others."""
+"""The states of a system as its profile tells them, for people and as records."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+from rtkit.cli._records import time_text
 from rtkit.cli.system.planning import Begun
-from rtkit.errors import Impossible, InvalidDocument, Malformed, NotFound
+from rtkit.errors import InvalidDocument, Malformed, NotFound
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
-    from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.goal import Goal
-    from rtkit.deployment.planning.plan import DeploymentPlan
+    from rtkit.deployment.states.followed import Followed
     from rtkit.deployment.states.machine import Machine, Table
+    from rtkit.deployment.states.states import States, Way
 
 
-class Way(NamedTuple):
-    """From what lives to one state.
+def states_of(begun: Begun) -> States:
+    """Return the states of a system.
 
-    Attributes:
-        why: Why there is no plan; empty where there is one.
+    Raises:
+        InvalidDocument: Its profile tells none, or they make no sense.
     """
+    from rtkit.deployment.states.states import States
 
-    state: str
-    plan: DeploymentPlan | None
-    why: str = ""
-
-
-class States:
-    """The states of one system over its goal.
-
-    Attributes:
-        machine: States and events.
-    """
-
-    def __init__(self, begun: Begun) -> None:
-        """Read the states of a profile.
-
-        Raises:
-            InvalidDocument: It tells none, or they make no sense.
-        """
-        self.name = begun.document.profile.id
-        self.machine = read_machine(begun.document)
-        self._goals = {state: self._goal(begun.goal, state) for state in self.machine.table}
-
-    def goal(self, state: str) -> Goal:
-        """Return what is wanted in a state."""
-        return self._goals[state]
-
-    def now(self, snapshot: Snapshot, last: str = "") -> str:
-        """Return the state that the system is in; empty for none."""
-        from rtkit.deployment.states.following import state_now
-
-        return state_now(self.machine, self.holds, snapshot, last)
-
-    def holds(self, state: str, snapshot: Snapshot) -> bool:
-        """Whether all that is wished in a state is so."""
-        return self._goals[state].holds(snapshot)
-
-    def way(self, state: str, snapshot: Snapshot) -> Way:
-        """Return how a state is reached."""
-        try:
-            return Way(state, self._goals[state].plan(snapshot))
-        except Impossible as error:
-            return Way(state, None, str(error))
-
-    def _goal(self, goal: Goal, state: str) -> Goal:
-        from rtkit.deployment.states.wishes import variant
-
-        conditions = self.machine.conditions.values()
-        watched = {(each.component, each.name) for each in conditions}
-        made = variant(goal.system, self.machine.wishes[state], watched)
-        return replace(goal, system=made.system, states=made.states, absent=made.absent)
+    return States(begun.document.profile.id, read_machine(begun.document), begun.goal)
 
 
 def read_machine(document: Document) -> Machine:
@@ -115,8 +66,15 @@ def _chart(text: str, source: str) -> Table:
         raise InvalidDocument(f"{source}: the state chart: {error}") from error
 
 
-def as_lines(states: States, now: str, ways: list[Way]) -> list[str]:
-    """Return for people: each state with the way there, then the events of the present one."""
+def as_lines(states: States, now: str, ways: list[Way], told: Followed | None) -> list[str]:
+    """Return for people: each state with the way there, the events of the present one, who follows.
+
+    Args:
+        states: Of the system.
+        now: The present one; empty for none.
+        ways: To each of them.
+        told: What its manager tells if it follows the system.
+    """
     width = max(len(way.state) for way in ways)
     lines = [
         f"{'*' if way.state == now else ' '} {way.state:<{width}}  {_told(way, now)}".rstrip()
@@ -132,10 +90,10 @@ def as_lines(states: States, now: str, ways: list[Way]) -> list[str]:
         lines.append(
             f"  -{each['event']}->{' ' * (width - len(each['event']))} {each['to']:<{to}}  {when}"
         )
-    return lines
+    return lines + (_followed_lines(told) if told is not None else [])
 
 
-def as_record(states: States, now: str, ways: list[Way]) -> dict[str, Any]:
+def as_record(states: States, now: str, ways: list[Way], told: Followed | None) -> dict[str, Any]:
     """Return the same as a record."""
     return {
         "system": states.name,
@@ -150,7 +108,32 @@ def as_record(states: States, now: str, ways: list[Way]) -> dict[str, Any]:
             for way in ways
         ],
         "events": _events(states.machine, now),
+        "followed": None if told is None else _followed(told),
     }
+
+
+def _followed(told: Followed) -> dict[str, Any]:
+    return {
+        "state": told.state,
+        "from": told.before,
+        "event": told.event,
+        "transitions": told.count,
+        "time": time_text(int(told.time * 1e9)) if told.time else "",
+        "is_led": told.is_led,
+        "waits_for": told.waits,
+        "error": told.why,
+        "is_over": told.is_over,
+    }
+
+
+def _followed_lines(told: Followed) -> list[str]:
+    word = "not followed any more" if told.is_over else "followed by its manager"
+    lines = [f"{word}: {'being led: ' * told.is_led}{told}"]
+    if told.waits:
+        lines.append(f"  waits for {told.waits}")
+    if told.why:
+        lines.append(f"  failed: {told.why}")
+    return lines
 
 
 def _told(way: Way, now: str) -> str:

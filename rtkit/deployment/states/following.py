@@ -62,7 +62,7 @@ class Follower:
         Raises:
             Refused: States lead to one another without an end.
         """
-        before, event = self.state, self._due(snapshot, figures)
+        before, event = self.state, self.due(snapshot, figures)
         seen = state_now(self._machine, self._holds, snapshot, before)
         is_foreseen = event and self._machine.table[before][event] == seen
         if seen and seen != before and not is_foreseen:
@@ -70,7 +70,7 @@ class Follower:
             return Passage(before, "", seen)
         return Passage(before, event, self.go(event, now_s)) if event else None
 
-    def _due(self, snapshot: Snapshot, figures: Mapping[str, ComponentFigures]) -> str:
+    def due(self, snapshot: Snapshot, figures: Mapping[str, ComponentFigures]) -> str:
         """Return the event whose condition holds, the first one of the state; empty for none."""
         for event in self._machine.table.get(self.state, ()):
             condition = self._machine.conditions.get(event)

@@ -109,6 +109,7 @@ class Announcer:
             and _same(state.components, self._components)
             and _same(state.connectors, self._connectors)
             and (self._known is None or self._known.names == state.names)
+            and (self._known is None or self._known.systems == tuple(state.kept.reached.values()))
         )
         if is_same:
             return False

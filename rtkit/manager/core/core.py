@@ -27,6 +27,8 @@ from rtkit.manager.core.events import (
     CallbackStuck,
     Event,
     Finish,
+    FollowAsked,
+    FollowSaid,
     Forget,
     HolderSaid,
     Instruction,
@@ -51,6 +53,7 @@ from rtkit.manager.core.events import (
     Tick,
     WakeAt,
 )
+from rtkit.manager.core.follows import Follows
 from rtkit.manager.core.keeping import Keeping
 from rtkit.manager.core.limiting import Limiting
 from rtkit.manager.core.message import Message
@@ -84,6 +87,8 @@ class Core:
         self._limiting = Limiting(state, self._out, self._tasks)
         self._wellbeing = Wellbeing(state, self._supervisor, self._tasks)
         self._survey = Survey(state, self._out, self._announcer.run_id, self._wellbeing)
+        self._follows = Follows(state, self._out, self._keeping)
+        self._listeners: dict[str, set[str]] = {}
         self._is_stopping = False
         self._now = 0.0
         self._is_restoring = False
@@ -105,8 +110,12 @@ class Core:
                 self._batches.take(event)
             case PictureAsked(answer):
                 self._announcer.send_picture(answer)
-            case Listened(line, is_heard):
-                self._listened(line, is_heard)
+            case Listened(line, is_heard, who):
+                self._listened(line, is_heard, who)
+            case FollowAsked():
+                self._follow(event)
+            case FollowSaid():
+                self._follows.say(event)
             case OperationAsked():
                 self._batches.operate(event)
             case HolderSaid(key, message):
@@ -157,11 +166,19 @@ class Core:
         self._out.clear()
         return out
 
-    def _listened(self, line: str, is_heard: bool) -> None:
+    def _listened(self, line: str, is_heard: bool, who: str) -> None:
+        listeners = self._listeners.setdefault(line, set())
+        (listeners.add if is_heard else listeners.discard)(who)
         if line == TREE:
-            self._announcer.listen(is_heard)
+            self._announcer.listen(bool(listeners))
         elif line == FIGURES:
-            self._survey.listen(is_heard)
+            self._survey.listen(bool(listeners))
+
+    def _follow(self, asked: FollowAsked) -> None:
+        if self._is_stopping:
+            self._out.append(AnswerClient(asked.answer, Reply(STOPPING, Refused.kind)))
+        else:
+            self._follows.ask(asked)
 
     # what shall exist
 

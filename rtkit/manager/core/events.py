@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 from rtkit.deployment.batch import Batch
 from rtkit.deployment.limits import Limits
+from rtkit.deployment.states.followed import Followed
 from rtkit.manager.core.message import Message
 from rtkit.property.exchange import Reply
 from rtkit.records import dataclass
@@ -48,6 +49,24 @@ class Listened:
 
     line: str
     is_heard: bool
+    who: str = "clients"
+
+
+@dataclass(frozen=True, slots=True)
+class FollowAsked:
+    """A client wants a system to be followed, with all that is needed for it; or, without, not."""
+
+    system: str
+    text: str | None
+    answer: Answer
+
+
+@dataclass(frozen=True, slots=True)
+class FollowSaid:
+    """A follower tells what became of its system, and waits until that is kept."""
+
+    told: Followed
+    answer: Answer
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,6 +250,8 @@ Event = (
     BatchAsked
     | PictureAsked
     | Listened
+    | FollowAsked
+    | FollowSaid
     | OperationAsked
     | StopAsked
     | Remembered

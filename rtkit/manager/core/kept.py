@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.states.followed import Followed
 from rtkit.errors import Malformed
 from rtkit.manager.core.events import Row
 from rtkit.manager.core.watched import Watched
@@ -19,7 +20,7 @@ from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile
 
-COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT, ANSWERED = (
+COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT, ANSWERED, FOLLOWED, REACHED = (
     "component",
     "wire",
     "module",
@@ -29,6 +30,8 @@ COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT, ANSWERED = (
     "watched",
     "boot",
     "answered",
+    "followed",
+    "reached",
 )
 """The kinds of rows."""
 _URGENT = (ZOMBIE, WATCHED)
@@ -72,6 +75,8 @@ class Kept:
         revived: Components that are just being made again: that is no new wish.
         boot: Which run of the machine this is; kept along with the rest.
         answered: What batches came to that changed anything, the last ones, by id.
+        followed: By what systems are followed whose events lead them, as text, by name.
+        reached: What became of each of them.
     """
 
     def __init__(self) -> None:
@@ -85,6 +90,8 @@ class Kept:
         self.revived: set[str] = set()
         self.boot: dict[str, str] = {}
         self.answered: dict[str, str] = {}
+        self.followed: dict[str, str] = {}
+        self.reached: dict[str, Followed] = {}
         self._changed: dict[tuple[str, str], None] = {}
         self._stored: set[tuple[str, str]] = set()
         self._tables: Mapping[str, dict[str, Any]] = {
@@ -97,6 +104,8 @@ class Kept:
             WATCHED: self.watched,
             BOOT: self.boot,
             ANSWERED: self.answered,
+            FOLLOWED: self.followed,
+            REACHED: self.reached,
         }
 
     @property
@@ -267,6 +276,8 @@ _READ: Mapping[str, Callable[[Any], object]] = {
     BEGUN: _word,
     BOOT: _word,
     ANSWERED: _word,
+    FOLLOWED: _word,
+    REACHED: lambda data: decode(Followed, data),
 }
 
 

@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterable, Mapping
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager.core import configuring
+from rtkit.manager.core import configuring, follows
 from rtkit.manager.core.procedures import procedure_for
 from rtkit.manager.core.state import State
 from rtkit.manager.core.stopping import retire_unused
@@ -103,6 +104,7 @@ def _slaves(state: State) -> str:
 
 
 READ: Mapping[str, Callable[[State], str]] = {
+    FOLLOW: lambda state: follows.told(state.kept),
     "get_loaded_modules": _loaded_modules,
     "get_factory_profiles": _factory_profiles,
     "get_components": _components,

@@ -332,6 +332,7 @@ class State:
             ),
             components=tuple(self.components.values()),
             connectors=tuple(self.connectors.values()),
+            systems=tuple(self.kept.reached.values()),
             modules=tuple(self.modules.values()),
             properties=dict(self.properties),
             names=self.names,

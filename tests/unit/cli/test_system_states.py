@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import shlex
-from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import jsonrecords
 import pytest
 
-from rtkit.cli import rtstate
-from rtkit.cli.system import following as module
+from rtkit.cli import rtapply, rtresurrect, rtstart, rtstate, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.states.spec import spec_from_text
 from rtkit.deployment.world import World
+from rtkit.records import replace
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
@@ -49,7 +52,7 @@ STATES = {
     "event.motor_lost": "lost Motor0",
 }
 KINDS = ("Eye", "Motor")
-Following = Callable[[str, Callable[[Tree], object]], tuple[int, str, str]]
+SYSTEM = "RTSystem:Me:Robot:1.0"
 
 
 class Console:
@@ -193,28 +196,42 @@ def test_a_state_chart_may_tell_states_and_transitions(console: Console) -> None
     assert "the state chart: " in console.run()[2]
 
 
+class Manager:
+    """Plays a manager that follows a system as soon as it is asked to."""
+
+    def __init__(self, console: Console, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.world = console.world
+        self.tree = fake_tree(self.world)
+        self.asked: list[dict[str, Any]] = []
+        self.then: list[Followed | None] = []
+        ask = Tree.set
+        told = f"{SYSTEM} is followed"
+
+        def asked(tree: Tree, name: str, value: str, *, timeout_s: float | None = None) -> str:
+            if name != "rtkit.follow":
+                return ask(tree, name, value, timeout_s=timeout_s)
+            self.asked.append(json.loads(value))
+            for each in self.then:
+                self.world.systems = () if each is None else (each,)
+                self.world.changed()
+            return told
+
+        monkeypatch.setattr(Tree, "set", asked)
+
+
 @pytest.fixture
-def following(console: Console, monkeypatch: pytest.MonkeyPatch) -> Following:
-    """Follow events; when the first state is told, something else is done."""
-
-    def run(line: str, then: Callable[[Tree], object]) -> tuple[int, str, str]:
-        tree, todo = fake_tree(console.world), [then]
-
-        def told(self: module.Following, before: str, state: str, event: str) -> None:
-            tell(self, before, state, event)
-            if todo:
-                todo.pop()(tree)
-
-        monkeypatch.setattr(module.Following, "_tell", told)
-        return console.run(line, tree)
-
-    tell = module.Following._tell
-    return run
+def following(console: Console, monkeypatch: pytest.MonkeyPatch) -> Manager:
+    return Manager(console, monkeypatch)
 
 
-def test_events_are_followed(console: Console, following: Following) -> None:
-    assert console.run("-g explore")[0] == 0
-    status, out, err = following("--follow --json -n 1", lambda _: console.world.kill("Motor"))
+def test_the_manager_is_asked_to_follow_and_watched(console: Console, following: Manager) -> None:
+    following.then = [
+        Followed(SYSTEM),
+        Followed(SYSTEM, "explore", "", "is so", 1, 5.0),
+        Followed(SYSTEM, "degraded", "explore", "motor_lost", 1, 5.5, is_led=True),
+        Followed(SYSTEM, "degraded", "explore", "motor_lost", 2, 6.0),
+    ]
+    status, out, err = console.run("--follow --json -n 1", following.tree)
     assert (status, err) == (0, "")
     records = list(jsonrecords.checked(out))
     assert {jsonrecords.kind_of(record) for record in records} == {"transition"}
@@ -222,44 +239,122 @@ def test_events_are_followed(console: Console, following: Following) -> None:
         ("", "is so", "explore"),
         ("explore", "motor_lost", "degraded"),
     ]
-    # It begins in the first state, and goes where others lead it.
-    console.world.perform(act.Delete("Eye0"))
-    goto = ["-g", "explore", str(console.file)]
-    out = following("--follow -n 2", lambda tree: rtstate.main(goto, tree=tree))[1]
+    (asked,) = following.asked
+    states, rolls_back = spec_from_text(json.dumps(asked["start"]))
+    assert (states.name, list(states.machine.table)) == (SYSTEM, ["standby", "explore", "degraded"])
+    assert not rolls_back
+    assert [c.instance for c in states.base.system.components] == ["Eye0", "Motor0"]
+    assert console.world.performed == []
+
+
+def test_who_watches_what_is_followed_already_is_told_the_last_transition(
+    console: Console, following: Manager
+) -> None:
+    following.world.systems = (Followed(SYSTEM, "explore", "standby", "start", 4, 5.0),)
+    following.then = [Followed(SYSTEM, "standby", "explore", "by others", 5, 6.0)]
+    out = console.run("--follow -n 1", following.tree)[1]
     assert [line.partition("] ")[2] for line in out.splitlines()] == [
-        "standby (at first)",
-        "standby -by others-> explore",
+        "standby -start-> explore",
+        "explore -by others-> standby",
     ]
 
 
-def test_a_transition_that_fails_leads_on_or_ends_it(
-    console: Console, following: Following
+def test_a_transition_that_fails_is_told_or_ends_the_watching(
+    console: Console, following: Manager
 ) -> None:
-    assert console.run("-g explore")[0] == 0
-    console.write(
-        transitions="standby -start-> explore; explore -motor_lost-> degraded;"
-        " degraded -failed-> standby; * -stop-> standby",
-        state__degraded="Motor0=Absent; Eye0.gain=9",
-        state__standby="*=Inactive; Motor0=Absent",
-    )
-
-    def fault(action: act.Action) -> Result | None:
-        bad = isinstance(action, act.SetParameters) and action.values == {"gain": "9"}
-        return Result(ReturnCode.ERROR, "refused", "no luck") if bad else None
-
-    console.world.fault = fault
-    status, out, err = following("-f -n 1", lambda _: console.world.kill("Motor"))
-    assert status == 0
-    assert "explore -motor_lost-> degraded: " in err
-    assert "no luck" in err
+    why = "explore -motor_lost-> degraded: no luck"
+    led = Followed(SYSTEM, "degraded", "explore", "motor_lost", 1, 5.0, is_led=True, why=why)
+    following.world.systems = (Followed(SYSTEM, "explore", "", "is so", 1, 5.0),)
+    following.then = [
+        led,
+        replace(led, state="standby", before="degraded", event="failed", count=2),
+    ]
+    status, out, err = console.run("-f -n 1", following.tree)
+    assert (status, err) == (0, f"rtstate: {why}\n")
     assert out.splitlines()[-1].endswith("degraded -failed-> standby")
-    console.world.fault = lambda _: None
-    console.write(state__degraded="Motor0=Absent; Eye0.gain=9")
+    following.world.systems = (Followed(SYSTEM, "explore", "", "is so", 1, 5.0),)
+    following.then = [replace(led, is_over=True, is_led=False, kind="impossible")]
+    status, _, err = console.run("-f --exit-detail", following.tree)
+    assert (status, err) == (7, f"rtstate: {why}\n")
+    following.world.systems = (Followed(SYSTEM, "explore", "", "is so", 1, 5.0),)
+    following.then = [None]
+    status, _, err = console.run("-f", following.tree)
+    assert (status, err) == (1, f"rtstate: {SYSTEM} is followed no more\n")
+
+
+def test_who_follows_is_shown_with_what_failed(console: Console) -> None:
     assert console.run("-g explore")[0] == 0
-    console.world.fault = fault
-    status, _, err = following("-f -n 1", lambda _: console.world.kill("Motor"))
+    why = "explore -motor_lost-> degraded: no luck"
+    told = Followed(SYSTEM, "degraded", "explore", "motor_lost", 2, 5.0, why=why)
+    console.world.systems = (Followed("Other"), told)
+    assert console.run()[1].endswith(
+        f"followed by its manager: explore -motor_lost-> degraded\n  failed: {why}\n"
+    )
+    (record,) = jsonrecords.checked(console.run("--json")[1])
+    assert record["followed"] == {
+        "state": "degraded",
+        "from": "explore",
+        "event": "motor_lost",
+        "transitions": 2,
+        "time": "1970-01-01T00:00:05.000000000Z",
+        "is_led": False,
+        "waits_for": "",
+        "error": why,
+        "is_over": False,
+    }
+    console.world.systems = (replace(told, is_over=True, waits="rtapply a.xml"),)
+    assert "\nnot followed any more: explore" in console.run()[1]
+    assert "\n  waits for rtapply a.xml\n" in console.run()[1]
+
+
+def test_following_is_ended_by_name(
+    console: Console, following: Manager, capsys: pytest.CaptureFixture[str]
+) -> None:
+    console.world.systems = (Followed(SYSTEM), Followed("RTSystem:You:Robot2:1"))
+    for name, status in ((SYSTEM, 0), ("Robot", 0), ("Robott", 1)):
+        assert rtstate.main(["--unfollow", name], tree=following.tree) == status
+    assert "does not follow Robott; it follows RTSystem:Me:Robot:1.0, " in capsys.readouterr().err
+    assert following.asked == [{"stop": SYSTEM}] * 2
+    console.world.systems = (Followed(SYSTEM), Followed("RTSystem:You:Robot:1"))
+    assert rtstate.main(["--unfollow", "Robot"], tree=following.tree) == 1
+    assert "several systems have that name" in capsys.readouterr().err
+    assert console.run("--unfollow Robot")[0] == 2
+
+
+def test_a_system_in_several_managers_is_followed_by_none(
+    console: Console, following: Manager
+) -> None:
+    text = console.file.read_text().replace("localhost/Motor0.rtc", "localhost/m1.mgr/Motor0.rtc")
+    console.file.write_text(text)
+    status, _, err = console.run("--follow", following.tree)
     assert status == 1
-    assert err.splitlines()[-1].startswith("rtstate: explore -motor_lost-> degraded: ")
+    assert f"no manager can follow {SYSTEM}: its components are in several (manager, m1)" in err
+    assert following.asked == []
+
+
+def test_a_profile_that_wants_it_is_followed_once_it_is_up(
+    console: Console, following: Manager, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(console.file)
+    assert rtapply.main([file], tree=following.tree) == 0
+    assert following.asked == []
+    console.write(follow="true")
+    assert rtapply.main(["--dry-run", file], tree=following.tree) == 0
+    assert following.asked == []
+    for command in (rtapply, rtresurrect, rtstart):
+        assert command.main([file], tree=following.tree) == 0
+        assert [*following.asked.pop()] == ["start"]
+    assert rtteardown.main([file], tree=following.tree) == 0
+    assert following.asked == []
+    console.world.systems = (Followed(SYSTEM),)
+    assert rtteardown.main(["--dry-run", file], tree=following.tree) == 0
+    assert following.asked == []
+    assert rtteardown.main([file], tree=following.tree) == 0
+    assert following.asked == [{"stop": SYSTEM}]
+    console.write(follow="true", states="")
+    capsys.readouterr()
+    assert rtapply.main([file], tree=following.tree) == 1
+    assert "rtkit.states names no state" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("line", ["-e hurt", "-g degraded"])

@@ -1,0 +1,98 @@
+"""Prints the transitions of a system that its manager follows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from rtkit.cli import _out
+from rtkit.cli._app import App
+from rtkit.cli._ears import Ears, write_now
+from rtkit.cli._moments import clock
+from rtkit.cli._records import line as json_line
+from rtkit.cli._records import time_text
+from rtkit.cli.system.following import followed_in
+from rtkit.deployment.news import TREE
+from rtkit.deployment.states.followed import IS_SO
+from rtkit.errors import Refused, from_kind
+
+if TYPE_CHECKING:
+    from rtkit.cli._ears import Told
+    from rtkit.deployment.happenings import Happening
+    from rtkit.deployment.states.followed import Followed
+
+
+class Watching:
+    """Watches one system; following goes on when this ends."""
+
+    def __init__(self, app: App, system: str, *, is_json: bool) -> None:
+        """Prepare to watch a system by the identity of its profile."""
+        self._app = app
+        self._system = system
+        self._is_json = is_json
+
+    def run(self, begin: Callable[[], object], number: int | None) -> None:
+        """Go on until interrupted, or until `number` transitions were made.
+
+        Args:
+            begin: Has the system followed, when everything is heard.
+            number: Of transitions from now on; None for no bound.
+
+        Raises:
+            Refused: It cannot be followed, or somebody ended that.
+            RtkitError: A transition failed, and no event leads on from there.
+        """
+        left = number
+        with Ears(self._app, (TREE,)) as ears:
+            known = followed_in(ears.ears[""].facts, self._system)
+            begin()
+            if known is not None and not known.is_over and known.count:
+                self._tell(known)
+            for told in ears.listen(None):
+                for each in self._happened(told):
+                    left = self._take(each, left)
+                    if left == 0:
+                        return
+
+    def _happened(self, told: Sequence[Told]) -> list[Happening]:
+        from rtkit.tree.listening import Change, Ended
+
+        found: list[Happening] = []
+        for _, heard in told:
+            if isinstance(heard, Ended):
+                self._app.fail(f"{heard.why}; waiting for it to come back")
+            elif isinstance(heard, Change):
+                found += heard.happenings
+        return [each for each in found if each.system and each.system.system == self._system]
+
+    def _take(self, happening: Happening, left: int | None) -> int | None:
+        """Tell what happened; return how many transitions are to be told yet."""
+        system = happening.system
+        assert system is not None
+        if happening.event == "WAITS":
+            self._app.tell(f"waits: manager is in use by {happening.detail}")
+        elif happening.event == "TRANSITION_FAILED":
+            if not system.is_over:
+                self._app.fail(happening.detail)
+        elif happening.event == "NOT_FOLLOWED":
+            if system.is_over:
+                raise from_kind(system.kind, system.why)
+            raise Refused(f"{self._system} is followed no more")
+        elif happening.event == system.state:
+            self._tell(system)
+            if left is not None and system.event != IS_SO:
+                return left - 1
+        return left
+
+    def _tell(self, told: Followed) -> None:
+        if self._is_json:
+            record = {
+                "time": time_text(int(told.time * 1e9)),
+                "system": told.system,
+                "from": told.before,
+                "to": told.state,
+                "event": told.event,
+            }
+            write_now([json_line("transition", record)])
+            return
+        write_now([_out.printable(f"[{clock(told.time)}] {told}")])

@@ -1,0 +1,85 @@
+"""What a system is followed by, as text: kept by its manager, which reads no profiles."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from rtkit.errors import Malformed
+from rtkit.rtc.plain import decode, encode
+
+if TYPE_CHECKING:
+    from rtkit.deployment.states.states import States
+
+
+def spec_to_text(states: States, about: Sequence[str], *, rolls_back: bool = False) -> str:
+    """Return all that is needed to follow a system, as text: facts, and no profile.
+
+    Args:
+        states: Of the system.
+        about: The file of the profile, and what tells its content from any other.
+        rolls_back: When a step fails, go back to what was before.
+    """
+    base, machine = states.base, states.machine
+    return json.dumps(
+        {
+            "system": states.name,
+            "about": list(about),
+            "rolls_back": rolls_back,
+            "wanted": encode(base.system),
+            "ranks": dict(base.ranks),
+            "costs": [dict(base.costs.values), dict(base.costs.origins)],
+            "replaces": base.replaces,
+            "table": {name: dict(leading) for name, leading in machine.table.items()},
+            "wishes": {name: list(map(list, each)) for name, each in machine.wishes.items()},
+            "conditions": {
+                event: [each.component, each.name, each.compare, each.value]
+                for event, each in machine.conditions.items()
+            },
+        },
+        separators=(",", ":"),
+    )
+
+
+def spec_from_text(text: str) -> tuple[States, bool]:
+    """Rebuild the states of a system, and whether what fails goes back.
+
+    Raises:
+        Malformed: It is no such text.
+    """
+    try:
+        return _spec(json.loads(text))
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+        raise Malformed(f"not what a system is followed by: {error}") from error
+
+
+def _spec(told: dict[str, Any]) -> tuple[States, bool]:
+    from rtkit.deployment.goal import Goal
+    from rtkit.deployment.planning.costs import Costs
+    from rtkit.deployment.states.events import Condition
+    from rtkit.deployment.states.machine import Machine
+    from rtkit.deployment.states.states import States
+    from rtkit.deployment.states.wishes import Wish
+    from rtkit.deployment.system import System
+
+    table: dict[str, dict[str, str]] = told["table"]
+    if not table:
+        raise Malformed("it has no state")
+    for leading in table.values():
+        for target in leading.values():
+            table[target]  # every event leads to a state
+    machine = Machine(
+        table,
+        {name: tuple(Wish(*map(str, each)) for each in told["wishes"][name]) for name in table},
+        {event: Condition(*map(str, each)) for event, each in told["conditions"].items()},
+    )
+    system = decode(System, told["wanted"])
+    values, origins = told["costs"]
+    goal = Goal(
+        system,
+        ranks={str(name): int(rank) for name, rank in told["ranks"].items()},
+        costs=Costs({str(k): float(v) for k, v in values.items()}, dict(origins)),
+        replaces=bool(told["replaces"]),
+    )
+    return States(str(told["system"]), machine, goal), bool(told["rolls_back"])

@@ -1,0 +1,67 @@
+"""The states of one system over its goal: which of them holds, and the ways to others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.goal import Goal
+from rtkit.deployment.planning.plan import DeploymentPlan
+from rtkit.deployment.states.following import state_now
+from rtkit.deployment.states.machine import Machine
+from rtkit.deployment.states.wishes import variant
+from rtkit.errors import Impossible
+
+
+class Way(NamedTuple):
+    """From what lives to one state.
+
+    Attributes:
+        why: Why there is no plan; empty where there is one.
+    """
+
+    state: str
+    plan: DeploymentPlan | None
+    why: str = ""
+
+
+class States:
+    """The states of one system over its goal.
+
+    Attributes:
+        name: Identity of the system profile.
+        machine: States and events.
+        base: The goal that all of the profile is active, of which states are differences.
+    """
+
+    def __init__(self, name: str, machine: Machine, base: Goal) -> None:
+        self.name = name
+        self.machine = machine
+        self.base = base
+        self._goals = {state: self._goal(state) for state in machine.table}
+
+    def goal(self, state: str) -> Goal:
+        """Return what is wanted in a state."""
+        return self._goals[state]
+
+    def now(self, snapshot: Snapshot, last: str = "") -> str:
+        """Return the state that the system is in; empty for none."""
+        return state_now(self.machine, self.holds, snapshot, last)
+
+    def holds(self, state: str, snapshot: Snapshot) -> bool:
+        """Whether all that is wished in a state is so."""
+        return self._goals[state].holds(snapshot)
+
+    def way(self, state: str, snapshot: Snapshot) -> Way:
+        """Return how a state is reached."""
+        try:
+            return Way(state, self._goals[state].plan(snapshot))
+        except Impossible as error:
+            return Way(state, None, str(error))
+
+    def _goal(self, state: str) -> Goal:
+        conditions = self.machine.conditions.values()
+        watched = {(each.component, each.name) for each in conditions}
+        made = variant(self.base.system, self.machine.wishes[state], watched)
+        return replace(self.base, system=made.system, states=made.states, absent=made.absent)

@@ -1,0 +1,94 @@
+"""Which systems are followed, and what became of them: kept, told, and answered once kept."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Result
+from rtkit.deployment.states.followed import Followed
+from rtkit.errors import NotFound, Refused, RtkitError
+from rtkit.manager.core.events import Answer, AnswerClient, FollowAsked, FollowSaid, Instruction
+from rtkit.manager.core.keeping import Keeping, unkept
+from rtkit.manager.core.kept import FOLLOWED, REACHED, Kept
+from rtkit.manager.core.state import State
+from rtkit.property.exchange import Reply, failure
+from rtkit.rtc.plain import encode
+
+_BEGIN = act.Create("")
+"""Something that is not begun while nothing can be kept."""
+
+
+class Follows:
+    """The rows about followed systems; `out` collects what the shell is to do."""
+
+    def __init__(self, state: State, out: list[Instruction], keeping: Keeping) -> None:
+        self._state = state
+        self._out = out
+        self._keeping = keeping
+
+    def ask(self, asked: FollowAsked) -> None:
+        """Follow a system, or follow it no more."""
+
+        def go_on(why: str) -> None:
+            try:
+                if why and asked.text is not None:
+                    raise Refused(unkept(why))
+                told = self._change(asked)
+            except RtkitError as error:
+                self._out.append(AnswerClient(asked.answer, failure(error)))
+            else:
+                self._answer_when_kept(asked.answer, told)
+
+        self._keeping.admit([_BEGIN] if asked.text is not None else [], go_on)
+
+    def _change(self, asked: FollowAsked) -> str:
+        kept, name = self._state.kept, asked.system
+        known = kept.followed.get(name)
+        if asked.text is None:
+            if known is None:
+                raise NotFound(f"manager {self._state.name!r} does not follow {name}")
+            kept.drop(FOLLOWED, name)
+            kept.drop(REACHED, name)
+            return f"{name} is followed no more"
+        if known is not None and not kept.reached[name].is_over:
+            if _about(known) == _about(asked.text):
+                return f"{name} is followed already"
+            raise Refused(
+                f"manager {self._state.name!r} follows {name} as another profile tells it"
+                f" ({_about(known)[0]}); rtstate --unfollow {name} ends that"
+            )
+        kept.put(FOLLOWED, name, asked.text)
+        kept.put(REACHED, name, Followed(name))
+        return f"{name} is followed"
+
+    def say(self, said: FollowSaid) -> None:
+        """Take in what became of a system, if it is still followed."""
+        if said.told.system in self._state.kept.followed:
+            self._state.kept.put(REACHED, said.told.system, said.told)
+        self._answer_when_kept(said.answer, "")
+
+    def _answer_when_kept(self, answer: Answer, text: str) -> None:
+        def tell(results: list[Result]) -> None:
+            why = self._state.unkept
+            reply = failure(Refused(unkept(why))) if why else Reply(results[0].value)
+            self._out.append(AnswerClient(answer, reply))
+
+        self._keeping.finish([act.Tick("", "")], [Result(value=text)], tell)
+
+
+def told(kept: Kept) -> str:
+    """Return all systems that are followed, with their states and events, as JSON."""
+    return json.dumps([_told(kept, name) for name in kept.followed])
+
+
+def _told(kept: Kept, name: str) -> dict[str, Any]:
+    spec = json.loads(kept.followed[name])
+    plain = encode(kept.reached.get(name, Followed(name)))
+    return {**plain, "table": spec["table"], "conditions": spec["conditions"]}
+
+
+def _about(text: str) -> list[str]:
+    """Return the file of the profile, and what tells its content from any other."""
+    return list(json.loads(text).get("about", ["", ""]))

@@ -1,0 +1,137 @@
+"""The systems that a manager follows: begins and ends their threads, and tells them of changes."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from threading import Thread
+from typing import TYPE_CHECKING, Any
+
+from rtkit.deployment.figures import FIGURES
+from rtkit.deployment.news import TREE
+from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.states.spec import spec_from_text
+from rtkit.errors import Malformed
+from rtkit.manager.core.events import Event, FollowAsked, FollowSaid, Listened
+from rtkit.manager.core.state import State
+from rtkit.property.exchange import Request, failure
+
+if TYPE_CHECKING:
+    from rtkit.manager.following.attendant import Attendant
+
+_END_S = 5.0
+"""How long a transition under way is waited for when a system is to be followed no more [s]."""
+_CLOSE_S = 1.0
+
+Post = Callable[["Event | Request"], object]
+
+
+class Following:
+    """The followers of a manager; all but what is said otherwise is called on its loop."""
+
+    def __init__(self, post: Post, state: State) -> None:
+        self._post = post
+        self._state = state
+        self._attendants: dict[str, Attendant] = {}
+        self._numbers = itertools.count()
+        self._has_begun = self._is_over = False
+
+    def begin(self) -> None:
+        """Follow from now on: all that lives has said so, and what is wished is made again."""
+        self._has_begun = True
+        self.sync()
+
+    def sync(self) -> None:
+        """Follow what is to be followed, and nothing else."""
+        if not self._has_begun or self._is_over:
+            return
+        kept = self._state.kept
+        for name in [name for name in self._attendants if name not in kept.followed]:
+            self._attendants.pop(name).end()
+        for name, text in kept.followed.items():
+            told = kept.reached.get(name, Followed(name))
+            known = self._attendants.get(name)
+            if told.is_over:
+                self._attendants.pop(name, None)
+            elif known is None or known.is_ended:
+                self._attendants[name] = self._attendant(name, text, told)
+
+    def _attendant(self, name: str, text: str, told: Followed) -> Attendant:
+        from rtkit.manager.following.attendant import Attendant
+        from rtkit.manager.following.own_site import OwnSite
+
+        purpose = f"the manager itself, which follows {name}"
+        site = OwnSite(self._post, self._state.name, purpose)
+
+        def say(told: Followed) -> None:
+            self._post(FollowSaid(told, site.answer))
+            site.awaited()
+
+        listen = partial(self._listen, f"{name} {next(self._numbers)}")
+        attendant = Attendant(text, told, site, say, listen)
+        attendant.begin()
+        return attendant
+
+    def _listen(self, who: str, lines: Sequence[str]) -> None:
+        """Have one told what is told on these lines, and no others; called on its thread."""
+        for line in (TREE, FIGURES):
+            self._post(Listened(line, line in lines, who))
+
+    def heard(self, line: str, message: Mapping[str, Any]) -> None:
+        """Tell the followers what the manager tells on its lines."""
+        attendants = [*self._attendants.values()]
+        if line == TREE:
+            for attendant in attendants:
+                attendant.changed()
+        elif any(each.needs_figures for each in attendants):
+            from rtkit.deployment.figures import Figures
+            from rtkit.rtc.plain import decode
+
+            figures = decode(Figures, message)
+            for attendant in attendants:
+                attendant.changed(figures)
+
+    def end(self) -> None:
+        """Begin nothing any more."""
+        self._is_over = True
+        for attendant in self._attendants.values():
+            attendant.end()
+
+    def close(self) -> None:
+        """Wait a little for the threads to end."""
+        self.end()
+        for attendant in self._attendants.values():
+            attendant.join(_CLOSE_S)
+
+    def ask(self, request: Request) -> None:
+        """Begin to follow a system, ``{"start": …}``, or end it, ``{"stop": NAME}``.
+
+        It is read on a thread of its own, and a transition under way waited for there.
+        """
+        Thread(target=self._asked, args=(request,), name="follow", daemon=True).start()
+
+    def _asked(self, request: Request) -> None:
+        try:
+            self._post(self._read(request))
+        except Exception as error:
+            request.answer(failure(error))
+
+    def _read(self, request: Request) -> FollowAsked:
+        try:
+            asked = json.loads(request.payload or "")
+            wanted, name = asked.get("start"), asked.get("stop")
+        except (ValueError, AttributeError, RecursionError) as error:
+            raise Malformed(f"neither {{start: …}} nor {{stop: NAME}}: {error}") from error
+        if wanted is not None:
+            text = json.dumps(wanted, separators=(",", ":"))
+            states, _ = spec_from_text(text)
+            return FollowAsked(states.name, text, request.answer)
+        if not isinstance(name, str):
+            raise Malformed("neither {start: …} nor {stop: NAME}")
+        attendant = self._attendants.get(name)
+        if attendant is not None:
+            attendant.end()
+            attendant.join(_END_S)
+        return FollowAsked(name, None, request.answer)
