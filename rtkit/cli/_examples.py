@@ -245,7 +245,8 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtstate robot.xml", "Which state it is in, the way to each other, the events."),
         ("rtstate --goto dock robot.xml", "Lead it there, by the cheapest plan."),
         ("rtstate --event start robot.xml", "Lead it where this event leads."),
-        ("rtstate --follow robot.xml", "Lead it wherever its events lead, until Ctrl-C."),
+        ("rtstate --follow robot.xml", "Have its manager lead it on by events; watch."),
+        ("rtstate --unfollow Robot", "Let its manager follow it no more."),
     ),
     "rtstodot": (
         ("rtstodot robot.xml > robot.dot", "The graph of a system; dot -Tsvg draws it."),
