@@ -21,6 +21,7 @@ OF_SYSTEMS = (
     ext.STATE_CHART,
     ext.STATE,
     ext.EVENT,
+    ext.FOLLOW,
     ext.SLAVE_RESTART,
 )
 OF_COMPONENTS = (

@@ -242,7 +242,7 @@ GUARDS = (
     ),
     Guard(
         "laws/test_deployment_applying.py",
-        "rtkit/tree/applying.py",
+        "rtkit/deployment/applying.py",
         "            if rolls_back:\n",
         "            if False:\n",
     ),

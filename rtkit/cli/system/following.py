@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
 from rtkit.deployment.extension import FOLLOW
-from rtkit.errors import NotFound, Refused
+from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
@@ -17,18 +17,21 @@ if TYPE_CHECKING:
     from rtkit.deployment.states.states import States
     from rtkit.tree.client import Tree
 
-_YES = ("true", "yes", "on", "1")
+_YES, _NO = ("true", "yes", "on", "1"), ("false", "no", "off", "0", "")
 
 
 def is_wanted(document: Document) -> bool:
     """Whether the profile wants its system followed from when it is brought up.
 
     Raises:
-        InvalidDocument: It does, and its states make no sense.
+        InvalidDocument: It does, and its states make no sense; or what it says is no such wish.
         Refused: It does, and its components are in several managers.
     """
     told = [item.value or "" for item in document.profile.properties if item.name == FOLLOW]
-    if not told or told[-1].strip().lower() not in _YES:
+    word = told[-1].strip().lower() if told else ""
+    if word not in _YES + _NO:
+        raise InvalidDocument(f"{document.source}: {FOLLOW}: neither true nor false: {told[-1]}")
+    if word in _NO:
         return False
     from rtkit.cli.system.states import read_machine
 
@@ -67,7 +70,7 @@ def begin(app: App, document: Document, states: States, *, rolls_back: bool = Fa
     """
     from rtkit.deployment.states.spec import spec_to_text
 
-    said = bytes([rolls_back, states.base.replaces])
+    said = bytes([rolls_back, states.base.replaces, states.base.is_strict])
     digest = hashlib.sha256(document.data + said).hexdigest()
     text = spec_to_text(states, [document.source, digest], rolls_back=rolls_back)
     app.tell(owner(app).set(FOLLOW, f'{{"start": {text}}}'))

@@ -31,6 +31,7 @@ def spec_to_text(states: States, about: Sequence[str], *, rolls_back: bool = Fal
             "ranks": dict(base.ranks),
             "costs": [dict(base.costs.values), dict(base.costs.origins)],
             "replaces": base.replaces,
+            "is_strict": base.is_strict,
             "table": {name: dict(leading) for name, leading in machine.table.items()},
             "wishes": {name: list(map(list, each)) for name, each in machine.wishes.items()},
             "conditions": {
@@ -81,5 +82,6 @@ def _spec(told: dict[str, Any]) -> tuple[States, bool]:
         ranks={str(name): int(rank) for name, rank in told["ranks"].items()},
         costs=Costs({str(k): float(v) for k, v in values.items()}, dict(origins)),
         replaces=bool(told["replaces"]),
+        is_strict=bool(told["is_strict"]),
     )
     return States(str(told["system"]), machine, goal), bool(told["rolls_back"])

@@ -351,6 +351,9 @@ def test_a_profile_that_wants_it_is_followed_once_it_is_up(
     assert following.asked == []
     assert rtteardown.main([file], tree=following.tree) == 0
     assert following.asked == [{"stop": SYSTEM}]
+    console.write(follow="perhaps")
+    assert rtapply.main([file], tree=following.tree) == 1
+    assert "rtkit.follow: neither true nor false: perhaps" in capsys.readouterr().err
     console.write(follow="true", states="")
     capsys.readouterr()
     assert rtapply.main([file], tree=following.tree) == 1

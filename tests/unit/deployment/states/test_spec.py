@@ -22,7 +22,7 @@ def test_what_a_system_is_followed_by_travels() -> None:
     first, *more = made.base.system.components
     first = changed(first, kept=frozenset({("default", "gain")}), guests=(("0", "Motor0"),))
     system = changed(made.base.system, components=(first, *more))
-    base = replace(made.base, system=system, ranks={"Eye0": 1}, replaces=True)
+    base = replace(made.base, system=system, ranks={"Eye0": 1}, replaces=True, is_strict=True)
     base = replace(base, costs=Costs().over({"create Eye0": 7.0}, "user"))
     states = States(made.name, made.machine, base)
     found, rolls_back = spec_from_text(spec_to_text(states, ["a.xml", "1"], rolls_back=True))
