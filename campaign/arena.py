@@ -147,6 +147,10 @@ class Arena:
 
     # what is done
 
+    def is_ordered(self, cell: int) -> bool:
+        """Whether a cell has yet to obey an order for its work."""
+        return (self._orders / f"{NAMES[cell]}.work").exists()
+
     def order(self, cell: int, when: str, what: str) -> None:
         """Have a cell do something at its next birth, activation or cycle (``work``)."""
         draft = self._orders / "draft"

@@ -69,7 +69,7 @@ def rows(outcomes: Sequence[Outcome], floors: Sequence[Floor]) -> list[tuple[str
 
 
 def _floor(kind: str, floors: Sequence[Floor]) -> str:
-    is_of = (kind in _BY_PROCESS, kind.startswith(_BY_MANAGER))
+    is_of = (kind.startswith(_BY_PROCESS), kind.startswith(_BY_MANAGER))
     for floor, is_its in zip(floors, is_of, strict=False):
         if is_its:
             return f"{floor.seconds:.3f} s"

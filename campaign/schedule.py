@@ -29,7 +29,19 @@ DECK: Mapping[str, int] = {
     "slow start": 1,
     "slow activation": 1,
     "raise": 1,
+    "raise: SystemExit": 1,
+    "raise: KeyboardInterrupt": 1,
+    "raise: no text": 1,
+    "raise: recursion": 1,
+    "raise: memory": 1,
+    "raise: coroutine": 1,
     "exit": 1,
+    "exit: abort": 1,
+    "exit: segfault": 1,
+    "exit: thread": 1,
+    "side: prints": 1,
+    "side: threads": 1,
+    "side: process": 1,
     "kill everything, then in the start": 1,
     "kill manager and slave, then in the start": 1,
     "kill in a commit, then everything": 2,
@@ -85,9 +97,9 @@ class Fault(NamedTuple):
         """The cells that are made anew afterwards."""
         if self.is_total:
             return frozenset(range(len(NAMES)))
-        if self.kind.startswith("stop") or self.kind == "kill the zygote":
+        if self.kind.startswith(("stop", "side")) or self.kind == "kill the zygote":
             return frozenset()
-        if self.kind == "raise":
+        if self.kind.startswith("raise"):
             return frozenset({self.cell})
         cells = {cell for slave in self.slaves for cell in members(slave)}
         if self.kind.startswith(("kill the manager", "kill manager and slave")):
@@ -157,7 +169,7 @@ def _drawn(chance: random.Random, kind: str, recent: list[Fault]) -> Fault:
             return Fault(kind, (slave,), cell, chance.uniform(*_START_S))
         case "slow activation":
             return Fault(kind, (slave,), cell, chance.uniform(*_ACTIVATION_S))
-        case "hang" | "exit":
+        case "hang" | "exit" | "side":
             return Fault(kind, (slave,), cell)
         case "raise":
             cells = sorted(range(len(NAMES)), key=lambda each: spared((each,)))[:CHOICE]

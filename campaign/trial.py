@@ -13,7 +13,7 @@ from campaign.counts import Stream
 from campaign.law import Law
 from campaign.layout import DEADLINE_S, NAMES, WIRES, wire_id
 from campaign.pairs import PromiseBroken, fill_disk, kill_in_commit, kill_twice
-from campaign.schedule import Fault
+from campaign.schedule import DECK, Fault
 
 STEP_S = 10.0
 """How long a manager gives each step of a restart [s]."""
@@ -128,6 +128,8 @@ def _awaited(arena: Arena, fault: Fault, before: _Before) -> str:
         is_renewed = number in fault.renewed
         if is_renewed and cell.lives == before.lives[number]:
             return f"{NAMES[number]} is not made again"
+    if fault.kind.startswith("side") and arena.is_ordered(fault.cell):
+        return f"{NAMES[fault.cell]} has not done as told"
     lack = arena.lacks()
     if lack:
         return lack
@@ -148,7 +150,7 @@ def _harm(arena: Arena, fault: Fault, before: _Before) -> list[str]:
         wanted = int(number in fault.renewed)
         if not wanted <= more <= wanted + int(fault.is_pair) * wanted:
             found.append(f"{NAMES[number]} was made {more} times instead of {wanted}")
-    ended = set(fault.slaves) if fault.renewed and fault.kind != "raise" else set()
+    ended = set(fault.slaves) if fault.renewed and not fault.kind.startswith("raise") else set()
     for name, pid in before.processes.items():
         if not fault.is_total and name not in ended and slaves.get(name) != pid:
             found.append(f"slave {name} was process {pid} and is {slaves.get(name)}")
@@ -240,8 +242,7 @@ _HAPPENS: Mapping[str, Callable[[Arena, Fault], float]] = {
     "hang: lock": _hang,
     "slow start": _slow,
     "slow activation": _slow,
-    "raise": _order,
-    "exit": _order,
+    **{kind: _order for kind in DECK if kind.startswith(("raise", "exit", "side"))},
     "kill everything, then in the start": kill_twice,
     "kill manager and slave, then in the start": kill_twice,
     "kill in a commit, then everything": kill_in_commit,
