@@ -63,6 +63,7 @@ def main(
         raise click.UsageError("--raw and --json exclude each other")
     options = {"queue": queue, "every": every, "deadband": deadband, "mode": mode}
     given = [f"{key}={value}" for key, value in options.items() if value is not None]
+    app.bound(duration_s)
     until = None if duration_s is None else time.monotonic() + duration_s
     count = 0
     with connected(app, at) as places, ExitStack() as stack:

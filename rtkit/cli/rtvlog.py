@@ -108,6 +108,7 @@ def main(
 
     if not paths:
         raise WrongArguments("No component specified.")
+    app.bound(duration_s)
     wanted = _all_of(
         _about(app, paths), _loud_enough(level), _said_by(sources), _with(grep), _after(since_s)
     )

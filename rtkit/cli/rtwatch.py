@@ -93,6 +93,7 @@ def main(
     all_kinds = {*KINDS, SYSTEM_STATE}
     wanted = all_kinds if ALL in kinds else set(kinds) or all_kinds - {HEARTBEAT}
     states, managers = _states(app, system) if system is not None else (None, None)
+    app.bound(duration_s)
     until = None if duration_s is None else time.monotonic() + duration_s
     scopes = scopes_of(app, paths)
     is_wide = managers is not None or not all(scope.is_one_manager for scope in scopes)

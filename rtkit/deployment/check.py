@@ -20,6 +20,8 @@ _BASE = (
     "dataport.subscription_type",
 )
 
+_CONSTRAINTS = "__constraints__"
+
 NO_FILES: Mapping[str, str] = {}
 
 
@@ -29,7 +31,8 @@ class Deviation:
 
     Attributes:
         kind: ``component``, ``connection``, ``property``, ``active-set``, ``parameter``,
-            ``constraint``, ``port``, ``rate``, ``policy``, ``create``, ``code`` or ``state``.
+            ``constraint``, ``port``, ``type``, ``rate``, ``policy``, ``create``, ``code`` or
+            ``state``.
         path: The component, or the ports of a connection.
         item: What differs there; empty for the component or the connection itself.
         wanted: What the profile says; empty where it says nothing.
@@ -177,11 +180,32 @@ def check_lines(system: System, state: str) -> Iterator[str]:
                     f' at path {component.path} is "{value}"'
                 )
     for component in system.components:
+        yield from _manner_lines(component)
+    for component in system.components:
         for context in component.contexts:
             yield (
                 f"Check component at path {component.path} is in state {state}"
                 f" in execution context {context.id}"
             )
+
+
+def _manner_lines(component: WantedComponent) -> Iterator[str]:
+    """Yield what is compared of how a component is, beside values and states."""
+    at = f"component at path {component.path}"
+    for port in component.ports:
+        type_text = f' of data type "{port.data_type}"' if port.data_type else ""
+        yield f'Check {at} has port "{port.name}"{type_text}'
+    for set_id, values in component.sets.items():
+        for name, value in values.items() if set_id == _CONSTRAINTS else ():
+            yield f'Check constraint of "{name}" on {at} is "{value}"'
+    for number, rate in enumerate(component.rates):
+        if rate:
+            context = component.contexts[number].id
+            yield f"Check rate of execution context {context} of {at} is {drift.rate_text(rate)}"
+    if component.policy is not None:
+        yield f'Check policy of {at} is "{drift.policy_text(component.policy)}"'
+    if component.is_create_stated:
+        yield f'Check create string of {at} is "{drift.essence(component.create)}"'
 
 
 def _living(component: WantedComponent, live: Live) -> ComponentFacts | None:
@@ -234,6 +258,8 @@ def _manner(component: WantedComponent, facts: ComponentFacts) -> Iterator[Devia
     for name in () if facts.is_stand_in else drift.lacking_ports(component, facts):
         text = f"Component {path} has no port {name}"
         yield Deviation("port", path, text, is_required, f"port {name}", name, "")
+    for each in () if facts.is_stand_in else drift.data_types(component, facts):
+        yield _deviation("type", component, each)
     for rate in drift.rates(component, facts):
         wanted, found = drift.rate_text(rate.wanted), drift.rate_text(rate.found)
         if wanted != found:

@@ -15,6 +15,7 @@ from rtkit.deployment.live import own_context_of
 from rtkit.deployment.system import HIDDEN, WantedComponent
 from rtkit.errors import Malformed
 from rtkit.rtc.create import CreateString, parse_create
+from rtkit.rtc.data_types import is_same_type
 from rtkit.rtc.enums import ExecutionKind
 
 CREATE_STRING = "create string"
@@ -109,12 +110,12 @@ def otherwise_made(component: WantedComponent, facts: ComponentFacts) -> Iterato
     if component.pattern is not None and facts.is_stand_in:
         yield from _as_stand_in(component, facts)
     elif component.is_create_stated and component.pattern is None and not facts.is_stand_in:
-        wanted, found = _essence(component.create), _essence(facts.create)
+        wanted, found = essence(component.create), essence(facts.create)
         if found and wanted != found:
             yield Difference(CREATE_STRING, wanted, found)
 
 
-def _essence(text: str) -> str:
+def essence(text: str) -> str:
     """Return of a create string what is compared with nothing else; empty if it cannot be read."""
     try:
         create = parse_create(text)
@@ -134,6 +135,7 @@ def _as_stand_in(component: WantedComponent, facts: ComponentFacts) -> Iterator[
     if wanted != found:
         ports = [", ".join(f"{n} ({kind})" for n, kind in each.items()) for each in (wanted, found)]
         yield Difference("list of ports", *ports)
+    yield from data_types(component, facts)
     for number, pattern in enumerate(component.contexts):
         context = own_context_of(facts, component, number)
         if context is None or context.kind is not pattern.kind:
@@ -148,12 +150,21 @@ def _as_stand_in(component: WantedComponent, facts: ComponentFacts) -> Iterator[
 
 
 def changed_code(facts: ComponentFacts, present: Mapping[str, str]) -> str:
-    """Return the file that a component comes from, if it has changed since it was loaded.
+    """Return a file that a component comes from, if it has changed since it was loaded.
 
     `present` has the CRC-32 of files as they are now.
     """
-    loaded, _, file = facts.code.partition(" ")
-    return file if present.get(file, loaded) != loaded else ""
+    told = (line.partition(" ") for line in facts.code.splitlines())
+    changed = (file for loaded, _, file in told if present.get(file, loaded) != loaded)
+    return next(changed, "")
+
+
+def data_types(component: WantedComponent, facts: ComponentFacts) -> Iterator[Difference]:
+    """Yield the data types of ports that are others than a profile says."""
+    for port in component.ports:
+        found = facts.port(port.name)
+        if found is not None and not is_same_type(port.data_type, found.data_type):
+            yield Difference(f"data type of port {port.name}", port.data_type, found.data_type)
 
 
 def lacking_ports(component: WantedComponent, facts: ComponentFacts) -> list[str]:

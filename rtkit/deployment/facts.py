@@ -44,7 +44,8 @@ class ComponentFacts:
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
         upkeep: What has been done about its ends and its health.
         code: CRC-32 of the file of its module when that was loaded, eight hexadecimal digits, and
-            where that file is; empty for one that comes from no module.
+            where that file is; a line for each file beside it that it imports, too. Empty for one
+            that comes from no module.
     """
 
     instance: str

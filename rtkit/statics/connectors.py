@@ -12,7 +12,7 @@ from rtkit.profile.words import property_value
 from rtkit.report.finding import ERROR, NOTE, WARNING
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.enums import PortType
-from rtkit.rtc.interface_types import SUBSCRIPTIONS
+from rtkit.rtc.interface_types import DIRECT, SUBSCRIPTIONS, interface_name
 from rtkit.statics.blueprint import DATAFLOW, INTERFACE, OFFERS, SUBSCRIPTION, words
 from rtkit.statics.ports import fits_type, type_names
 from rtkit.statics.remark import TOP, Place, Remark
@@ -35,6 +35,7 @@ def connector_remarks(view: View) -> Iterator[Remark]:
         if all(each.severity == NOTE for each in wrong):
             yield from _types(connector, place, source, target)
         yield from _properties(connector, place)
+        yield from _direct(view, connector, place)
         for key in OFFERS:
             if key != SUBSCRIPTION or _is_pushed(connector):
                 yield from _offers(connector, place, key, (source, target))
@@ -55,6 +56,20 @@ def _properties(connector: DataPortConnector, place: Place) -> Iterator[Remark]:
             where = place if found is None else found[0]
             told = f"connector {connector.connector_id}: {text}"
             yield Remark(severity, "connector-property", told, where, each.value or "", "")
+
+
+def _direct(view: View, connector: DataPortConnector, place: Place) -> Iterator[Remark]:
+    """Yield that a connector is for ports of one process, and its ends are made in two."""
+    for where, value in _stated(connector, place, "interface_type", connector.interface_type):
+        ends = [connector.source.instance_name, connector.target.instance_name]
+        places = [view.process_of(name) for name in ends]
+        if interface_name(value) == DIRECT and None not in places and places[0] != places[1]:
+            told = ", ".join(
+                f"{name} in {process or 'the manager'}"
+                for name, process in zip(ends, places, strict=True)
+            )
+            text = f"connector {connector.connector_id}: interface type direct joins ports of one"
+            yield Remark(ERROR, "interface-type", f"{text} process: {told}", where, value)
 
 
 def _directions(

@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+from rtkit.deployment.described import properties_of
+from rtkit.deployment.extension import CREATE
+from rtkit.errors import Malformed
 from rtkit.profile.common import Property
 from rtkit.profile.rts_model import Component, RtsProfile, TargetPort
 from rtkit.profile.words import strip_instance
+from rtkit.rtc.create import FRESH_SLAVE, parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.profiles import PortInterfaceProfile
 from rtkit.statics.blueprint import OFFERS, Blueprint, DataPortType, offered
@@ -120,6 +124,16 @@ class View:
         if owner.blueprint is None:
             return ServiceEnd(shown, key, port, None)
         return ServiceEnd(shown, key, port, owner.blueprint.service_ports.get(port))
+
+    def process_of(self, name: str) -> str | None:
+        """Return the slave in which a component is made, empty for the manager; None if unknown."""
+        part = self._by_name.get(name)
+        text = properties_of(part.component.properties).get(CREATE, "") if part else ""
+        try:
+            place = parse_create(text).place if text else None
+        except Malformed:
+            return None
+        return f"a slave of its own ({name})" if place == FRESH_SLAVE else place
 
     def has_port(self, part: Part, name: str) -> bool:
         """Whether a composite shows a port of this name, which is one of another component's."""

@@ -10,7 +10,8 @@ from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
 from rtkit.component.factory import Factories
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.manager.modules.loader import import_file, offer_neighbours
+from rtkit.manager.modules.loader import import_file
+from rtkit.manager.modules.neighbours import among_neighbours
 from rtkit.manager.modules.search import SUFFIX, Search
 from rtkit.resources import resource
 
@@ -43,8 +44,8 @@ def component_class(typed: str, wanted: str) -> Offer:
     place = os.path.abspath(path) if "/" in path or os.path.isfile(path) else path
     search = Search([each for each in folders if each] + [resource("examples", "basic")])
     file, real, source, told = search.read(place)
-    offer_neighbours(real)
-    module = import_file(file, source)
+    with among_neighbours(real):
+        module = import_file(file, source)
     init = name or told or f"{os.path.basename(file).removesuffix(SUFFIX)}Init"
     found = getattr(module, init, None)
     if found is None:

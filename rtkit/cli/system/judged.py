@@ -27,6 +27,7 @@ RULES = {
     "live-port": "A component lacks a port that the profile lists",
     "live-rate": "An execution context has another rate than the profile says",
     "live-parameter": "A parameter has another value than the profile says",
+    "live-type": "A port has another data type than the profile says",
     "live-state": "A component is in another state than was asked for",
 }
 _TWO_SIDED = (
@@ -37,6 +38,7 @@ _TWO_SIDED = (
     "rate",
     "policy",
     "create",
+    "type",
     "state",
 )
 """Kinds of which both what is wanted and what is found is a text of its own."""

@@ -14,7 +14,8 @@ def present_code(components: Iterable[ComponentFacts]) -> dict[str, str]:
 
     A file that cannot be read is left out: whether it has changed is not known.
     """
-    files = {facts.code.partition(" ")[2] for facts in components if facts.code}
+    lines = (line for facts in components for line in facts.code.splitlines())
+    files = {line.partition(" ")[2] for line in lines}
     if not files:
         return {}
     import zlib

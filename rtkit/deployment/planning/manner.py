@@ -123,6 +123,16 @@ def making(
     return Setting(MADE, key, AS_WANTED, told if facts is not None else None)
 
 
+def unlike(component: WantedComponent, facts: ComponentFacts | None) -> list[str]:
+    """Return in what a component is another than wanted because its code says so."""
+    if facts is None or facts.is_stand_in:
+        return []
+    found = drift.data_types(component, facts)
+    return [
+        f"{component.path}: {each}; only other code in its place changes that" for each in found
+    ]
+
+
 def reasons(component: WantedComponent, facts: ComponentFacts) -> Iterable[str]:
     """Return why nothing but making a component again makes it what is wanted."""
     return map(str, drift.otherwise_made(component, facts))

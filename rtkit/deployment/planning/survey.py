@@ -351,11 +351,12 @@ class _Surveying:
         was = self._before.get(component.instance)
         declared = self._outlook.parameters.get(component.instance)
         values = Values(component, facts, was, declared)
-        self._notes += values.missing
+        missing = [*values.missing, *manner.unlike(component, facts)]
+        self._notes += missing
         for why in values.misfits:
             self._trouble(component, why)
         if component.is_required:
-            self._unmet += values.missing
+            self._unmet += missing
         self._take(component, values.settings)
 
     def _take(self, component: WantedComponent, settings: Iterable[Setting]) -> None:

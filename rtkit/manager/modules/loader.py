@@ -19,6 +19,12 @@ from rtkit.component.factory import Factories
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.modules.bytecode import code_of
 from rtkit.manager.modules.known import instead
+from rtkit.manager.modules.neighbours import (
+    among_neighbours,
+    fingerprints,
+    forget_neighbours,
+    has_changed,
+)
 from rtkit.manager.modules.search import SUFFIX, Search
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
@@ -58,11 +64,16 @@ class _Registrar:
 
 
 class _Imported(NamedTuple):
-    """A module that was imported, and what tells its content from another."""
+    """A module that was imported, and what tells its content from another.
+
+    Attributes:
+        beside: CRC-32 of the files beside it that it imports.
+    """
 
     module: ModuleType
     fingerprint: int
     stamp: tuple[int, int, int]
+    beside: Mapping[str, int]
 
 
 class Loader:
@@ -125,17 +136,18 @@ class Loader:
         if not self._imports_untried and self.tried.get(path) != fingerprint:
             raise UntriedModule(path, init)
         imported = self._imported.get(source.real)
-        if imported is None:
-            offer_neighbours(source.real)
-            imported = _Imported(
-                import_file(source.file, source.text), fingerprint, _stamp(source.real)
-            )
-        elif imported.fingerprint != fingerprint:
+        if imported is not None and imported.fingerprint != fingerprint:
             raise Refused(f"module {path} has changed since it was loaded (rtmgr -u forgets it)")
-        classes = _initialise(imported.module, name, path)
+        with among_neighbours(source.real):
+            module = imported.module if imported else import_file(source.file, source.text)
+            classes = _initialise(module, name, path)
+        if imported is None:
+            beside = fingerprints(source.real, source.text)
+            imported = _Imported(module, fingerprint, _stamp(source.real), beside)
         types = self.factories.register_all(classes)
+        code = {source.real: fingerprint, **imported.beside}
         for each in classes:
-            setattr(each, CODE, f"{fingerprint:08x} {source.real}")
+            setattr(each, CODE, "\n".join(f"{crc:08x} {file}" for file, crc in code.items()))
         self._imported[source.real] = imported
         profile = ModuleProfile(path, name, types, source.real)
         self._modules[source.real, name] = profile
@@ -163,20 +175,23 @@ class Loader:
         """Return the path of the module of a type if it has been edited since it was imported."""
         for (real, _), module in self._modules.items():
             if type_ in module.types and self._is_touched(real):
+                if has_changed(self._imported[real].beside):
+                    return module.path
                 was = self._imported[real].fingerprint
                 with contextlib.suppress(NotFound, Refused):
                     return module.path if self.present_fingerprint(real) != was else ""
         return ""
 
     def _is_touched(self, real: str) -> bool:
-        """Whether a file is not what it was; one look does for all components of a batch.
+        """Whether a file, or one beside it, is not what it was; one look does for a whole batch.
 
         Each look gives the interpreter lock away, which another thread then keeps for long.
         """
         now_s = time.monotonic()
         if now_s < self._look_at_s.get(real, 0.0):
             return False
-        is_touched = _stamp(real) != self._imported[real].stamp
+        imported = self._imported[real]
+        is_touched = _stamp(real) != imported.stamp or has_changed(imported.beside)
         self._look_at_s[real] = 0.0 if is_touched else now_s + _LOOK_S
         return is_touched
 
@@ -199,6 +214,9 @@ class Loader:
         gone = [self._modules.pop(key) for key in list(self._modules) if key[0] == real]
         self._known = {asked: each for asked, each in self._known.items() if each.file != real}
         self._imported.pop(real, None)
+        folder = os.path.dirname(real)
+        if all(os.path.dirname(each) != folder for each in self._imported):
+            forget_neighbours(real)
         kept = {profile.id for other in self._modules.values() for profile in other.types}
         for profile in (each for module in gone for each in module.types):
             if profile in self.factories.types and profile.id not in kept:
@@ -266,13 +284,6 @@ def _stamp(file: str) -> tuple[int, int, int]:
     except OSError:
         return (0, 0, 0)
     return status.st_ino, status.st_size, status.st_mtime_ns
-
-
-def offer_neighbours(real: str) -> None:
-    """Let a module import what lies beside it, behind everything that has its name already."""
-    folder = os.path.dirname(real)
-    if folder not in sys.path:
-        sys.path.append(folder)
 
 
 def import_file(file: str, source: bytes) -> ModuleType:

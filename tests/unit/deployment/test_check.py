@@ -3,14 +3,18 @@ import pytest
 from rtkit.deployment import actions as act
 from rtkit.deployment.check import check_lines, deviations
 from rtkit.deployment.creation import creation_plan
+from rtkit.deployment.drift import otherwise_made
 from rtkit.deployment.live import Live
 from rtkit.deployment.plan import merged
+from rtkit.deployment.planning.survey import survey
 from rtkit.deployment.wiring import wiring_plan
+from rtkit.records import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.profiles import ConnectorProfile
 
 ACTIVE = LifeCycleState.ACTIVE
 INACTIVE = LifeCycleState.INACTIVE
+LONG = "IDL:RTC/TimedLong:1.0"
 
 
 @pytest.fixture
@@ -103,6 +107,55 @@ def test_missing_components_and_zombies_do_not_hide_the_rest(system, world):
 def test_a_stopped_component_is_not_taken_for_sound(system, world):
     world.update("Sink0", trouble="stopped")
     assert texts(system, world) == ["Component /localhost/Sink0.rtc does not answer (stopped)"]
+
+
+def test_another_data_type_is_told(make, world, system):
+    out = make.port("Source0.out", {"dataport.data_type": "Me::Other"})
+    parts = [make.component("Source0", ports=(out,)), make.component("Sink0")]
+    wished, live = make.live(make.profile(*parts), world)
+    (found,) = [each for each in deviations(wished, live, INACTIVE) if each.kind == "type"]
+    path = "/localhost/Source0.rtc"
+    text = f"Data type of port out of component {path} is incorrect (value: {LONG})"
+    assert (found.text, found.is_required) == (text, True)
+    assert (found.path, found.wanted, found.found) == (path, "Me::Other", LONG)
+    told = f"{path}: its data type of port out is {LONG}, not Me::Other"
+    for each in (survey(wished, live).notes, survey(wished, live).unmet):
+        assert each == (f"{told}; only other code in its place changes that",)
+
+
+def test_the_data_types_of_a_stand_in_are_made_again(make, world):
+    _, live = make.live(make.profile(make.component("Source0")), world, stand_in=True)
+    system, _ = make.live(make.profile(make.component("Source0")), world, stand_in=True)
+    for action, _ in merged(creation_plan(system, live).steps):
+        assert world.perform(action).ok
+    out = make.port("Source0.out", {"dataport.data_type": LONG, "port.port_type": "DataOutPort"})
+    first = make.component("Source0", ports=(out,))
+    other = make.port("Source0.out", {"dataport.data_type": "Me::Other"})
+    made = world.snapshot().component("Source0")
+    assert made.is_stand_in
+    wished, _ = make.live(make.profile(first), world, stand_in=True)
+    facts = replace(made, ports=wished.components[0].ports)
+    assert list(otherwise_made(wished.components[0], facts)) == []
+    wished, _ = make.live(make.profile(replace(first, data_ports=(other,))), world, stand_in=True)
+    (found,) = otherwise_made(wished.components[0], facts)
+    assert found == ("data type of port out", "Me::Other", LONG)
+
+
+def test_a_dry_run_lists_all_that_is_compared(make, world):
+    out = make.port("Source0.out", {"dataport.data_type": "TimedLong"})
+    told = {"rtkit.create": "Source?manager_name=s&x=1", "rtkit.restart": "always"}
+    sets = {"__constraints__": {"gain": "0<=x<9"}}
+    part = make.component("Source0", ports=(out,), properties=told, sets=sets)
+    system, _ = make.live(make.profile(part), world)
+    at = "component at path /localhost/Source0.rtc"
+    assert list(check_lines(system, "Active"))[1:] == [
+        f'Check {at} has port "out" of data type "TimedLong"',
+        f'Check constraint of "gain" on {at} is "0<=x<9"',
+        f"Check rate of execution context 0 of {at} is 1000",
+        f'Check policy of {at} is "rtkit.restart=always"',
+        f'Check create string of {at} is "Source?x=1"',
+        f"Check {at} is in state Active in execution context 0",
+    ]
 
 
 def test_what_is_optional_is_marked(make, world):

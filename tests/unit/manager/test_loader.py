@@ -401,3 +401,64 @@ def test_a_file_that_is_swapped_while_it_is_opened(loader, folder, monkeypatch):
     monkeypatch.setattr(os, "open", swap)
     with pytest.raises(Refused, match="may be written by everybody"):
         loader.load("Thing.py")
+
+
+WITH_HELPER = """
+from rtkit.component import Component
+import helper
+
+class {kind}(Component):
+    name = helper.NAME
+
+def FooInit(manager):
+    manager.register_factory({kind})
+"""
+
+
+@pytest.fixture
+def both(tmp_path):
+    """Folders of two modules of one name, each with a helper of the same name."""
+    for name in "ab":
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "Foo.py").write_text(WITH_HELPER.format(kind=f"Foo{name}"))
+        (folder / "helper.py").write_text("from deeper import NAME")
+        (folder / "deeper.py").write_text(f"NAME = '{name}'")
+    yield tmp_path
+    for name in ("helper", "deeper"):
+        sys.modules.pop(name, None)
+
+
+def test_modules_of_one_name_have_each_what_lies_beside_it(both):
+    loader = Loader([])
+    for name in "ab":
+        loader.load(str(both / name / "Foo.py"))
+    assert [make(loader, f"Foo{name}").name for name in "ab"] == ["a", "b"]
+    known = sys.modules["helper"]
+    loader.load(str(both / "a" / "Foo.py"))
+    assert sys.modules["helper"] is known  # what is there stays there
+
+
+@pytest.mark.parametrize("changed", ["helper.py", "deeper.py"])
+def test_what_lies_beside_a_module_is_its_code_too(both, changed):
+    loader = Loader([])
+    path = str(both / "a" / "Foo.py")
+    loader.load(path)
+    made = make(loader, "Fooa")
+    files = [line.partition(" ")[2] for line in describe(made).code.splitlines()]
+    assert sorted(map(os.path.basename, files)) == ["Foo.py", "deeper.py", "helper.py"]
+    assert all(os.path.dirname(file) == str(both / "a") for file in files)
+    (both / "a" / changed).write_text("NAME = 'new'")
+    assert loader.changed(made.type) == path
+    loader.unload(path)
+    loader.load(path)
+    assert make(loader, "Fooa").name == "new"
+
+
+def test_what_a_module_does_not_import_is_none_of_its_code(both):
+    (both / "a" / "Bar.py").write_text(THING.format(name="Bar", text="x"))
+    loader = Loader([])
+    loader.load(str(both / "a" / "Foo.py"))
+    loader.load(str(both / "a" / "Bar.py"))
+    made = make(loader, "Thing")
+    assert describe(made).code.splitlines()[1:] == []

@@ -8,9 +8,13 @@ import pytest
 from lxml import etree
 
 from rtkit.deployment.limits import Capacity
+from rtkit.profile.common import Property
+from rtkit.profile.rts_model import Component, DataPortConnector, RtsProfile, TargetPort
 from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.report.finding import ERROR, NOTE, WARNING
+from rtkit.statics.check import remarks
 from rtkit.statics.rules import RULES
+from rtkit.statics.stock import stocked
 from rtkit.statics.verdict import Options
 
 ROBOT, SERVICE, KEYS = "sensor-controller-motor", "my-service", "microwave"
@@ -700,3 +704,27 @@ def test_a_document_that_is_no_system_is_told_of(check: Any, profile_of: Any) ->
     assert not checked.is_valid
     assert [f.rule for f in checked.findings] == ["wrong-root"]
     assert checked.what == ""
+
+
+PLACES = [
+    ("manager_name=a", "manager_name=b", "ConsoleIn0 in a, ConsoleOut0 in b"),
+    ("", "manager_name=b", "ConsoleIn0 in the manager, ConsoleOut0 in b"),
+    ("manager_name=a", "manager_name=a", ""),
+    ("", "", ""),
+]
+
+
+@pytest.mark.parametrize(("one", "other", "told"), PLACES)
+def test_a_direct_connection_needs_one_process(one: str, other: str, told: str) -> None:
+    def made(name: str, place: str) -> Component:
+        create = (Property("rtkit.create", f"{name[:-1]}?{place}".rstrip("?")),)
+        return Component(f"RTC:M:c:{name[:-1]}:1", "h/x", name, properties=create)
+
+    ends = [TargetPort(f"RTC:M:c:{n}:1", f"{n}0", n) for n in ("ConsoleIn", "ConsoleOut")]
+    wire = DataPortConnector("w", "w", "TimedLong", "direct", "push", *ends)
+    parts = (made("ConsoleIn0", one), made("ConsoleOut0", other))
+    profile = RtsProfile("R:m:s:1", "0.2", "", "", components=parts, data_port_connectors=(wire,))
+    catalogue, _ = stocked([], [])
+    found = [each.text for each in remarks(profile, catalogue) if each.rule == "interface-type"]
+    text = f"connector w: interface type direct joins ports of one process: {told}"
+    assert found == ([text] if told else [])

@@ -1,0 +1,107 @@
+"""What lies beside component modules and is imported by them: of each folder what is its own.
+
+Python knows a module by its name alone, so ``helper`` beside one component module would be taken
+for the ``helper`` beside another one. While a module is imported, the files of its own folder go
+before those of other folders of component modules; what was imported before goes before all.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import ModuleType
+
+_beside: dict[str, dict[str, ModuleType]] = {}
+"""By folder what was imported from it, by the names of modules. It belongs to `sys.modules`."""
+
+
+@contextmanager
+def among_neighbours(real: str) -> Iterator[None]:
+    """Let a module import what lies beside it, behind everything that has its name already."""
+    folder = os.path.dirname(real)
+    if folder not in _beside and folder in sys.path:
+        yield  # it is Python's own, or somebody else's
+        return
+    own = _beside.setdefault(folder, {})
+    others = [each for each in _beside if each != folder]
+    sys.path[:] = [path for path in sys.path if path not in _beside] + [folder, *others]
+    strange = {
+        name: sys.modules.pop(name)
+        for other in others
+        for name, module in _beside[other].items()
+        if sys.modules.get(name) is module and _is_in(folder, name)
+    }
+    sys.modules.update(own)
+    try:
+        yield
+    finally:
+        own.update(
+            (name, each) for name, each in list(sys.modules.items()) if _lies(name, each, folder)
+        )
+        sys.modules.update(strange)
+        sys.path[:] = [path for path in sys.path if path not in _beside] + list(_beside)
+
+
+def fingerprints(real: str, source: bytes) -> dict[str, int]:
+    """Return the CRC-32 of each file beside a module that it imports, as it is now.
+
+    Also of those that these import; a package counts as a whole.
+    """
+    own = _beside.get(os.path.dirname(real), {})
+    found: dict[str, int] = {}
+    left, texts = {name.partition(".")[0] for name in own}, [source]
+    while texts:
+        text = texts.pop()
+        named = {top for top in left if _imports(text, top)}
+        left -= named
+        for name, module in own.items():
+            content = read(module.__file__ or "") if name.partition(".")[0] in named else None
+            if content is not None and module.__file__:
+                found[module.__file__] = zlib.crc32(content)
+                texts.append(content)
+    return found
+
+
+def read(file: str) -> bytes | None:
+    """Return what is in a file now, None if it cannot be read."""
+    try:
+        with open(file, "rb") as stream:
+            return stream.read()
+    except OSError:
+        return None
+
+
+def has_changed(files: Mapping[str, int]) -> bool:
+    """Whether one of these files has another CRC-32 now; one that cannot be read has not."""
+    now = ((read(file), crc) for file, crc in files.items())
+    return any(text is not None and zlib.crc32(text) != crc for text, crc in now)
+
+
+def _imports(source: bytes, name: str) -> bool:
+    line = rb"^[ \t]*(?:from|import)\b[^\n]*\b" + re.escape(name.encode()) + rb"\b"
+    return re.search(line, source, re.MULTILINE) is not None
+
+
+def forget_neighbours(real: str) -> None:
+    """Have what lies beside a module imported anew by the next one of its folder."""
+    for name, module in _beside.get(os.path.dirname(real), {}).items():
+        if sys.modules.get(name) is module:
+            del sys.modules[name]
+    _beside.get(os.path.dirname(real), {}).clear()
+
+
+def _is_in(folder: str, name: str) -> bool:
+    """Whether a folder has a module of that name, or the package that it is part of."""
+    path = os.path.join(folder, name.partition(".")[0])
+    return os.path.isfile(f"{path}.py") or os.path.isdir(path)
+
+
+def _lies(name: str, module: ModuleType, folder: str) -> bool:
+    """Whether a module was found in that folder, not somewhere below it by another path."""
+    file = getattr(module, "__file__", None)
+    path = os.path.join(folder, name.partition(".")[0])
+    return isinstance(file, str) and (file == f"{path}.py" or file.startswith(f"{path}/"))
