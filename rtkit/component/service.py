@@ -125,6 +125,9 @@ class ServicePort(Port):
     ) -> RequiredPort[S]:
         """Return a port that needs one interface; each call waits at most `timeout_s` [s].
 
+        Within a process a provider runs on the thread of its caller, and only a call that closes a
+        circle is bounded.
+
         Raises:
             Malformed: The interface cannot be carried; names method and parameter.
         """

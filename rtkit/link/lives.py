@@ -20,9 +20,13 @@ class Life:
     @property
     def is_over(self) -> bool:
         """Whether it has ended."""
+        return self.await_end(0.0)
+
+    def await_end(self, timeout_s: float) -> bool:
+        """Wait for its end, at most so long [s]; return whether it has ended."""
         watching = select.poll()  # unlike select, it takes descriptors of any number
         watching.register(self._descriptor, select.POLLIN)
-        return bool(watching.poll(0))
+        return bool(watching.poll(timeout_s * 1000))
 
     def close(self) -> None:
         """Watch it no more."""

@@ -9,13 +9,15 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from rtkit.closing import Closing
-from rtkit.deployment.lease import Holder
+from rtkit.deployment.lease import Holder, holder_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
+from rtkit.link.lives import Life
 from rtkit.link.ports import user_name
 from rtkit.rtc.plain import encode
 from rtkit.tree.client import Tree
 
 _ASK_AGAIN_S = 0.2
+"""After how long is asked again, in case a lease was given back by who goes on living [s]."""
 
 
 class Leases(Closing):
@@ -45,10 +47,11 @@ class Leases(Closing):
         until = time.monotonic() + self._wait_s
         told = ""
         while True:
-            why = self._try([*trees])
+            busy = self._try([*trees])
             left_s = until - time.monotonic()
-            if not why:
+            if busy is None:
                 return
+            tree, why = busy
             if left_s <= 0:
                 waited = f" (waited {self._wait_s:g} s)" if self._wait_s else ""
                 hint = "" if self._wait_s else "; --wait SECONDS waits for its end"
@@ -56,14 +59,14 @@ class Leases(Closing):
             if why != told:
                 self._tell(f"waits: {why}")
                 told = why
-            time.sleep(min(_ASK_AGAIN_S, left_s))
+            self._await(tree, min(_ASK_AGAIN_S, left_s))
 
     def close(self) -> None:
         """Give all of them back; a manager that does not answer any more has none."""
         self._give([*self._taken])
 
-    def _try(self, trees: list[Tree]) -> str:
-        """Take leases, all or none; return who has one."""
+    def _try(self, trees: list[Tree]) -> tuple[Tree, str] | None:
+        """Take leases, all or none; return a manager whose lease somebody has, and who."""
         known = len(self._taken)
         for tree in trees:
             since = time.time()
@@ -72,13 +75,31 @@ class Leases(Closing):
                 self._taken.append(tree)
             except Refused as error:
                 self._give(self._taken[known:])
-                return f"manager {tree.manager!r} is in use by {error}"
+                return tree, f"manager {tree.manager!r} is in use by {error}"
             except (NotFound, Malformed) as error:
                 self._tell(f"manager {tree.manager!r} keeps no others off meanwhile: {error}")
             except BaseException:
                 self._give(self._taken[known:])
                 raise
-        return ""
+        return None
+
+    @staticmethod
+    def _await(tree: Tree, timeout_s: float) -> None:
+        """Wait until the process ends that has the lease of a manager, but not for long."""
+        holder = holder_from_text(tree.lease())
+        if holder is None:
+            return  # it has just been given back
+        if holder.host != os.uname().nodename:
+            time.sleep(timeout_s)  # its end cannot be seen from here
+            return
+        try:
+            life = Life(holder.pid)
+        except ProcessLookupError:
+            return  # it has just ended
+        try:
+            life.await_end(timeout_s)
+        finally:
+            life.close()
 
     def _give(self, trees: list[Tree]) -> None:
         for tree in trees:

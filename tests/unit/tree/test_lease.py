@@ -2,13 +2,16 @@
 
 import os
 import threading
+import time
 
 import pytest
 
-from rtkit.deployment.lease import holder_from_text
+from rtkit.deployment.lease import Holder, Lease, holder_from_text
 from rtkit.deployment.world import World
 from rtkit.errors import NotFound, Refused
 from rtkit.link.lives import Life
+from rtkit.rtc.plain import encode
+from rtkit.tree import lease
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.lease import Leases
 
@@ -62,11 +65,34 @@ def test_it_is_waited_for(trees):
     assert waiting.startswith("waits: manager 'b' is in use by rtstate y (")
 
 
+def test_the_end_of_the_process_that_has_it_is_awaited(monkeypatch):
+    """And not found out by asking again after some time."""
+    world = World(manager="a")
+    world.lease = Lease(Life)
+    tree = fake_tree(world)
+    monkeypatch.setattr(lease, "_ASK_AGAIN_S", 60.0)
+    read, write = os.pipe()
+    pid = os.fork()
+    if not pid:
+        os.close(write)
+        os.read(read, 1)
+        os._exit(0)
+    os.close(read)
+    holder = Holder("id", "rtapply far.xml", "somebody", os.uname().nodename, pid)
+    tree.lease({"take": encode(holder)})
+    began = time.monotonic()
+    with Leases("rtapply x", 50, lambda _: os.close(write)) as mine:
+        mine.take(tree)
+        assert command_at(tree) == "rtapply x"
+    assert time.monotonic() - began < 30
+    os.waitpid(pid, 0)
+
+
 def test_a_manager_that_has_none_is_gone_without(trees):
-    def lease(_request=None):
+    def asked(_request=None):
         raise NotFound("no such view: lease")
 
-    trees[0].lease = lease
+    trees[0].lease = asked
     told = []
     with Leases("rtapply x", 0, told.append) as mine:
         mine.take(*trees)
