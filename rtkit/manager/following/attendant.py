@@ -39,8 +39,8 @@ if TYPE_CHECKING:
             """Return who carries a plan out; None for nobody."""
             ...
 
-        def pause(self) -> None:
-            """Wait a little before that is asked again."""
+        def pause(self, duration_s: float = ...) -> None:
+            """Wait so long [s], or a little before that is asked again."""
             ...
 
         def take_lease(self, waits: Callable[[str], object]) -> None:
@@ -53,8 +53,10 @@ if TYPE_CHECKING:
 
 
 _log = logging.getLogger(__name__)
-_PAUSE_S = 0.05
-"""The shortest time between two looks [s]: conditions are levels, and looking costs something."""
+_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 1.0
+"""The shortest and the longest time between two looks [s]: conditions are levels."""
+_PAUSES = 4
+"""So many times as long as a look took is the pause behind it: others want the manager too."""
 
 
 class Attendant:
@@ -163,14 +165,16 @@ class Attendant:
             self._changed.clear()
             if self._is_kept_off(leader):
                 continue
+            began_s = time.monotonic()
             passage = leader.step(self._site.snapshot(), self._figures)
             if passage is not None:
                 self._came(passage)
                 continue
             if self.told.waits:
                 self._tell(waits="")
+            took_s = time.monotonic() - began_s
             self._changed.wait()
-            time.sleep(_PAUSE_S)
+            self._site.pause(min(max(_PAUSE_S, _PAUSES * took_s), _LONGEST_PAUSE_S))
 
     def _is_kept_off(self, leader: Leader) -> bool:
         """Whether somebody carries a plan out: what is so on his way is no state, nor an event."""

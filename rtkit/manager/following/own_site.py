@@ -86,9 +86,9 @@ class OwnSite:
         """Return who carries a plan out; None for nobody."""
         return holder_from_text(self._ask("lease", is_extension=True))
 
-    def pause(self) -> None:
-        """Wait a little before it is asked again who carries a plan out."""
-        if self._is_over.wait(_ASK_AGAIN_S):
+    def pause(self, duration_s: float = _ASK_AGAIN_S) -> None:
+        """Wait so long [s]; as it is, before it is asked again who carries a plan out."""
+        if self._is_over.wait(duration_s):
             raise Ended
 
     def take_lease(self, waits: Callable[[str], object]) -> None:

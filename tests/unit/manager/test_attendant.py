@@ -31,6 +31,7 @@ class Place:
     def __init__(self, world: World) -> None:
         self.world = world
         self.is_over = False
+        self.ended = Event()
         self.is_leased = False
         self.others = Event()
         self.others.set()
@@ -38,7 +39,7 @@ class Place:
 
     def end(self) -> None:
         self.is_over = True
-        self.others.set()
+        self.ended.set()
 
     def snapshot(self) -> Snapshot:
         if self.is_over:
@@ -62,9 +63,8 @@ class Place:
     def holder(self) -> Holder | None:
         return None if self.others.is_set() else OTHER
 
-    def pause(self) -> None:
-        self.others.wait()
-        if self.is_over:
+    def pause(self, duration_s: float = 0.2) -> None:
+        if self.ended.wait(min(duration_s, 0.01)):
             raise Ended
 
     def take_lease(self, waits: Callable[[str], object]) -> None:
