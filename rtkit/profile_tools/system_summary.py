@@ -17,7 +17,7 @@ from rtkit.profile.rts_model import (
     TargetPort,
 )
 from rtkit.profile.rts_spec import ORDERS
-from rtkit.profile.words import normal_data_type, strip_instance
+from rtkit.profile.words import OWN_PREFIX, normal_data_type, strip_instance
 from rtkit.profile_tools.component_summary import dates, hertz, one_line, properties
 from rtkit.profile_tools.outline import Outline, entry
 from rtkit.rtc.enums import PortType
@@ -79,6 +79,8 @@ def _component(component: Component, facts: _Facts) -> Outline:
     ]
     below += map(_context, component.execution_contexts)
     below += [entry("participant", each.instance_name) for each in component.participants]
+    own = (each for each in component.properties if each.name.startswith(OWN_PREFIX))
+    below += properties(tuple(own))
     return entry(component.instance_name, component.id, below=below)
 
 

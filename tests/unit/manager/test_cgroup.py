@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,23 @@ def test_without_version_2_there_are_none(system: Path, text: str) -> None:
     group(system / "fs/a")
     (system / "proc/self/cgroup").write_text(text)
     assert found(system) is None
+
+
+def _writable() -> list[str]:
+    """Return where the kernel's groups of version 2 are, if this user may make some."""
+    mounts = [line.split() for line in Path("/proc/mounts").read_text().splitlines()]
+    return [each[1] for each in mounts if each[2] == "cgroup2" and os.access(each[1], os.W_OK)]
+
+
+@pytest.mark.skipif(not _writable(), reason="no control groups can be made here")
+def test_the_kernel_takes_a_process_into_its_group_and_gives_the_group_back() -> None:
+    groups = ControlGroups(_writable()[0])
+    with subprocess.Popen(["sleep", "1000"]) as process:
+        groups.limit(process.pid, Limits(memory=1 << 30, processes=4, processor=0.5))
+        assert f"/rtkit-{process.pid}\n" in Path(f"/proc/{process.pid}/cgroup").read_text()
+        process.kill()
+    groups.forget(process.pid)
+    assert not Path(_writable()[0], f"rtkit-{process.pid}").exists()
 
 
 def test_without_controllers_there_are_none(system: Path) -> None:

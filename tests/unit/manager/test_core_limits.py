@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 from endings import come_back, make
 
 from rtkit.deployment import actions as act
@@ -168,6 +171,16 @@ def test_slaves_of_an_earlier_manager_have_their_limits_again() -> None:
     told = {**facts("A"), "create": "Thing?instance_name=A&rtkit.limit.memory=100M"}
     shell.feed(ev.SlaveFound(321, "s", [told], []))
     assert shell.limits == {shell.adopted[321]: Limits(memory=100 * MIB)}
+
+
+def test_a_manager_without_limits_loads_nothing_of_what_keeps_them() -> None:
+    code = (
+        "import sys, rtkit.manager.daemon, rtkit.manager.loop, rtkit.manager.processes.zygote\n"
+        "names = ('limiter', 'cgroup', 'capacity', 'tree_usage')\n"
+        "print([n for n in names if f'rtkit.manager.processes.{n}' in sys.modules])"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout == "[]\n"
 
 
 def test_without_limits_nothing_is_told_and_the_host_is_not_asked() -> None:

@@ -7,10 +7,13 @@ from dataclasses import replace
 
 import pytest
 
+from rtkit.profile.common import Property
 from rtkit.profile.read import read_file, read_rts
+from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.rts_rules import NO_DATE
 from rtkit.profile_tools.outline import entry, outline_lines
 from rtkit.profile_tools.summary import summary
+from rtkit.resources import resource
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
@@ -43,6 +46,17 @@ def test_cells_stand_in_columns() -> None:
         ">   in     y",
         "> 日本  b   long long",
     ]
+
+
+def test_what_rtkit_says_of_a_component_is_told_and_what_others_say_is_not() -> None:
+    profile = read_file(resource("profiles", "systems", "sensor-controller-motor.xml")).profile
+    assert isinstance(profile, RtsProfile)
+    first, *others = profile.components
+    more = (Property("rtkit.limit.memory", "1G"), Property("editor.colour", "red"))
+    first = replace(first, properties=(*first.properties, *more))
+    told = "\n".join(outline_lines([summary(replace(profile, components=(first, *others)))]))
+    assert "rtkit.limit.memory  1G" in told
+    assert "red" not in told
 
 
 @pytest.mark.skipif(not corpus(), reason="corpus absent")
