@@ -38,6 +38,11 @@ def project_name(type_name: str) -> str:
     return f"rtc-{name}" if name else "rtc-component"
 
 
+def package_name(type_name: str) -> str:
+    """Return the name of the package that an installed component is."""
+    return project_name(type_name).replace("-", "_")
+
+
 def project_version(version: str) -> str:
     """Return the version in the form of package indexes; ``0`` where it is none."""
     found = _VERSION.match(version.strip())
@@ -52,7 +57,7 @@ def toml(text: str) -> str:
 
 def pyproject(subject: Subject, made_of: Sequence[str] = (), *, has_mirror: bool = False) -> str:
     """Return ``pyproject.toml``, not yet stamped; IDL files that it is `made_of` go with it."""
-    module = subject.module
+    module, package = subject.module, package_name(subject.type_name)
     rules: dict[str, Sequence[str]] = {}
     rules[f"{module}.py"] = FOREIGN_RULES if _has_foreign_names(subject) else OWN_RULES
     if subject.has_types:
@@ -63,8 +68,8 @@ def pyproject(subject: Subject, made_of: Sequence[str] = (), *, has_mirror: bool
         FILE_STAMP,
         "",
         "[build-system]",
-        'requires = ["hatchling"]',
-        'build-backend = "hatchling.build"',
+        'requires = ["setuptools>=77"]',
+        'build-backend = "setuptools.build_meta"',
         "",
         "[project]",
         f"name = {toml(project_name(subject.type_name))}",
@@ -77,15 +82,16 @@ def pyproject(subject: Subject, made_of: Sequence[str] = (), *, has_mirror: bool
         *_DEVELOPMENT,
         "# By this rtmgr finds the component where the package is installed.",
         f'[project.entry-points."{ENTRY_POINTS}"]',
-        f"{toml(entry)} = {toml(f'{module}:{subject.init}')}",
+        f"{toml(entry)} = {toml(f'{package}.{module}:{subject.init}')}",
         "",
-        "[tool.hatch.build.targets.wheel]",
-        f"only-include = [{_listed(rules)}]",
+        "# This folder is the package, so that no module hides one of another component.",
+        "[tool.setuptools]",
+        f"packages = [{toml(package)}]",
+        f'package-dir = {{ {toml(package)} = "." }}',
+        "include-package-data = false",
         "",
-        "# Beside the module, where checks of systems find what the component is.",
-        "[tool.hatch.build.targets.wheel.force-include]",
-        f'"RTC.xml" = {toml(f"{module}.xml")}',
-        *([f"idl = {toml(f'{module}.idl')}"] if made_of else []),
+        "[tool.setuptools.package-data]",
+        f"{toml(package)} = [{_listed(['RTC.xml', *(['idl/*.idl'] if made_of else [])])}]",
         "",
         *linter(rules),
         '"tests/**" = ["D", "N999", "SLF"]',
