@@ -8,6 +8,7 @@ CLOSE_ENOUGH = 0.6
 CLOSE = 0.75
 """How alike words are of which one is another mistyped, where there may be many others."""
 _NO_WORSE = 0.15
+_SHORTEST = 5
 
 
 def nearest(
@@ -25,6 +26,24 @@ def nearest(
     worst = max(likeness.values(), default=0.0) - _NO_WORSE
     near = [each for each, ratio in likeness.items() if ratio >= worst]
     return sorted(near, key=lambda each: -likeness[each])[:most]
+
+
+def is_slip(word: str, meant: str) -> bool:
+    """Whether two words differ by a slip: neighbouring letters swapped, one left out or too many.
+
+    Short words, and those that only a digit tells apart, are none of each other.
+    """
+    short, long = sorted((word, meant), key=len)
+    if len(short) < _SHORTEST or len(long) - len(short) > 1:
+        return False
+    if len(short) < len(long):
+        return any(c.isalpha() and long[:n] + long[n + 1 :] == short for n, c in enumerate(long))
+    unlike = [n for n, (one, other) in enumerate(zip(word, meant, strict=True)) if one != other]
+    if len(unlike) != 2:
+        return False
+    first, last = unlike
+    is_swapped = last == first + 1 and word[first : last + 1] == meant[first : last + 1][::-1]
+    return is_swapped and word[first : last + 1].isalpha()
 
 
 def did_you_mean(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
+import socket
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -132,3 +133,34 @@ def check_listing(terminal: Terminal) -> None:
 def check_working_directory(terminal: Terminal) -> None:
     terminal.type(f"rtcwd {HOST}\rrtls In\t\r")
     assert told(terminal) == ("In.rtc",)
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root gives folders away")
+@pytest.mark.parametrize(
+    "line",
+    [
+        "rtkit complete bash 9 ' =' 'rtls /localhost/'",
+        "rtkit complete bash 9 ' =' 'rtget ar'",
+        "rtls /localhost",
+        "rtget arm.x",
+    ],
+)
+def test_nobody_connects_to_sockets_in_the_folder_of_another_user(
+    shell: Any, line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delitem(shell.environment, "RTKIT_RUNTIME_DIR")
+    monkeypatch.setitem(shell.environment, "XDG_RUNTIME_DIR", str(shell.folder))
+    folder = shell.folder / "rtkit"
+    folder.mkdir(mode=0o755)
+    with socket.socket(socket.AF_UNIX) as door, socket.socket(socket.AF_UNIX) as service:
+        for end, name in ((door, "manager.sock"), (service, "arm.ps")):
+            end.bind(str(folder / name))
+            end.listen()
+            end.setblocking(False)
+        os.chown(folder, 65534, 65534)
+        status, out, err = shell.run(line)
+        assert (status, out) == (1, "")
+        assert f"folder belongs to another user: {folder}" in err
+        for end in (door, service):
+            with pytest.raises(BlockingIOError):
+                end.accept()

@@ -121,3 +121,19 @@ def test_misspelt_keys_of_a_profile_are_told_before_anything_is_done(
     assert manager.run(f"{command} --strict {profile}") == (1, "", f"{command}: {why}\n")
     assert manager.ok("rtls -R") == before
     assert f"{command}: warning: {why}\n" in manager.run(f"{command} {profile}").err
+
+
+@pytest.mark.parametrize("command", ["rtresurrect", "rtapply"])
+def test_a_misspelt_manager_is_not_started(manager: Any, command: str) -> None:
+    manager.ok(f"rtmgr {MANAGER} -c ConsoleIn")
+    manager.ok("rtcryo --all -o sys.xml")
+    manager.ok("rtmgr start other")
+    file = manager.folder / "sys.xml"
+    text = file.read_text().replace("localhost/ConsoleIn0", "localhost/mangaer.mgr/ConsoleIn0")
+    file.write_text(text)
+    status, _, err = manager.run(f"{command} sys.xml")
+    hint = "its name is so like manager, which runs (if it is meant: rtmgr start mangaer)"
+    assert (status, hint in err) == (1, True)
+    for line in ("rtls /localhost/mangaer", "rtls /localhost/mangaer.mgr"):
+        assert "(did you mean /localhost/manager.mgr?)" in manager.run(line).err
+    assert manager.run("rtmgr status mangaer").status == 1

@@ -82,11 +82,13 @@ def gather(
         starts: One that does not run holds nothing, and can be started.
 
     Raises:
-        Unreachable: Tells which managers do not run, and what belongs there.
+        Unreachable: Tells which managers do not run, and what belongs there; or one is so like
+            another one that runs that it is not started.
     """
     managers = Managers(profile)
     trees, absent = managers.connect(app.timeout_s)
     if starts and all(map(can_be_started, absent)):
+        _check_meant(absent, trees)
         app.ask(_one(managers, trees, app))
         return None
     if absent and not is_lenient:
@@ -173,6 +175,23 @@ def unstarted(app: App) -> Tree:
     from rtkit.tree.fleet import Fleet
 
     return Fleet([usual_manager()], {}, {}, starter(app))
+
+
+def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
+    """Refuse to start a manager whose name looks like a slip for that of one that runs.
+
+    Raises:
+        Unreachable: It does; tells how it is started if it is meant.
+    """
+    from rtkit.link.running import managers
+    from rtkit.rtc.nearest import is_slip
+
+    for name, why in absent.items():
+        meant = next((each for each in managers() if is_slip(name, each)), "")
+        if meant:
+            _close(trees)
+            told = f"not started, as its name is so like {meant}, which runs"
+            raise Unreachable(f"{why}; {told} (if it is meant: rtmgr start {name})")
 
 
 def _one(managers: Managers, trees: Mapping[str, Tree], app: App | None = None) -> Tree:
