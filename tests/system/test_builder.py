@@ -163,7 +163,7 @@ def test_an_installed_package_is_found_by_name(shell: Any) -> None:
     shell.ok(f"rtmgr -c 'XXX?manager_name=s1' -c XXX {MANAGER}")
     shell.ok("rtact /localhost/XXX0.rtc /localhost/XXX1.rtc")
     shell.ok(f"rtmgr -l rtc_xxx.XXX:XXXInit -c 'XXX?manager_name=s2' {MANAGER}")
-    shell.ok("rtcryo -o saved.xml")
+    shell.ok("rtcryo --all -o saved.xml")
     assert "system of 3 components" in shell.ok("rtprofile check saved.xml")
     assert os.listdir(site / "rtc_xxx" / "idl") == ["MyService.idl"]
 
