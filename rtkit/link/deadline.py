@@ -3,15 +3,21 @@
 Processes of one host share a monotonic clock, as long as the machine runs: there a deadline holds
 also for a request that lay in a queue, or before a process that was stopped. A process elsewhere
 counts from the moment in which the request arrives.
+
+Over zenoh it goes as bytes: there to write and read it as text would take as long as all else that
+a service does for a request.
 """
 
 from __future__ import annotations
 
 import math
+import struct
 from functools import cache
 from time import monotonic
 
 _PARAMETER = "deadline="
+_FORM = struct.Struct("<16sdd")
+"""Which run of which machine, when the request is given up by its clock, and after how long [s]."""
 
 
 def deadline_to_text(timeout_s: float) -> str:
@@ -53,8 +59,28 @@ def deadline_from_text(text: str) -> float:
         return math.inf
 
 
+def deadline_to_bytes(timeout_s: float) -> bytes:
+    """Return what goes with a request that is given up after `timeout_s` [s], in few bytes."""
+    return _FORM.pack(_boot(), monotonic() + timeout_s, timeout_s)
+
+
+def deadline_from_bytes(data: bytes) -> float:
+    """Return when a request is given up, by the monotonic clock here [s]; infinity if unknown."""
+    if len(data) != _FORM.size:  # of another version, which may say it in another way
+        return math.inf
+    until: float
+    timeout: float
+    boot, until, timeout = _FORM.unpack(data)
+    return until if boot == _boot() else monotonic() + timeout
+
+
 @cache
 def boot_id() -> str:
     """Return which run of this machine it is."""
     with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
         return file.read().strip()
+
+
+@cache
+def _boot() -> bytes:
+    return bytes.fromhex(boot_id().replace("-", ""))

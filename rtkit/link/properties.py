@@ -23,7 +23,7 @@ import zenoh
 
 from rtkit.errors import Unreachable
 from rtkit.link import keys
-from rtkit.link.deadline import deadline_from_text
+from rtkit.link.deadline import deadline_from_bytes
 from rtkit.link.zenoh import _ERROR_ENCODING as ERROR_ENCODING
 from rtkit.property.line import read_event, write_attributes
 from rtkit.property.messages import Answer, Event, Payload
@@ -159,7 +159,7 @@ def _receiver(
         target = keys.to_target(key.removeprefix(prefix), is_extension=is_extension)
         target, ear, group = _with_parameters(target, str(query.parameters))
         told = query.attachment
-        until = math.inf if told is None else deadline_from_text(told.to_string())
+        until = math.inf if told is None else deadline_from_bytes(told.to_bytes())
         take(Queried(target, _payload(query.payload), answer, ear, group, until))
 
     return receive

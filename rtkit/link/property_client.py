@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import zenoh
 
 from rtkit.errors import Unreachable
-from rtkit.link.deadline import deadline_to_text
+from rtkit.link.deadline import deadline_to_bytes
 from rtkit.link.ears import Ear, Groups
 from rtkit.link.properties import Joined, answer_of, ear_key, for_ear, heard, selector_of
 from rtkit.property.codes import PropertyError
@@ -68,7 +68,7 @@ class PropertyClient:
             replies = self._session.get(
                 selector,
                 payload=payload,
-                attachment=None if payload is None else deadline_to_text(self._timeout_s),
+                attachment=None if payload is None else deadline_to_bytes(self._timeout_s),
                 timeout=self._timeout_s,
                 handler=zenoh.handlers.FifoChannel(16),
                 consolidation=zenoh.ConsolidationMode.NONE,

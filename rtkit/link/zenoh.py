@@ -10,6 +10,7 @@ sockets of the dead at once.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -18,7 +19,7 @@ import zenoh
 
 from rtkit.errors import Malformed, Unreachable
 from rtkit.link import places
-from rtkit.link.deadline import deadline_from_text, deadline_to_text
+from rtkit.link.deadline import deadline_from_bytes, deadline_to_bytes
 from rtkit.link.threads import start_thread
 from rtkit.property.exchange import Reply, Request
 
@@ -158,7 +159,7 @@ class ZenohLink:
             replies = self._session.get(
                 key,
                 payload=payload,
-                attachment=deadline_to_text(timeout_s),
+                attachment=deadline_to_bytes(timeout_s),
                 timeout=timeout_s,
                 handler=zenoh.handlers.FifoChannel(16),
                 consolidation=zenoh.ConsolidationMode.NONE,
@@ -235,11 +236,11 @@ def _receiver(
 
         try:
             payload = query.payload.to_string() if query.payload is not None else None
-            told = query.attachment.to_string() if query.attachment is not None else ""
         except ValueError:  # which is what zenoh raises
             answer(Reply("payload is not UTF-8 text", "malformed"))
             return
-        until, given = deadline_from_text(told), str(query.parameters)
+        told, given = query.attachment, str(query.parameters)
+        until = math.inf if told is None else deadline_from_bytes(told.to_bytes())
         id = given.removeprefix(_ID) if given.startswith(_ID) else ""
         enqueue(Request(key.removeprefix(prefix), payload, answer, is_extension, until, id))
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import zenoh
 
 from rtkit.errors import Unreachable
-from rtkit.link.deadline import deadline_to_text
+from rtkit.link.deadline import deadline_to_bytes
 from rtkit.link.properties import (
     LEASE_S,
     Heard,
@@ -170,7 +170,7 @@ class QueryContact:
         self._session.get(
             for_ear(selector, ear) if ear else selector,
             payload=payload,
-            attachment=None if payload is None or ear else deadline_to_text(timeout_s),
+            attachment=None if payload is None or ear else deadline_to_bytes(timeout_s),
             timeout=timeout_s,
             handler=zenoh.handlers.Callback(receive, ended, indirect=False),
             consolidation=zenoh.ConsolidationMode.NONE,

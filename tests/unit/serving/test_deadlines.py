@@ -10,7 +10,9 @@ import pytest
 
 from rtkit.link.deadline import (
     boot_id,
+    deadline_from_bytes,
     deadline_from_text,
+    deadline_to_bytes,
     deadline_to_text,
     split_deadline,
     with_deadline,
@@ -64,6 +66,18 @@ def test_a_deadline_of_another_host_counts_from_when_it_came() -> None:
 @pytest.mark.parametrize("text", ["", "rubbish", "a b", "a b c", "a 1 2 3"])
 def test_what_is_no_deadline_bounds_nothing(text: str) -> None:
     assert deadline_from_text(text) == math.inf
+
+
+def test_a_deadline_goes_as_bytes_too() -> None:
+    before, own = monotonic(), deadline_to_bytes(3.0)
+    assert before + 3 <= deadline_from_bytes(own) <= monotonic() + 3
+    came = monotonic()
+    assert came + 3 <= deadline_from_bytes(bytes(16) + own[16:]) <= monotonic() + 3
+
+
+@pytest.mark.parametrize("data", [b"", b"rubbish", bytes(31), bytes(33)])
+def test_bytes_that_are_no_deadline_bound_nothing(data: bytes) -> None:
+    assert deadline_from_bytes(data) == math.inf
 
 
 @pytest.mark.parametrize("target", ["speed", "speed?echo", "speed?if=3&id=x"])
