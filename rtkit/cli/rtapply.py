@@ -61,7 +61,7 @@ def main(
     from rtkit.tree.grace import uninterrupted
 
     source, data = read_data(files)
-    is_saved, is_followed = is_saved_plan(data), False
+    is_saved = is_saved_plan(data)
     lease = None if dry_run else shared.leases(app, files, wait_s)
     if is_saved:
         from rtkit.cli.system import saving
@@ -71,11 +71,11 @@ def main(
         )
     else:
         document = parse_document(app, source, data)
-        is_followed = not dry_run and following.is_wanted(document)
         prepared = planning.prepare(
             app, document, is_dry=dry_run, parallel=parallel or 0, lease=lease, **options
         )
-    goal, snapshot, plan, survey = prepared
+    document, goal, snapshot, plan, survey = prepared
+    is_followed = not dry_run and following.is_wanted(document)
     if dry_run:
         _out.write(map(_out.printable, lines(plan, goal.costs)))
         return 0
@@ -83,11 +83,5 @@ def main(
         applier = Applier(app.tree, goal, app.say, app.say, taken, survey, uninterrupted)
         applier.run(plan, snapshot, rolls_back=rollback or app.is_strict, is_exact=is_saved)
     if is_followed:
-        following.begin_as_told(
-            app,
-            document,
-            options["mapped"],
-            stand_in=options["stand_in"],
-            transmit=options["transmit"],
-        )
+        following.begin_from(app, document, goal)
     return app.status(Refused()) if applier.unmet else 0

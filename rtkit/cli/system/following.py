@@ -13,6 +13,7 @@ from rtkit.errors import InvalidDocument, NotFound, Refused
 if TYPE_CHECKING:
     from rtkit.cli.system.document import Document
     from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.goal import Goal
     from rtkit.deployment.states.followed import Followed
     from rtkit.deployment.states.states import States
     from rtkit.tree.client import Tree
@@ -74,6 +75,22 @@ def begin(app: App, document: Document, states: States, *, rolls_back: bool = Fa
     digest = hashlib.sha256(document.data + said).hexdigest()
     text = spec_to_text(states, [document.source, digest], rolls_back=rolls_back)
     app.tell(owner(app).set(FOLLOW, f'{{"start": {text}}}'))
+
+
+def begin_from(app: App, document: Document, goal: Goal) -> None:
+    """Have the system of a profile followed that was led to a goal.
+
+    Raises:
+        Refused: It is followed as another profile tells it.
+    """
+    from dataclasses import replace
+
+    from rtkit.cli.system.states import read_machine
+    from rtkit.deployment.states.states import States
+    from rtkit.rtc.enums import LifeCycleState
+
+    base = replace(goal, state=LifeCycleState.ACTIVE, prunes=False, parallel=0)
+    begin(app, document, States(document.profile.id, read_machine(document), base))
 
 
 def begin_as_told(

@@ -33,8 +33,9 @@ Make = Callable[["Goal", "Snapshot", "Model"], "DeploymentPlan"]
 
 
 class Prepared(NamedTuple):
-    """What is wanted, what lives, and the plan from there."""
+    """What was read, what is wanted, what lives, and the plan from there."""
 
+    document: Document
     goal: Goal
     snapshot: Snapshot
     plan: DeploymentPlan
@@ -149,7 +150,7 @@ def prepare(
     survey = goal.survey(snapshot)
     app.warn(survey.notes, mark="")
     plan = (make or _cheapest)(goal, snapshot, survey.model)
-    return Prepared(goal, snapshot, plan, survey)
+    return Prepared(document, goal, snapshot, plan, survey)
 
 
 def _cheapest(goal: Goal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:

@@ -10,7 +10,7 @@ from typing import Any
 import jsonrecords
 import pytest
 
-from rtkit.cli import rtapply, rtresurrect, rtstart, rtstate, rtteardown
+from rtkit.cli import rtapply, rtplan, rtresurrect, rtstart, rtstate, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.states.followed import Followed
@@ -344,6 +344,11 @@ def test_a_profile_that_wants_it_is_followed_once_it_is_up(
     for command in (rtapply, rtresurrect, rtstart):
         assert command.main([file], tree=following.tree) == 0
         assert [*following.asked.pop()] == ["start"]
+    saved = f"{file}.plan"
+    assert rtplan.main(["--out", saved, file], tree=following.tree) == 0
+    assert rtapply.main([saved], tree=following.tree) == 0
+    states, _ = spec_from_text(json.dumps(following.asked.pop()["start"]))
+    assert states.base.state == "Active"
     assert rtteardown.main([file], tree=following.tree) == 0
     assert following.asked == []
     console.world.systems = (Followed(SYSTEM),)
