@@ -118,7 +118,7 @@ def _members(layout: Enumeration) -> Iterator[str]:
 def _field(layout: Layout, name: str) -> str:
     sizes = ""
     while isinstance(layout, Array):
-        if len(set(layout.items)) != 1:
+        if any(item != layout.items[0] for item in layout.items):
             raise Malformed(f"{name} is of several types, which IDL has no words for")
         sizes += f"[{len(layout.items)}]"
         layout = layout.items[0]
@@ -129,7 +129,8 @@ def _type(layout: Layout) -> str:
     if isinstance(layout, (Struct, Enumeration)):
         return "::".join(map(_word, name_of(layout.cls).split("::")))
     if isinstance(layout, Items):
-        return f"sequence<{_type(layout.item)}>"
+        item = _type(layout.item)
+        return f"sequence<{item}{' ' * item.endswith('>')}>"  # >> would shift
     if isinstance(layout, Number):
         return _NUMBERS[layout.name]
     if isinstance(layout, (Bool, Char, Text, Octets)):

@@ -232,7 +232,14 @@ class FsmComponent(Component):
 
     execution_type = "EventDrivenExecutionContext"
     has_machine = True
-    own_attributes = (*Component.own_attributes, "event_in", "ignored", "machine", "state")
+    own_attributes = (
+        *Component.own_attributes,
+        "_states",
+        "event_in",
+        "ignored",
+        "machine",
+        "state",
+    )
     states: ClassVar[Table] = {}
     events: ClassVar[Mapping[str, type]] = {}
     event_port: ClassVar[str] = "event"

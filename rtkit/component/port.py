@@ -88,6 +88,8 @@ class DataPort(Port, Generic[T]):
         *,
         doc: str = "",
     ) -> None:
+        if not isinstance(data_type, type):
+            raise Malformed(f"a data type is a class, not {data_type!r}")
         own = {
             "dataport.data_type": type_name(data_type),
             "dataport.interface_type": "zenoh,direct,corba_cdr,data_service",

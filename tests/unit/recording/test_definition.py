@@ -66,6 +66,14 @@ def test_a_port_tells_the_definition_of_a_type_of_its_own() -> None:
     assert "rtkit.idl" not in OutPort(Robot, "out").properties
 
 
+def test_arrays_of_enumerations_and_sequences_of_sequences() -> None:
+    fields = [("modes", tuple[Mode, Mode]), ("rows", tuple[tuple[Long, ...], ...])]
+    cls = make_dataclass("Nested", fields, frozen=True)
+    made = class_of(name_of(cls), definition_of(cls))
+    value = cls((Mode.IDLE, Mode.DRIVING), ((1, 2), (3,)))
+    assert plain(codec_for(made).decode(codec_for(cls).encode(value))) == plain(value)
+
+
 def test_a_tool_takes_a_type_that_it_knows_before_one_that_it_is_told() -> None:
     assert data_type("RTC::TimedLong", "A:out", "struct TimedLong { long x; };") is TimedLong
     made = data_type("Far::Off", "A:out", "module Far { struct Off { long x; }; };")
@@ -97,3 +105,8 @@ def test_numbers_of_members_are_those_of_their_annotations() -> None:
     plain = read_idl("enum Way { @default_literal ON, OFF };").find("Way")
     assert plain is not None
     assert (plain.values, plain.numbers) == ((), {"ON": 0, "OFF": 1})
+
+
+def test_a_data_type_is_a_class() -> None:
+    with pytest.raises(Malformed, match="a data type is a class, not 'TimedLong'"):
+        OutPort("TimedLong")  # type: ignore[arg-type]
