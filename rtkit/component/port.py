@@ -325,8 +325,9 @@ class OutPort(DataPort[T]):
         doc: str = "",
     ) -> None:
         super().__init__(data_type, name, properties, doc=doc)
-        self._may_pass: Callable[[T], bool] = self._begin
-        self._sinks: tuple[Sink[T], ...] = ()
+        # What tests a value and what takes it, replaced together while another thread writes.
+        self._way: tuple[Callable[[T], bool], tuple[Sink[T], ...]] = (self._begin, ())
+        self._encoding: set[str] = set()
         self._by_id: dict[str, Sink[T]] = {}
         self._pulled: dict[str, Buffer[T]] = {}
         self.written = 0
@@ -340,32 +341,44 @@ class OutPort(DataPort[T]):
             Malformed: The value is not of the port's type, or a field of it holds what does not
                 fit; names the field.
         """
-        may_pass = self._may_pass
+        may_pass, sinks = self._way
         if not may_pass(value):
             value = self._carried(value)
         status = _OK
         failure: Exception | None = None
-        for sink in self._sinks:
+        for sink in sinks:
             try:
                 refused = sink(value)
                 if refused is not None:
                     status = refused
             except Exception as error:
                 failure = error
+        if isinstance(failure, Malformed):  # so say all who make bytes of it: none was sent
+            raise Malformed(f"port {self.name}: {failure}")
         self.written += 1
         if failure is not None:
             raise failure
         return status
 
     def _begin(self, value: T) -> bool:
-        return self._learn()(value)
-
-    def _learn(self) -> Callable[[T], bool]:
         """Have a test of values of this type made: at first use, most ports of a host have none."""
+        with self._lock:
+            self._find_way()
+        return self._way[0](value)
+
+    def _find_way(self) -> None:
+        """Have values tested once: here, or where all who take them make bytes of them at once.
+
+        To test what is made into bytes would be to make it so, and a value of it, and bytes again.
+        """
         from rtkit.component.carried import test_of
 
-        self._may_pass = test_of(self.data_type)
-        return self._may_pass
+        test = test_of(self.data_type)
+        is_encoded = bool(self._by_id) and self._encoding.issuperset(self._by_id)
+        self._way = (self._is_ours if is_encoded else test, tuple(self._by_id.values()))
+
+    def _is_ours(self, value: T) -> bool:
+        return value.__class__ is self.data_type or isinstance(value, self.data_type)
 
     def _carried(self, value: T) -> T:
         if not isinstance(value, self.data_type):
@@ -379,32 +392,39 @@ class OutPort(DataPort[T]):
         except Malformed as error:
             raise Malformed(f"port {self.name}: {error}") from None
 
-    def attach(self, connector_id: str, sink: Sink[T]) -> None:
+    def attach(self, connector_id: str, sink: Sink[T], *, is_encoding: bool = False) -> None:
         """Open a push connector: each value written is given to `sink`.
+
+        One that is encoding makes bytes of a value at once, and raises what does not fit.
 
         Raises:
             Refused: It is open already, or the port takes no more.
             Malformed: Values of its type cannot be carried.
         """
-        self._learn()  # here, not in the period of the first value
+        from rtkit.component.carried import test_of
+
+        test_of(self.data_type)  # made here, not in the period of the first value
         with self._lock:
             self._admit(connector_id)
             self._by_id[connector_id] = sink
-            self._sinks = tuple(self._by_id.values())
+            if is_encoding:
+                self._encoding.add(connector_id)
+            self._find_way()
 
     def replace(self, connector_id: str, sink: Sink[T]) -> None:
         """Give what is written to another sink from now on; a closed connector stays closed."""
         with self._lock:
             if connector_id in self._by_id:
                 self._by_id[connector_id] = sink
-                self._sinks = tuple(self._by_id.values())
+                self._find_way()
 
     def detach(self, connector_id: str) -> None:
         """Close a connector; a write that is under way may still reach it once."""
         with self._lock:
             self._dismiss(connector_id)
-            self._by_id.pop(connector_id, None)
-            self._sinks = tuple(self._by_id.values())
+            if self._by_id.pop(connector_id, None) is not None:
+                self._encoding.discard(connector_id)
+                self._find_way()
             pulled = self._pulled.pop(connector_id, None)
         if pulled is not None:
             pulled.close()

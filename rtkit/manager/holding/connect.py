@@ -117,7 +117,7 @@ class Wires:
         def write(value: Any) -> PortStatus | None:
             return None if put(encode(value)) else PortStatus.CONNECTION_LOST
 
-        self._attach(wire, out, write, options)
+        self._attach(wire, out, write, options, is_encoding=True)
         self.keep(wire, outlet)
 
     def find_source(self, wire: ConnectorProfile, endpoint: str) -> Fetcher:
@@ -181,7 +181,13 @@ class Wires:
         self._streams.close()
 
     def _attach(
-        self, wire: ConnectorProfile, out: OutPort[Any], sink: Sink[Any], options: ConnectorOptions
+        self,
+        wire: ConnectorProfile,
+        out: OutPort[Any],
+        sink: Sink[Any],
+        options: ConnectorOptions,
+        *,
+        is_encoding: bool = False,
     ) -> None:
         if options.subscription == "periodic":
             publisher = _Publisher(wire.connector_id, sink, options)
@@ -191,7 +197,7 @@ class Wires:
         elif _is_wrapped(options):
             out.attach(wire.connector_id, _every(sink, options.skip_count + 1))
         else:
-            out.attach(wire.connector_id, sink)
+            out.attach(wire.connector_id, sink, is_encoding=is_encoding)
 
     def keep(self, wire: ConnectorProfile, end: _End) -> None:
         """Have an end closed when its connector is cut."""

@@ -8,10 +8,12 @@ import numpy
 import pytest
 
 from rtkit.component import InPort, OutPort, TimedDoubleSeq, TimedLong, TimedOctetSeq
+from rtkit.component import carried as carried_module
 from rtkit.component.carried import passage
 from rtkit.component.codec import codec_for
 from rtkit.component.geometry import TimedPose2D
 from rtkit.component.images import CameraImage, ImageData
+from rtkit.component.options import PortStatus
 from rtkit.component.types import Long
 from rtkit.errors import Malformed
 from rtkit.link.streams import Streams
@@ -77,6 +79,73 @@ def test_a_value_that_does_not_fit_is_refused_where_it_is_written(value, told, i
     assert str(caught.value) == f"port out: {told}"
     assert out.written == 0
     assert into is None or not into.is_new()
+
+
+SKIPPING = {"dataport.publisher.skip_count": "2"}
+
+
+class Outlet:
+    """Stands for a stream to another process."""
+
+    def __init__(self):
+        self.sent = []
+
+    def put(self, payload):
+        self.sent.append(payload)
+        return True
+
+
+def sent(cls, **properties):
+    """An out port that sends to another process, and what has been sent."""
+    out, outlet = OutPort(cls, "out"), Outlet()
+    wire = ConnectorProfile("far", "far", (PortRef("A", "out"), PortRef("B", "in")), properties)
+    Wires("", Streams("unused")).send(wire, out, outlet)
+    return out, outlet.sent
+
+
+def test_what_goes_to_other_processes_only_is_not_copied_before(monkeypatch):
+    out, payloads = sent(TimedDoubleSeq)
+    monkeypatch.setattr(carried_module, "carried", None)
+    assert out.write(TimedDoubleSeq(data=numpy.ones(2))) is PortStatus.OK
+    assert payloads == [codec_for(TimedDoubleSeq).encode(TimedDoubleSeq(data=(1.0, 1.0)))]
+
+
+@pytest.mark.parametrize("value", [TimedLong(data=2**40), TimedDoubleSeq()], ids=str)
+def test_a_value_that_does_not_fit_is_refused_before_it_is_sent(value):
+    out, payloads = sent(TimedLong)
+    with pytest.raises(Malformed, match=r"^port out") as caught:
+        out.write(value)
+    assert str(caught.value) == refusal(OutPort(TimedLong, "out"), value)
+    assert (out.written, payloads) == (0, [])
+
+
+def refusal(out, value):
+    with pytest.raises(Malformed) as caught:
+        out.write(value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("is_first", [True, False])
+def test_what_a_reader_here_gets_too_is_copied(is_first):
+    out, into = OutPort(TimedDoubleSeq, "out"), InPort(TimedDoubleSeq, "in")
+    wires = Wires("", Streams("unused"))
+    far, near = (
+        ConnectorProfile(name, name, (PortRef("A", "out"), PortRef("B", "in")))
+        for name in ("far", "near")
+    )
+    steps = [lambda: wires.send(far, out, Outlet()), lambda: wires.join(near, out, into)]
+    for step in steps if is_first else steps[::-1]:
+        step()
+    array = numpy.ones(2)
+    out.write(TimedDoubleSeq(data=array))
+    array[:] = 7.0
+    assert into.read().data == (1.0, 1.0)
+
+
+def test_what_is_sent_later_is_copied():
+    out, _ = sent(TimedLong, **{"dataport.publisher.push_policy": "skip"}, **SKIPPING)
+    with pytest.raises(Malformed):
+        out.write(TimedLong(data=2**40))
 
 
 @pytest.mark.parametrize(
