@@ -99,8 +99,15 @@ class CostTable:
     def price_of(
         costs: Mapping[str, float] | CostTable | Price | None, names: Iterable[str]
     ) -> Price:
-        """Return costs in any form as a function; without any, each command costs 1."""
+        """Return costs in any form as a function; without any, each command costs 1.
+
+        Raises:
+            Malformed: One is no number.
+        """
         if callable(costs):
             return costs
         table = costs if isinstance(costs, CostTable) else CostTable(costs or {})
+        for name, cost in table.by_command.items():
+            if cost is None or isinstance(cost, str):
+                raise Malformed(f"cost of {name} is no number: {cost!r}")
         return table.price(names)

@@ -51,9 +51,10 @@ class Problem:
         """Describe a problem.
 
         Raises:
-            Malformed: Start or goal name a variable or value that there is not, or costs a
-                misspelt command.
+            Malformed: Start or goal name a variable or value that there is not, costs name a
+                misspelt command, or one of them is something else than it is to be.
         """
+        _check_kinds(variables, start, goal, commands)
         self.variables = variables
         self.names = tuple(variables)
         self._domains = tuple(variables.values())
@@ -91,7 +92,11 @@ class Problem:
             Malformed: There is no such variable.
         """
         if name not in self._places:
-            raise Malformed(f"no such variable: {name}")
+            from difflib import get_close_matches
+
+            near = get_close_matches(str(name), list(map(str, self.names)), 1)
+            hint = f" (did you mean {near[0]}?)" if near else ""
+            raise Malformed(f"no such variable: {name}{hint}")
         return self._places[name]
 
     def commands_at(self, state: State) -> Iterable[Command]:
@@ -122,10 +127,18 @@ class Problem:
                 yield command, after, cost
 
     def leaves(self, before: State, after: State) -> bool:
-        """Whether the step from a state within the domains leads out of them."""
-        for old, new, domain in zip(before, after, self._domains, strict=True):
-            if new is not old and new not in domain:
-                return True
+        """Whether the step from a state within the domains leads out of them.
+
+        Raises:
+            Malformed: It leads to what is no state.
+        """
+        try:
+            for old, new, domain in zip(before, after, self._domains, strict=True):
+                if new is not old and new not in domain:
+                    return True
+        except (TypeError, ValueError) as error:
+            what = f"a tuple of {len(self.names)} values that can be hashed"
+            raise Malformed(f"an effect returned {after!r}, which is not {what}") from error
         return False
 
     def replaced(self, **changes: Any) -> Self:
@@ -137,6 +150,10 @@ class Problem:
         return type(self)(**(kept | changes))
 
     def _check(self, state: State) -> None:
+        if len(state) != len(self.names):
+            raise Malformed(
+                f"the start has {len(state)} values, but there are {len(self.names)} variables"
+            )
         for (name, domain), value in zip(self.variables.items(), state, strict=True):
             if value not in domain:
                 raise Malformed(f"{name} cannot be {value!r}")
@@ -151,3 +168,31 @@ class Problem:
                     raise Malformed(f"{name} cannot be {each!r}")
             wanted.append((place, frozenset(values)))
         return lambda state: all(state[place] in values for place, values in wanted)
+
+
+def _check_kinds(variables: Any, start: Any, goal: Any, commands: Any) -> None:
+    """Refuse what cannot be taken for what it is handed in as.
+
+    Raises:
+        Malformed: Tells which, and what it is to be.
+    """
+    if not isinstance(variables, Mapping):
+        raise Malformed(f"variables are a mapping of names to domains, not {_kind(variables)}")
+    for name, domain in variables.items():
+        if not isinstance(domain, Container):
+            raise Malformed(f"the domain of {name} is no collection of values: {domain!r}")
+    if not isinstance(start, Mapping | tuple):
+        raise Malformed(f"the start is a mapping or a tuple of values, not {_kind(start)}")
+    if not isinstance(goal, Mapping) and not callable(goal):
+        raise Malformed(f"the goal is a mapping or a function of a state, not {_kind(goal)}")
+    if callable(commands):
+        return
+    if not isinstance(commands, Sequence) or isinstance(commands, str):
+        raise Malformed(f"commands are a sequence or a function of a state, not {_kind(commands)}")
+    for each in commands:
+        if not isinstance(each, Command):
+            raise Malformed(f"no command: {each!r}")
+
+
+def _kind(value: object) -> str:
+    return "None" if value is None else type(value).__name__

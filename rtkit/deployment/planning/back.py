@@ -54,6 +54,7 @@ class WayBack:
             is_as_wished = whole.allows(variable, value)
             if not is_as_wished or (was == ERROR and value != ERROR):
                 yield difference(whole, variable, was)
+        yield from _contexts_unlike(self._before, now)
         names = {facts.instance for facts in now.components}
         for facts in self._before.components:
             if facts.zombie and facts.instance not in names:
@@ -105,6 +106,23 @@ def _beside(model: Model, name: str) -> Iterator[str]:
     yield from (end for wire in model.wires_of[name] for end in model.wires[wire].ends)
     yield from model.wholes_of[name]
     yield from (each for each in model.units[name].members if each in model.units)
+
+
+def _contexts_unlike(before: Snapshot, now: Snapshot) -> Iterator[str]:
+    """Yield components that were Active in some of their contexts only, and now are in others.
+
+    A plan knows of each whether it is Active at all, so this is not led back, but told.
+    """
+    living = {facts.instance: facts for facts in now.components}
+    for facts in before.components:
+        was = {each.id: each.state for each in facts.contexts}
+        there = living.get(facts.instance)
+        if len(set(was.values())) < 2 or there is None:
+            continue
+        for each in there.contexts:
+            if was.get(each.id, each.state) is not each.state:
+                place = f"{facts.instance} is {each.state} in execution context {each.id}"
+                yield f"{place} (was {was[each.id]})"
 
 
 def difference(model: Model, variable: str, was: str) -> str:

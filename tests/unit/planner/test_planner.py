@@ -274,3 +274,39 @@ def test_of_a_conflict_nothing_can_be_left_out():
     assert len(asked) < 60
     assert minimal_conflict(range(10), is_possible) == ()
     assert minimal_conflict([1], lambda _: False) == ()
+
+
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"variables": {"lamp": 3}}, "the domain of lamp is no collection of values: 3"),
+        ({"variables": ["lamp"]}, "variables are a mapping of names to domains, not list"),
+        ({"start": None}, "the start is a mapping or a tuple of values, not None"),
+        ({"start": ("off", 1)}, "the start has 2 values, but there are 1 variables"),
+        ({"goal": None}, "the goal is a mapping or a function of a state, not None"),
+        ({"goal": {"lmap": "on"}}, "no such variable: lmap (did you mean lamp?)"),
+        ({"commands": None}, "commands are a sequence or a function of a state, not None"),
+        ({"commands": "push"}, "commands are a sequence or a function of a state, not str"),
+        ({"commands": ["push"]}, "no command: 'push'"),
+        ({"costs": {"push": "3"}}, "cost of push is no number: '3'"),
+        (
+            {"commands": [Command("push", lambda _state: ("on", 1))]},
+            "an effect returned ('on', 1), which is not a tuple of 1 values that can be hashed",
+        ),
+        (
+            {"commands": [Command("push", lambda _state: None)]},
+            "an effect returned None, which is not a tuple of 1 values that can be hashed",
+        ),
+    ],
+)
+def test_bad_input_is_told(changed, told):
+    given = {
+        "variables": {"lamp": ("off", "on")},
+        "start": {"lamp": "off"},
+        "goal": {"lamp": "on"},
+        "commands": [Command("push", lambda _state: ("on",))],
+    }
+    assert plan(Problem(**given)).cost == 1
+    with pytest.raises(Malformed) as refused:
+        plan(Problem(**given | changed))
+    assert str(refused.value) == told
