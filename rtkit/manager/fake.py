@@ -13,6 +13,7 @@ from typing import Any
 from rtkit.deployment.actions import Action, Create, Result
 from rtkit.deployment.batch import Batch, results_from_text
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.limits import Limits
 from rtkit.errors import NotFound, RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
@@ -112,6 +113,7 @@ class FakeShell:
         spawned: Keys of the slaves that were asked for, by name, not yet forked.
         adopted: Keys of slaves that were found, by pid.
         signals: What was sent, as (key, number).
+        limits: Which limits slaves were given, by key.
         wake_at: When the core wants a tick.
         is_finished: Whether the core said that all is done.
         rows: What was kept, by kind and name.
@@ -129,6 +131,7 @@ class FakeShell:
         self.spawned: dict[str, int] = {}
         self.adopted: dict[int, int] = {}
         self.signals: list[tuple[int, int]] = []
+        self.limits: dict[int, Limits] = {}
         self.wake_at: float | None = None
         self.is_finished = False
         self.rows: dict[tuple[str, str], str] = {}
@@ -182,6 +185,9 @@ class FakeShell:
                     self.told.append((key, message))
             case ev.SignalSlave(key, number):
                 self.signals.append((key, number))
+            case ev.LimitSlave(key, pid, limits):
+                assert pid == self.state.processes[key].pid != 0
+                self.limits[key] = limits
             case ev.AnswerClient(answer, reply):
                 answer(reply)
             case ev.WakeAt(moment):

@@ -21,6 +21,7 @@ from hypothesis.stateful import (
 )
 
 from rtkit.deployment import actions as act
+from rtkit.deployment.limits import NO_LIMITS, limits_in
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S
@@ -30,7 +31,14 @@ from rtkit.rtc.enums import Transition
 
 INSTANCES = ("A", "B", "C")
 PLACES = ("", "", "&manager_name=s", "&manager_name=t", "&manager_name=manager_%p")
-POLICIES = ("", "", "&rtkit.restart=on-failure", "&rtkit.restart=always&rtkit.critical=yes")
+POLICIES = (
+    "",
+    "",
+    "&rtkit.restart=on-failure",
+    "&rtkit.restart=always&rtkit.critical=yes",
+    "&rtkit.limit.memory=1G&rtkit.restart=on-failure",
+    "&rtkit.limit.memory=2G&rtkit.limit.processes=3",
+)
 NAMES = ((), (), ("localhost/x.rtc",), ("localhost/A.rtc",))
 WIRES = [
     wire(connector_id, f"{out}.out", f"{into}.in", dataport__dataflow_type=flow)
@@ -90,6 +98,8 @@ class CoreMachine(RuleBasedStateMachine):
         for instance, place in zip(INSTANCES, places, strict=False):
             key = self.shell.make(instance, place)
             self.held.setdefault(key, set()).add(instance)
+            if place:
+                self.shell.ask(act.SetPolicy(instance, {"rtkit.limit.memory": "1G"}))
         self.asked.append(self.shell.ask(*map(act.Connect, wires), ordered=False))
 
     # clients
@@ -161,6 +171,12 @@ class CoreMachine(RuleBasedStateMachine):
         self.shell.spawned = {n: k for n, k in self.shell.spawned.items() if k != key}
         self.held.pop(key, None)
         self.shell.end(key, "signal 9")
+
+    @precondition(lambda self: self.slaves("up", "stopped"))
+    @rule(index=indexes)
+    def reach_a_limit(self, index):
+        living = self.slaves("up", "stopped")
+        self.shell.feed(ev.SlaveOverLimit(living[index % len(living)].key, "memory limit reached"))
 
     @rule(why=st.sampled_from(["", "", "the disk is full"]))
     def fill(self, why):
@@ -307,6 +323,14 @@ class CoreMachine(RuleBasedStateMachine):
             assert not state.claims
             assert not state.ending
             assert not state.openings
+
+    @invariant()
+    def slaves_are_limited_as_what_they_hold_says(self):
+        state = self.shell.state
+        for process in self.slaves("up", "stopped") if self.shell.core.is_idle else ():
+            said = [limits_in(state.components[each].create) for each in state.held_by(process.key)]
+            told = self.shell.limits.get(process.key, NO_LIMITS)
+            assert told == sum(said, start=NO_LIMITS)
 
     @invariant()
     def a_core_that_waits_wants_to_be_woken(self):

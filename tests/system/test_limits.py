@@ -101,7 +101,7 @@ ENDS = {
         "descriptors=120",
         r"limit of 120 descriptors reached \((OSError: \[Errno 24\]|1\d\d\))",
     ),
-    "processor": ("processor=20%", r"processor limit of 0\.2 reached \(0\.\d\d over 5 s\)"),
+    "processor": ("processor=5%", r"processor limit of 0\.05 reached \(\d\.\d\d over 5 s\)"),
 }
 
 
@@ -163,7 +163,7 @@ def test_who_reaches_a_limit_is_ended_with_that_reason_and_the_rest_goes_on(
     assert re.match(reason, facts(tree, name).zombie), facts(tree, name).zombie
     until(lambda: cycles(manager)[0] >= alone[0] + 100, "a hundred cycles more")
     count, late = (now - before for now, before in zip(cycles(manager), alone, strict=True))
-    assert late / count <= alone[1] / alone[0] + 0.25
+    assert late / count <= alone[1] / alone[0] + 0.5
     assert f"*{name}.rtc  ({facts(tree, name).zombie})" in manager.ok(
         f"rtls -l /localhost/{name}.rtc"
     )
@@ -186,7 +186,12 @@ def test_its_policy_brings_it_back_and_what_was_its_reason_is_told(
     manager: Any, tree: Tree, modules: None
 ) -> None:
     name = start(tree, "memory", "memory=150M", "&rtkit.restart=on-failure&rtkit.restart.limit=1")
-    until(lambda: "given up after 1 restarts" in facts(tree, name).zombie, "the second end")
+
+    def is_given_up() -> bool:
+        told = tree.snapshot().component(name)  # none while it is made again in its place
+        return told is not None and "given up after 1 restarts" in told.zombie
+
+    until(is_given_up, "the second end")
     told = facts(tree, name)
     assert told.upkeep.restarts == 1
     assert told.upkeep.why.startswith("memory limit of 150 MiB reached (")
@@ -206,8 +211,8 @@ def test_the_next_manager_keeps_slaves_within_their_limits(
     assert "memory 150 MiB (slave s)" in manager.ok("rtcat /localhost/H.rtc")
     manager.ok("rtconf /localhost/H.rtc set what memory")
     why = "for memory limit of 150 MiB reached ("
-    until(lambda: why in manager.ok("rtls -l /localhost/H.rtc"), "its end and its return")
-    manager.ok("rtexit /localhost/H.rtc")
+    # For a moment, while it is made again in its place, there is none.
+    until(lambda: why in manager.run("rtls -l /localhost/H.rtc").out, "its end and its return")
 
 
 def test_limits_change_while_a_slave_lives(manager: Any, tree: Tree, modules: None) -> None:

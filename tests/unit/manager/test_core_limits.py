@@ -20,17 +20,14 @@ WHY = "memory limit of 100 MiB reached (104 MiB)"
 
 
 class Shell(FakeShell):
-    """Notes limits, too."""
+    """Notes in which order slaves are limited and told something."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.limits: dict[int, Limits] = {}
         self.order: list[str] = []
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         if isinstance(instruction, ev.LimitSlave):
-            assert instruction.pid
-            self.limits[instruction.key] = instruction.limits
             self.order.append("limit")
         elif isinstance(instruction, ev.SendToHolder):
             self.order.append("send")
