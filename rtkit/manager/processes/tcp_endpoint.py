@@ -2,7 +2,7 @@
 
 All sessions of a process share zenoh's threads, of which few accept connections and close them:
 thousands of connections to the TCP port kept clients of the Unix socket out for 20 s as long as
-one process served both (decision 44).
+one process served both (decision 47).
 """
 
 from __future__ import annotations
