@@ -8,11 +8,13 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rtkit.manager.logs.logs import Log
+from rtkit.manager.modules.loader import Loader
 from rtkit.manager.processes import rehearsal
 from rtkit.manager.processes.rehearsal import rehearse
 
@@ -48,6 +50,19 @@ def test_nothing_is_left_of_it(folder: str) -> None:
         log.close()
     assert before == after
     assert after["files"] == []
+
+
+def test_slaves_find_no_modules_where_it_found_its_own(folder: str, tmp_path: Path) -> None:
+    (tmp_path / "Empty.py").write_text("def EmptyInit(manager): pass")
+    log = Log("zygote", f"{folder}/m.log")
+    log.open()
+    try:
+        rehearse(log, {"data": f"{folder}/m.%p.data"})
+    finally:
+        log.close()
+    Loader([str(tmp_path)]).load("Empty.py")
+    assert str(tmp_path) in sys.path
+    assert rehearsal._FOLDER not in sys.path
 
 
 def test_what_fails_in_it_is_told(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,6 +24,7 @@ from rtkit.manager.holding.holder import Holder
 from rtkit.manager.holding.maker import Maker
 from rtkit.manager.logs.logs import Log, begin
 from rtkit.manager.modules.loader import Loader
+from rtkit.manager.modules.neighbours import disown
 from rtkit.manager.processes.contact import Contact
 from rtkit.manager.processes.wire import Channel
 
@@ -66,6 +67,7 @@ def rehearse(log: Log, settings: Any) -> None:
         listener.listen(1)
         begin()
         _Stage(place, Beats(paths[1]), Will(paths[3], "rehearsal")).play(listener)
+    disown(_FOLDER)
     sys.path[:] = search_path
     for name in set(sys.modules) - modules:
         del sys.modules[name]

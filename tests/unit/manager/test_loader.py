@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import zlib
+from types import ModuleType
 
 import pytest
 
@@ -462,3 +463,32 @@ def test_what_a_module_does_not_import_is_none_of_its_code(both):
     loader.load(str(both / "a" / "Bar.py"))
     made = make(loader, "Thing")
     assert describe(made).code.splitlines()[1:] == []
+
+
+class Witness(ModuleType):
+    """A module that counts how often something asks it where it is from."""
+
+    looks = 0
+
+    def __getattribute__(self, name):
+        if name == "__file__":
+            Witness.looks += 1
+        return super().__getattribute__(name)
+
+
+def test_a_folder_s_first_module_is_loaded_without_a_look_at_those_from_before(both, monkeypatch):
+    monkeypatch.setitem(sys.modules, "witness", Witness("witness"))  # a slave shares its memory
+    monkeypatch.setattr(Witness, "looks", 0)
+    loader = Loader([])
+    loader.load(str(both / "a" / "Foo.py"))
+    assert Witness.looks == 0
+    assert make(loader, "Fooa").name == "a"
+
+
+def test_what_lies_beside_is_known_when_an_import_removes_modules(both, monkeypatch):
+    monkeypatch.setitem(sys.modules, "witness", Witness("witness"))  # the last one that is there
+    (both / "a" / "deeper.py").write_text("import sys\ndel sys.modules['witness']\nNAME = 'a'")
+    loader = Loader([])
+    loader.load(str(both / "a" / "Foo.py"))
+    files = [line.partition(" ")[2] for line in describe(make(loader, "Fooa")).code.splitlines()]
+    assert sorted(map(os.path.basename, files)) == ["Foo.py", "deeper.py", "helper.py"]
