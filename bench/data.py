@@ -18,7 +18,7 @@ from functools import partial
 
 from bench.harness import Lines, Row, command, manager, medians, pairs_of
 from rtkit.deployment.actions import Action, ChangeState, Create, SetParameters
-from rtkit.recording.mcap_file import CHUNK_S, Reader
+from rtkit.recording.mcap_file import CHUNK_S, RecordingReader
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
 
@@ -76,7 +76,7 @@ def _lost_ms(path: str, after_s: float) -> float:
     process.kill()
     died_ns = time.time_ns()
     process.communicate()
-    last_ns = max(entry.arrived_ns for entry in Reader(path).entries())
+    last_ns = max(entry.arrived_ns for entry in RecordingReader(path).entries())
     return (died_ns - last_ns) * 1e-6
 
 

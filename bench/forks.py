@@ -15,7 +15,6 @@ import sys
 import time
 
 from bench.processes import pss_mib
-from rtkit.manager.processes import slave  # noqa: F401 - what a zygote has in memory
 
 
 class Forks:

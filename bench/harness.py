@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import rtkit
 from rtkit.deployment.actions import Action, Create, Delete
-from rtkit.link.door import free_port
+from rtkit.link.tcp_endpoint import free_port
 from rtkit.manager import launch
-from rtkit.manager.settings.configuration import Wanted
+from rtkit.settings.configuration import CommandLineSettings
 from rtkit.tree import managers
 from rtkit.tree.client import Tree
 
@@ -190,7 +190,9 @@ def _memory() -> str | None:
 def start_manager(*, has_door: bool = False) -> int:
     """Start a manager in the present folders, with a TCP door if wanted; return its pid."""
     endpoints = f":{free_port()}" if has_door else "none"
-    return launch.start("manager", Wanted(overrides=(f"net.endpoints:{endpoints}",)), _START_S).pid
+    return launch.start(
+        "manager", CommandLineSettings(overrides=(f"net.endpoints:{endpoints}",)), _START_S
+    ).pid
 
 
 @contextmanager

@@ -16,10 +16,16 @@ from random import Random
 from typing import Any
 
 from bench.harness import Lines, Row, paired, timed
-from rtkit.deployment.planning.model import Key, Model, Unit, Wire, Wish
+from rtkit.deployment.planning.model import (
+    ComponentVariable,
+    ConnectionVariable,
+    Model,
+    ParameterVariable,
+    Wish,
+)
 from rtkit.deployment.planning.plan import make_plan
-from rtkit.deployment.planning.telling import quality
-from rtkit.deployment.planning.whole import judge
+from rtkit.deployment.planning.reference_model import judge
+from rtkit.deployment.planning.rendering import quality
 from rtkit.errors import LimitReached
 from rtkit.planner import Limits, Problem, State, plan
 
@@ -45,9 +51,9 @@ def _successors() -> Lines:
     def bare() -> float:
         return _each(lambda: [deque(problem.successors(state), 0) for state in states], made)
 
-    figures = paired(search, bare, _ROUNDS)
+    metrics = paired(search, bare, _ROUNDS)
     what = "A* among 10^6 states, one successor (10 us are 100,000 a second on one core)"
-    yield Row(what, "us", *figures, 10.0, False, "the model's own work on the same states")
+    yield Row(what, "us", *metrics, 10.0, False, "the model's own work on the same states")
 
 
 def _search(problem: Problem, instance: Any) -> None:
@@ -80,14 +86,14 @@ def _deployments() -> Lines:
             (_changed(components, connections), "all of it changed, places free in two managers"),
         ):
             found = make_plan(model)
-            figures = paired(
+            metrics = paired(
                 lambda model=model: timed(lambda: make_plan(model)),  # type: ignore[misc]
                 lambda found=found: timed(lambda: judge(found.model, found.moves)),  # type: ignore[misc]
                 _ROUNDS,
             )
             what = f"plan of {components:,} components, {connections:,} connections, {how}"
             what += f" ({quality(found)})"
-            yield Row(what, "ms", *figures, target_s * 1000, False, "carrying it out on the model")
+            yield Row(what, "ms", *metrics, target_s * 1000, False, "carrying it out on the model")
 
 
 def _model(components: int, connections: int) -> Model:
@@ -95,7 +101,9 @@ def _model(components: int, connections: int) -> Model:
     units, desired = {}, dict[str, Wish]()
     for number in range(components):
         name = f"c{number}"
-        units[name] = Unit(name, f"T{number % 20}", (f"m:slave/s{number % 7}", "m:inproc"))
+        units[name] = ComponentVariable(
+            name, f"T{number % 20}", (f"m:slave/s{number % 7}", "m:inproc")
+        )
         desired |= {f"cmp:{name}": "*", f"act:{name}": "active"}
     wires = _wires(components, connections)
     desired |= dict.fromkeys((f"con:{name}" for name in wires), "yes")
@@ -111,7 +119,10 @@ def _changed(components: int, connections: int) -> Model:
     for number in range(components):
         name = f"c{number}"
         may_be = tuple(chance.sample(places, 3))
-        units[name], keys[f"{name}.gain"] = Unit(name, f"T{number % 20}", may_be), Key("0")
+        units[name], keys[f"{name}.gain"] = (
+            ComponentVariable(name, f"T{number % 20}", may_be),
+            ParameterVariable("0"),
+        )
         live |= {f"cmp:{name}": chance.choice(places), f"act:{name}": "active"}
         live[f"cfg:{name}.gain"] = "1"
         wish: Wish = "*" if number % 2 else may_be
@@ -123,11 +134,11 @@ def _changed(components: int, connections: int) -> Model:
     return Model({"m": None, "n": None}, units, wires, keys, live, desired)
 
 
-def _wires(components: int, connections: int) -> dict[str, Wire]:
+def _wires(components: int, connections: int) -> dict[str, ConnectionVariable]:
     wires = {}
     for number in range(connections):
         other = (number * 37 + number // components + 1) % components
-        wires[f"k{number}"] = Wire((f"c{number % components}", f"c{other}"))
+        wires[f"k{number}"] = ConnectionVariable((f"c{number % components}", f"c{other}"))
     return wires
 
 

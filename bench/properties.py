@@ -18,10 +18,10 @@ import zenoh
 from bench.harness import Lines, Row, folders, paired, timed
 from rtkit.errors import Unreachable
 from rtkit.link import keys, places
-from rtkit.link.ears import Ear
-from rtkit.link.line_client import connect_unix
-from rtkit.link.property_client import PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.zenoh.client import PropertyClient
+from rtkit.wires.zenoh.subscriptions import ZenohSubscription
 
 _TIMES = 300
 _ON_THE_WAY = 200
@@ -135,7 +135,7 @@ def _events() -> Lines:
         client = PropertyClient(ours, _key(), 10.0)
         lost: list[int] = []
         with _session(f"{places.runtime_dir()}/bare.zps") as bare, ExitStack() as stack:
-            ears = [stack.enter_context(client.listen("tick?queue=10000&initial=0"))
+            subscriptions = [stack.enter_context(client.listen("tick?queue=10000&initial=0"))
                     for _ in range(_LISTENERS)]  # fmt: skip
             heard: SimpleQueue[int] = SimpleQueue()
             handler: zenoh.handlers.Callback[zenoh.Sample] = zenoh.handlers.Callback(
@@ -143,8 +143,8 @@ def _events() -> Lines:
             )
             for _ in range(_LISTENERS):
                 bare.declare_subscriber("bare/tick", handler)
-            for ear in ears:
-                threading.Thread(target=_hear, args=(ear, heard), daemon=True).start()
+            for subscription in subscriptions:
+                threading.Thread(target=_hear, args=(subscription, heard), daemon=True).start()
 
             def figure(start: Callable[[], object]) -> float:
                 start()
@@ -171,9 +171,9 @@ def _age(text: str) -> int:
     return time.perf_counter_ns() - int(text)
 
 
-def _hear(ear: Ear, heard: SimpleQueue[int]) -> None:
+def _hear(subscription: ZenohSubscription, heard: SimpleQueue[int]) -> None:
     with suppress(Unreachable):  # the session ends with the measurement
-        for event in ear:
+        for event in subscription:
             heard.put(_age(str(event.payload)))
 
 

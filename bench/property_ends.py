@@ -21,7 +21,7 @@ from rtkit.link.zenoh import open_listener, unix_endpoint
 def ours() -> None:
     """Serve a thousand numbers."""
     from rtkit.property.service import Service
-    from rtkit.serving.serve import serve
+    from rtkit.wires.serve import serve
 
     service = Service()
     for index in range(1000):
@@ -74,17 +74,17 @@ def lines() -> None:
     """Send each line back."""
     places.make_private(places.runtime_dir())
     path = f"{places.runtime_dir()}/bare.lines"
-    with socket.socket(socket.AF_UNIX) as door:
-        door.bind(path)
-        door.listen()
-        threading.Thread(target=_echo, args=(door,), daemon=True).start()
+    with socket.socket(socket.AF_UNIX) as endpoint:
+        endpoint.bind(path)
+        endpoint.listen()
+        threading.Thread(target=_echo, args=(endpoint,), daemon=True).start()
         _wait()
         os.unlink(path)
 
 
-def _echo(door: socket.socket) -> None:
+def _echo(endpoint: socket.socket) -> None:
     while True:
-        client, _ = door.accept()
+        client, _ = endpoint.accept()
         with client:
             while data := client.recv(65536):
                 client.sendall(data)

@@ -30,12 +30,12 @@ from rtkit.deployment.actions import (
     SetParameters,
 )
 from rtkit.manager import launch
-from rtkit.manager.settings.configuration import Wanted
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.settings.configuration import CommandLineSettings
 from rtkit.tree import managers
 from rtkit.tree.client import Tree
-from rtkit.tree.listening import Change, Ear
+from rtkit.tree.subscription import ManagerSubscription, TreeChange
 
 ROUNDS = 41
 _MANAGERS = 15
@@ -46,11 +46,11 @@ _TAIL_IS = "the same pairs"
 
 
 def _restart() -> Lines:
-    with manager() as tree, Ear(tree) as ear:
+    with manager() as tree, ManagerSubscription(tree) as subscription:
         numbers = itertools.count()
         tree.perform(Create("Sensor?instance_name=S&manager_name=s"))
         tree.perform(ChangeState("S", "0", Transition.ACTIVATE))
-        pairs = pairs_of(_again(tree, ear, numbers), _created(tree, numbers), ROUNDS)
+        pairs = pairs_of(_again(tree, subscription, numbers), _created(tree, numbers), ROUNDS)
     what = "killed slave, no wait: connected, configured, active again, from the kill"
     yield Row(f"{what} (median)", "ms", *medians(pairs), 60.0, False, _FLOOR_IS)
     again_ms, bare_ms = (statistics.quantiles(each, n=20)[-1] for each in zip(*pairs, strict=True))
@@ -63,11 +63,11 @@ def _next_manager() -> Lines:
         pids = [start_manager()]
         with rtkit.connect() as tree:
             _build(tree)
-        figures = medians(pairs_of(lambda: _succeeded(pids), _begun, _MANAGERS))
+        metrics = medians(pairs_of(lambda: _succeeded(pids), _begun, _MANAGERS))
         managers.stop("manager", _PATIENCE_S)
         os.waitpid(pids[-1], 0)
     what = f"killed manager: the next one has {_COMPONENTS} components as desired, from its start"
-    yield Row(what, "ms", *figures, 1.5, True, "start of a manager that finds nothing")
+    yield Row(what, "ms", *metrics, 1.5, True, "start of a manager that finds nothing")
 
 
 PARTS = {"slave": _restart, "manager": _next_manager}
@@ -109,7 +109,9 @@ def _succeeded(pids: list[int]) -> float:
 def _begun() -> float:
     """Start a manager that finds nothing, until it has answered [ms]."""
     begin = time.perf_counter()
-    pid = launch.start("other", Wanted(overrides=("net.endpoints:none",)), _PATIENCE_S).pid
+    pid = launch.start(
+        "other", CommandLineSettings(overrides=("net.endpoints:none",)), _PATIENCE_S
+    ).pid
     with rtkit.connect("other") as tree:
         tree.listing()
         tree.snapshot()
@@ -119,7 +121,9 @@ def _begun() -> float:
     return elapsed_ms
 
 
-def _again(tree: Tree, ear: Ear, numbers: itertools.count[int]) -> Callable[[], float]:
+def _again(
+    tree: Tree, subscription: ManagerSubscription, numbers: itertools.count[int]
+) -> Callable[[], float]:
     def again() -> float:
         number = next(numbers)
         name = f"C{number}"
@@ -130,14 +134,14 @@ def _again(tree: Tree, ear: Ear, numbers: itertools.count[int]) -> Callable[[], 
         tree.perform(SetParameters(name, "default", {"gain": "2.5"}))
         tree.perform(ChangeState(name, "0", Transition.ACTIVATE))
         (pid,) = (each.pid for each in tree.snapshot().processes if each.name == f"c{number}")
-        ear.take()
+        subscription.take()
         begin = time.perf_counter()
         os.kill(pid, signal.SIGKILL)
         while not any(
             each.event == "MADE_AGAIN"
-            for heard in ear.wait(30.0)
-            if isinstance(heard, Change)
-            for each in heard.happenings
+            for heard in subscription.wait(30.0)
+            if isinstance(heard, TreeChange)
+            for each in heard.user_events
         ):
             pass
         elapsed_ms = (time.perf_counter() - begin) * 1e3

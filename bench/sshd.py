@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rtkit.link.door import free_port
+from rtkit.link.tcp_endpoint import free_port
 
 _PATIENCE_S = 10.0
 _PRIVILEGES = "/run/sshd"

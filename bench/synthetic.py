@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 
 _TYPES = 50
 _DATE = "2025-01-01T00:00:00"
@@ -27,12 +27,12 @@ def system(components: int, connectors: int) -> rts.RtsProfile:
     )
 
 
-def _component(number: int) -> rts.Component:
+def _component(number: int) -> rts.ComponentInstance:
     kind = f"Type{number % _TYPES}"
     name = f"{kind}_{number}"
     ends = [("in0", "DataInPort"), ("in1", "DataInPort")]
     ends += [("out0", "DataOutPort"), ("out1", "DataOutPort")]
-    return rts.Component(
+    return rts.ComponentInstance(
         f"RTC:rtkit:synthetic:{kind}:1.0",
         f"localhost/{name}.rtc",
         name,
@@ -40,28 +40,30 @@ def _component(number: int) -> rts.Component:
         composite_type="None",
         visible=True,
         data_ports=tuple(_port(f"{name}.{port}", direction) for port, direction in ends),
-        service_ports=(rts.Port(f"{name}.service", True),),
+        service_ports=(rts.InstancePort(f"{name}.service", True),),
         configuration_sets=(
             rts.ConfigurationSet(
                 "default",
                 (rts.ConfigurationData("gain", "1.0"), rts.ConfigurationData("offset", "0")),
             ),
         ),
-        execution_contexts=(rts.ExecutionContext("0", "PERIODIC", 1000.0),),
+        execution_contexts=(rts.OwnedContext("0", "PERIODIC", 1000.0),),
         location=rts.Location(number % 40 * 120, number // 40 * 120, -1, -1, "RIGHT"),
-        properties=(Property("implementation_id", kind),),
+        properties=(ExtensionProperty("implementation_id", kind),),
     )
 
 
-def _port(name: str, direction: str) -> rts.Port:
+def _port(name: str, direction: str) -> rts.InstancePort:
     properties = (
-        Property("port.port_type", direction),
-        Property("dataport.data_type", _DATA_TYPE),
+        ExtensionProperty("port.port_type", direction),
+        ExtensionProperty("dataport.data_type", _DATA_TYPE),
     )
-    return rts.Port(name, True, None, properties)
+    return rts.InstancePort(name, True, None, properties)
 
 
-def _connector(number: int, source: rts.Component, target: rts.Component) -> rts.DataPortConnector:
+def _connector(
+    number: int, source: rts.ComponentInstance, target: rts.ComponentInstance
+) -> rts.DataPortConnector:
     port = number % 2
     return rts.DataPortConnector(
         f"{number:08x}",
@@ -73,14 +75,14 @@ def _connector(number: int, source: rts.Component, target: rts.Component) -> rts
         _end(target, f"in{port}"),
         "flush",
         visible=True,
-        properties=(Property("dataport.serializer.cdr.endian", "little,big"),),
+        properties=(ExtensionProperty("dataport.serializer.cdr.endian", "little,big"),),
     )
 
 
-def _end(component: rts.Component, port: str) -> rts.TargetPort:
+def _end(component: rts.ComponentInstance, port: str) -> rts.TargetPort:
     return rts.TargetPort(
         component.id,
         component.instance_name,
         f"{component.instance_name}.{port}",
-        (Property("COMPONENT_PATH_ID", component.path_uri),),
+        (ExtensionProperty("COMPONENT_PATH_ID", component.path_uri),),
     )

@@ -137,13 +137,13 @@ PARTS = {"launches": _launches}
 
 def pivot(rows: Sequence[Row | Missing]) -> str:
     """Return what was measured as one table, nothing if that is nothing."""
-    figures = {row.what: row.figure for row in rows if isinstance(row, Row)}
-    if not any(_name(cell) in figures for cell in _cells()):
+    metrics = {row.what: row.figure for row in rows if isinstance(row, Row)}
+    if not any(_name(cell) in metrics for cell in _cells()):
         return ""
     heads = [f"{count}, {place}" for count in _COUNTS for place in _PLACES]
     cells = [("ms per component", *heads)]
     for method in _METHODS:
         names = [_name((method, place, count)) for count in _COUNTS for place in _PLACES]
-        shown = [f"{figures[n]:.0f}" if n in figures else "not measured" for n in names]
+        shown = [f"{metrics[n]:.0f}" if n in metrics else "not measured" for n in names]
         cells.append((method, *shown))
     return f"\nTable 3\n{columns(cells)}\n"

@@ -20,7 +20,7 @@ from rtkit.deployment.actions import Action, SetParameters
 from rtkit.deployment.facts import Snapshot
 from rtkit.errors import Unreachable
 from rtkit.tree.client import Tree
-from rtkit.tree.listening import Ear
+from rtkit.tree.subscription import ManagerSubscription
 
 TICK_S = 0.01
 """How long to wait for news before looking at what tells no news [s]."""
@@ -43,7 +43,7 @@ class Arena:
         self._orders.mkdir()
         self._counts = Counts(str(self._orders.parent / "counts"), is_new=True)
         self.cells = [self._counts.cell(number) for number in range(len(NAMES))]
-        self._ear: Ear | None = None
+        self._subscription: ManagerSubscription | None = None
         self._tree: Tree | None = None
 
     # processes
@@ -83,8 +83,8 @@ class Arena:
     @property
     def facts(self) -> Snapshot:
         """What the manager has told so far."""
-        assert self._ear is not None
-        return self._ear.facts
+        assert self._subscription is not None
+        return self._subscription.facts
 
     def listen(self) -> None:
         """Listen to the manager that runs now.
@@ -94,15 +94,15 @@ class Arena:
         """
         self.deafen()
         self._tree = rtkit.connect(timeout_s=_PATIENCE_S)
-        self._ear = Ear(self._tree)
+        self._subscription = ManagerSubscription(self._tree)
 
     def deafen(self) -> None:
         """Listen no more."""
-        if self._ear is not None:
-            self._ear.close()
+        if self._subscription is not None:
+            self._subscription.close()
         if self._tree is not None:
             self._tree.close()
-        self._ear = self._tree = None
+        self._subscription = self._tree = None
 
     def until(self, is_so: Callable[[], bool], patience_s: float = _PATIENCE_S) -> float:
         """Wait until something is so; return when that was, monotonic [s].
@@ -114,8 +114,8 @@ class Arena:
         while not is_so():
             if time.monotonic() > deadline:
                 raise TimeoutError
-            assert self._ear is not None
-            self._ear.wait(TICK_S)
+            assert self._subscription is not None
+            self._subscription.wait(TICK_S)
         return time.monotonic()
 
     def trouble(self) -> str:

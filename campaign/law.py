@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from campaign.layout import MANAGER, NAMES, members
 from campaign.schedule import Fault
-from rtkit.deployment.supervision import WINDOW_S, Ledger, Policy, Restart, at_end, at_health
+from rtkit.deployment.supervision import (
+    WINDOW_S,
+    Ledger,
+    RestartPolicy,
+    RestartRule,
+    at_end,
+    at_health,
+)
 
-_POLICY = Policy(Restart.ON_FAILURE)
+_POLICY = RestartPolicy(RestartRule.ON_FAILURE)
 _NEVER_ALONE = frozenset(members(MANAGER))
 """Cells that die with the manager, whatever slaves die too."""
 

@@ -55,12 +55,12 @@ def rows(outcomes: Sequence[Outcome], floors: Sequence[Floor]) -> list[tuple[str
             continue
         times = [outcome.recovery_s for outcome in its]
         pauses = [outcome.pause_s for outcome in its if outcome.pause_s]
-        figures = (statistics.median(times), percentile(times, 0.99), max(times))
+        metrics = (statistics.median(times), percentile(times, 0.99), max(times))
         told.append(
             (
                 kind,
                 str(len(its)),
-                *(f"{figure:.3f} s" for figure in figures),
+                *(f"{figure:.3f} s" for figure in metrics),
                 _floor(kind, floors),
                 f"{max(pauses):.3f} s" if pauses else "-",
             )

@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rtkit.property.annotations import Range, Unit
-    from rtkit.serving.serve import serve
     from rtkit.tree.client import Tree
     from rtkit.tree.connect import connect
     from rtkit.version import __version__
+    from rtkit.wires.serve import serve
 
 __all__ = ["Range", "Tree", "Unit", "__version__", "connect", "serve"]
 
@@ -26,7 +26,7 @@ _HOMES = {
     "__version__": "rtkit.version",
     "Unit": "rtkit.property.annotations",
     "connect": "rtkit.tree.connect",
-    "serve": "rtkit.serving.serve",
+    "serve": "rtkit.wires.serve",
 }
 
 

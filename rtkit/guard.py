@@ -12,19 +12,19 @@ from typing import Any, NamedTuple
 LONGEST_TEXT = 300
 
 
-class Outcome(NamedTuple):
+class GuardedResult(NamedTuple):
     """The result of a call, or what it raised."""
 
     result: Any = None
     error: BaseException | None = None
 
 
-def guarded(work: Callable[[], object]) -> Outcome:
+def guarded(work: Callable[[], object]) -> GuardedResult:
     """Call something; nothing that it raises gets out, not SystemExit either."""
     try:
-        return Outcome(work())
+        return GuardedResult(work())
     except BaseException as error:
-        return Outcome(error=error)
+        return GuardedResult(error=error)
 
 
 def text_of(error: BaseException) -> str:

@@ -15,7 +15,7 @@ from rtkit.closing import Closing
 from rtkit.component.base import Component
 from rtkit.component.carried import carried
 from rtkit.component.fsm import EVENT_NAME, EventPort
-from rtkit.component.invocation import Direct, Served
+from rtkit.component.invocation import Direct, ProvidedInterface
 from rtkit.component.kinds import kind_of
 from rtkit.component.literal import zero_value
 from rtkit.component.port import InPort, OutPort
@@ -168,7 +168,7 @@ class Trial(Closing, Generic[C]):
                 raise Refused(f"{where}: {what}: it lacks {missing}")
         found.detach(f"trial {port}")
         targets = {
-            interface.name: Direct(Served(interface, implementation, where, _nothing))
+            interface.name: Direct(ProvidedInterface(interface, implementation, where, _nothing))
             for interface in found.needed
         }
         found.attach(ConnectorProfile(f"trial {port}", port, ()), targets)
@@ -272,7 +272,7 @@ def own_manager(*folders: str | Path) -> Iterator[Tree]:
         Refused: It cannot be started.
     """
     from rtkit.manager.launch import start
-    from rtkit.manager.settings.configuration import Wanted
+    from rtkit.settings.configuration import CommandLineSettings
     from rtkit.tree.connect import connect
     from rtkit.tree.managers import stop
 
@@ -290,7 +290,7 @@ def own_manager(*folders: str | Path) -> Iterator[Tree]:
     }
     with _environment(wished):
         try:
-            pid = start("manager", Wanted(str(base / "rtc.conf")), _TIMEOUT_S).pid
+            pid = start("manager", CommandLineSettings(str(base / "rtc.conf")), _TIMEOUT_S).pid
             try:
                 with connect("manager", _TIMEOUT_S) as tree:
                     yield tree

@@ -15,9 +15,9 @@ from typing import Any
 from lxml import etree
 
 from rtkit.profile.rtc_spec import RTC_PROFILE
-from rtkit.profile.rts_model import Condition
+from rtkit.profile.rts_model import OrderStep
 from rtkit.profile.rts_spec import RTS_PROFILE
-from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, WORD, Attr, Child, Spec
+from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, WORD, Attr, Child, ElementSpec
 from rtkit.profile.tree_form import (
     CONDITION,
     DATE_PARTS,
@@ -135,7 +135,7 @@ class _Maker:
         self._texts = _Texts(kind)
         self._definitions: dict[str, Tree] = {}
 
-    def schema(self, spec: Spec) -> Tree:
+    def schema(self, spec: ElementSpec) -> Tree:
         tag = clark(f"{self._kind}:{self._kind.capitalize()}Profile")
         element = self._texts.element(tag, None)
         body = self._reference(spec, tag, self._texts.type_of(element))
@@ -155,7 +155,7 @@ class _Maker:
             "$defs": dict(sorted((self._definitions | shared).items())),
         }
 
-    def _reference(self, spec: Spec, tag: str, type_: Any) -> Tree:
+    def _reference(self, spec: ElementSpec, tag: str, type_: Any) -> Tree:
         name = type_.get("name")
         # Of all documentation there is one type in XML, but each class has its own keys.
         name = f"{_prefix(type_)}.{spec.make.__name__ if name == 'doc' else name}"
@@ -164,14 +164,14 @@ class _Maker:
             self._definitions[name] = self._definition(spec, tag, type_)
         return {"$ref": f"#/$defs/{name}"}
 
-    def _definition(self, spec: Spec, tag: str, type_: Any) -> Tree:
+    def _definition(self, spec: ElementSpec, tag: str, type_: Any) -> Tree:
         properties: Tree = {}
         for item in spec.attributes:
             about = self._texts.about(self._texts.attribute(item.name, type_))
             properties[key_of(item.name, tag)] = {"description": about, **_value(item)}
         waits: Tree = {}
         for part in spec.children:
-            is_wait = spec.make is Condition and part.field in WAITS
+            is_wait = spec.make is OrderStep and part.field in WAITS
             (waits if is_wait else properties)[key_of(part.name, tag)] = self._part(part, type_)
         rules: Tree = {
             "required": [key_of(item.name, tag) for item in spec.attributes if item.required]
@@ -226,7 +226,7 @@ def _prefix(type_: Any) -> str:
     return next(prefix for prefix, uri in NAMESPACES.items() if uri == namespace)
 
 
-def _alternatives(spec: Spec, tag: str) -> list[list[str]]:
+def _alternatives(spec: ElementSpec, tag: str) -> list[list[str]]:
     """Return the keys of which one must be there, for each field that needs one."""
     found: dict[str, list[str]] = {}
     for part in spec.children:

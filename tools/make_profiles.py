@@ -16,10 +16,10 @@ from rtkit.component.contexts import kind_named
 from rtkit.component.describe import describe
 from rtkit.component.fsm import EVENT_NAME
 from rtkit.deployment import actions as act
-from rtkit.deployment.capture import Heading, capture
+from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.extension import MODULE
-from rtkit.deployment.world import World
-from rtkit.manager.modules.loader import Loader
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.modules.loader import Loader
 from rtkit.profile.write import write_rtc, write_rts
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind
@@ -140,7 +140,7 @@ def pattern(component: Component) -> ComponentPattern:
 def rts_document(system: System, patterns: Iterable[ComponentPattern]) -> bytes:
     """Return the profile of a system of samples, as if it lived and had been saved."""
     name, abstract, creates, wires = system
-    world = World(patterns)
+    world = FakeManager(patterns)
     for create in creates:
         world.perform(act.Create(create)).raise_for_error()
     for source, target in wires:
@@ -153,7 +153,7 @@ def rts_document(system: System, patterns: Iterable[ComponentPattern]) -> bytes:
             options[EVENT_NAME] = ends[0].port
         made = ConnectorProfile(id, f"{ends[0].port}_{ends[1].port}", ends, options)
         world.perform(act.Connect(made)).raise_for_error()
-    heading = Heading(DATE, name, "1.0", "rtkit", abstract)
+    heading = SystemHeading(DATE, name, "1.0", "rtkit", abstract)
     return write_rts(capture(world.snapshot(), heading))
 
 

@@ -10,13 +10,13 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from rtkit.manager.settings.properties import FIXED, LIVE, NONE, properties
+from rtkit.settings.properties import FIXED, LIVE, NONE, properties
 
 FILE = Path(__file__).parents[1] / "docs" / "manager-properties.md"
 _HEAD = """\
 # Properties of a manager
 
-Written by `python tools/make_property_table.py` from `rtkit/manager/settings/properties.py`:
+Written by `python tools/make_property_table.py` from `rtkit/settings/properties.py`:
 change that.
 
 A manager takes them from `rtmgr start -f FILE`, else from the file that `RTC_MANAGER_CONFIG` names,

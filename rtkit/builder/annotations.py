@@ -18,7 +18,7 @@ from rtkit.idl.model import (
     ArrayOf,
     Basic,
     Definitions,
-    Enumeration,
+    EnumDeclaration,
     Named,
     Path,
     SequenceOf,
@@ -166,12 +166,12 @@ class Annotations:
             member = standard_types.first_member(path)
             return Zero(f"{self._used(known)}.{member}") if member else Zero(f"{known}()", True)
         declared = self._definitions.by_path[path]
-        if isinstance(declared, Enumeration):
+        if isinstance(declared, EnumDeclaration):
             return Zero(f"{self.names[path]}.{member_names(declared)[0]}")
         return Zero(f"{self.names[path]}()", True)
 
 
-def member_names(declared: Enumeration) -> list[str]:
+def member_names(declared: EnumDeclaration) -> list[str]:
     """Return the names of an enumeration's members in Python."""
     taken = Taken(["mro", "name", "value"])
     return [taken.add(member) for member in declared.members]

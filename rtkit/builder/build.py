@@ -15,7 +15,7 @@ from rtkit.builder.readme import readme
 from rtkit.builder.regions import CODE_STAMP, XML_STAMP
 from rtkit.builder.sample import sample_system
 from rtkit.builder.standard_types import KNOWN
-from rtkit.builder.subject import Subject
+from rtkit.builder.subject import GeneratedComponent
 from rtkit.builder.trial_code import trial_code
 from rtkit.builder.types_code import TypesCode
 from rtkit.idl.model import Definitions
@@ -45,7 +45,7 @@ class Built:
         notes: What could not be taken over as it is.
     """
 
-    subject: Subject
+    subject: GeneratedComponent
     files: dict[str, File]
     notes: tuple[str, ...]
 
@@ -88,8 +88,8 @@ def build(
 
 
 def _mirror(
-    subject: Subject, sources: Sources, made_of: tuple[str, ...]
-) -> tuple[Subject, dict[str, File]]:
+    subject: GeneratedComponent, sources: Sources, made_of: tuple[str, ...]
+) -> tuple[GeneratedComponent, dict[str, File]]:
     """Return what is the mirror of a component, and its files."""
     found, types = prepare(mirrored(subject.profile, subject), replace(sources, drawn=None))
     mirror = replace(found, working=tuple(listening(found.ports)))

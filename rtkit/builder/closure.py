@@ -10,11 +10,11 @@ from rtkit.idl.model import (
     Constant,
     Definitions,
     EnumValue,
-    Interface,
+    InterfaceDeclaration,
     Named,
     Path,
     SequenceOf,
-    Struct,
+    StructDeclaration,
     Type,
     Typedef,
 )
@@ -28,8 +28,10 @@ def closure(definitions: Definitions, wanted: Iterable[Path]) -> list[Path]:
     found: set[Path] = set()
     for path in wanted:
         _add(definitions, path, found)
-    near = {path[:-1] for path in found if isinstance(definitions.by_path[path], Interface)}
-    near |= {path for path in found if isinstance(definitions.by_path[path], Interface)}
+    near = {
+        path[:-1] for path in found if isinstance(definitions.by_path[path], InterfaceDeclaration)
+    }
+    near |= {path for path in found if isinstance(definitions.by_path[path], InterfaceDeclaration)}
     for path, declared in definitions.by_path.items():
         if isinstance(declared, Constant) and path[:-1] in near:
             _add(definitions, path, found)
@@ -42,20 +44,20 @@ def _add(definitions: Definitions, path: Path, found: set[Path]) -> None:
         return
     found.add(path)
     types: list[Type] = []
-    if isinstance(declared, Struct):
+    if isinstance(declared, StructDeclaration):
         types = [each.type for each in declared.fields]
     elif isinstance(declared, Typedef):
         types = [declared.type]
     elif isinstance(declared, Constant) and isinstance(declared.value, EnumValue):
         types = [Named(declared.value.path)]
-    elif isinstance(declared, Interface):
+    elif isinstance(declared, InterfaceDeclaration):
         types = _types_of(declared)
     for type in types:
         for each in _names(type):
             _add(definitions, each, found)
 
 
-def _types_of(interface: Interface) -> list[Type]:
+def _types_of(interface: InterfaceDeclaration) -> list[Type]:
     types: list[Type] = [Named(base) for base in interface.bases]
     types += [each.type for each in interface.attributes]
     for operation in interface.operations:

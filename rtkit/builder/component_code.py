@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from rtkit.builder import standard_types
 from rtkit.builder.layout import (
-    Call,
-    Code,
-    Mapping,
+    CallExpression,
+    MappingExpression,
     Node,
-    Text,
-    Tuple,
+    PlainExpression,
+    StringExpression,
+    TupleExpression,
     assigned,
     chained,
     constant,
@@ -21,13 +21,13 @@ from rtkit.builder.layout import lines as lines_of
 from rtkit.builder.methods import documentation, signature
 from rtkit.builder.regions import CODE_STAMP, region
 from rtkit.builder.subject import (
-    Machine,
-    Offer,
-    Port,
-    Service,
-    Setting,
+    GeneratedComponent,
+    GeneratedInterface,
+    GeneratedParameter,
+    GeneratedPort,
+    GeneratedServicePort,
+    GeneratedStateMachine,
     StateClass,
-    Subject,
 )
 from rtkit.builder.text import INDENT, clean, docstring, one_line, told, width
 from rtkit.builder.types_code import TypesCode
@@ -73,7 +73,7 @@ def neutral(type_name: str) -> str:
     return text if width(text) <= _WIDEST_HEAD else "A component."
 
 
-def component_code(subject: Subject, types: TypesCode) -> str:
+def component_code(subject: GeneratedComponent, types: TypesCode) -> str:
     """Return the source of the module, not yet stamped."""
     lines = [
         *docstring("A component type, made from its RTC profile.", _headline(subject)),
@@ -98,11 +98,11 @@ def component_code(subject: Subject, types: TypesCode) -> str:
     return "\n".join(lines)
 
 
-def _headline(subject: Subject) -> str:
+def _headline(subject: GeneratedComponent) -> str:
     return f"Component type {one_line(subject.type_name)}, made from its RTC profile"
 
 
-def _imports(subject: Subject) -> Iterator[str]:
+def _imports(subject: GeneratedComponent) -> Iterator[str]:
     if subject.machine:
         yield "from typing import Any, ClassVar"
         yield ""
@@ -116,7 +116,7 @@ def _imports(subject: Subject) -> Iterator[str]:
         yield f"import {subject.types_module} as idl"
 
 
-def _class(subject: Subject, types: TypesCode) -> list[str]:
+def _class(subject: GeneratedComponent, types: TypesCode) -> list[str]:
     base = "FsmComponent" if subject.machine else "Component"
     doc = subject.info.doc
     more = [f"{LABELS[key]}{text}" for key in LABELS if (text := clean(told(doc, key)))]
@@ -142,7 +142,7 @@ def _class(subject: Subject, types: TypesCode) -> list[str]:
     return lines
 
 
-def _identity(subject: Subject) -> Iterator[str]:
+def _identity(subject: GeneratedComponent) -> Iterator[str]:
     info = subject.info
     texts = {"vendor": info.vendor, "category": info.category, "version": info.version}
     if subject.type_name != subject.class_name:
@@ -151,33 +151,39 @@ def _identity(subject: Subject) -> Iterator[str]:
         texts["execution_type"] = subject.execution_type
     for name, text in texts.items():
         if text:
-            yield from assigned(name, Text(text))
+            yield from assigned(name, StringExpression(text))
     if subject.rate:
         yield f"{INDENT}rate = {subject.rate!r}  # Hz"
 
 
-def _machine(machine: Machine) -> Iterator[str]:
-    yield from assigned("event_port", Text(machine.port))
+def _machine(machine: GeneratedStateMachine) -> Iterator[str]:
+    yield from assigned("event_port", StringExpression(machine.port))
     states = [
-        (state, Mapping([(event, Text(target)) for event, target in moves.items()]))
+        (
+            state,
+            MappingExpression(
+                [(event, StringExpression(target)) for event, target in moves.items()]
+            ),
+        )
         for state, moves in machine.states.items()
     ]
     yield from mapping("states: ClassVar", states)
     if machine.events:
         yield from mapping(
-            "events: ClassVar", [(each.name, Code(each.type)) for each in machine.events]
+            "events: ClassVar", [(each.name, PlainExpression(each.type)) for each in machine.events]
         )
     yield from mapping(
-        "state_classes: ClassVar", [(each.state, Code(each.name)) for each in machine.classes]
+        "state_classes: ClassVar",
+        [(each.state, PlainExpression(each.name)) for each in machine.classes],
     )
 
 
 def _named(attribute: str, name: str) -> list[tuple[str, Node]]:
     """Return the argument that says the name, unless the attribute says it already."""
-    return [] if attribute.rstrip("_") == name else [("name", Text(name))]
+    return [] if attribute.rstrip("_") == name else [("name", StringExpression(name))]
 
 
-def port_doc(port: Port) -> str:
+def port_doc(port: GeneratedPort) -> str:
     """Return what a data port is for, with its unit."""
     profile = port.profile
     text = one_line(told(profile.doc, "description") or profile.comment)
@@ -185,17 +191,24 @@ def port_doc(port: Port) -> str:
     return f"{text} [{unit}]".strip() if unit and f"[{unit}]" not in text else text
 
 
-def _port(port: Port) -> list[str]:
-    given: list[tuple[str, Node]] = [] if port.kind == "EventPort" else [("", Code(port.type))]
+def _port(port: GeneratedPort) -> list[str]:
+    given: list[tuple[str, Node]] = (
+        [] if port.kind == "EventPort" else [("", PlainExpression(port.type))]
+    )
     given += _named(port.attribute, port.name)
     if port.type == "bytes" and port.type_name != "any":
-        given.append(("properties", Mapping([("dataport.data_type", Text(port.type_name))])))
+        given.append(
+            (
+                "properties",
+                MappingExpression([("dataport.data_type", StringExpression(port.type_name))]),
+            )
+        )
     text = port_doc(port)
-    given += [("doc", Text(text))] if text else []
-    return assigned(port.attribute, Call(f"rt.{port.kind}", given))
+    given += [("doc", StringExpression(text))] if text else []
+    return assigned(port.attribute, CallExpression(f"rt.{port.kind}", given))
 
 
-def service_doc(service: Service) -> str:
+def service_doc(service: GeneratedServicePort) -> str:
     """Return what a service port is for."""
     profile = service.profile
     texts = [told(profile.doc, "description"), told(profile.doc, "ifdescription")]
@@ -203,53 +216,58 @@ def service_doc(service: Service) -> str:
     return next(filter(None, map(one_line, [*texts, profile.comment])), "")
 
 
-def _service(service: Service) -> list[str]:
+def _service(service: GeneratedServicePort) -> list[str]:
     text = service_doc(service)
     named = _named(service.attribute, service.name)
-    told: list[tuple[str, Node]] = [("doc", Text(text))] if text else []
+    told: list[tuple[str, Node]] = [("doc", StringExpression(text))] if text else []
     called = [each for each in service.offers if each.protocol]
     described = [each for each in service.offers if not each.protocol]
     if len(service.offers) == 1 and called:
         kind = "provided" if called[0].is_provided else "required"
         given = [*_offer(called[0], service.name), *named, *told]
-        return assigned(service.attribute, Call(f"rt.ServicePort.{kind}", given))
+        return assigned(service.attribute, CallExpression(f"rt.ServicePort.{kind}", given))
     if described:
-        named = [*named, ("interfaces", Tuple([_described(each) for each in described]))]
+        named = [*named, ("interfaces", TupleExpression([_described(each) for each in described]))]
     steps = [
-        Call(f".{'provide' if each.is_provided else 'require'}", _offer(each, service.name))
+        CallExpression(
+            f".{'provide' if each.is_provided else 'require'}", _offer(each, service.name)
+        )
         for each in called
     ]
-    return chained(service.attribute, [Call("rt.ServicePort", [*named, *told]), *steps])
+    return chained(service.attribute, [CallExpression("rt.ServicePort", [*named, *told]), *steps])
 
 
-def _offer(offer: Offer, port: str) -> list[tuple[str, Node]]:
-    given: list[tuple[str, Node]] = [("", Code(offer.protocol))]
+def _offer(offer: GeneratedInterface, port: str) -> list[tuple[str, Node]]:
+    given: list[tuple[str, Node]] = [("", PlainExpression(offer.protocol))]
     if offer.name and offer.name != port:
-        given.append(("", Text(offer.name)))
+        given.append(("", StringExpression(offer.name)))
     if offer.servant:
-        given.append(("implementation", Code(offer.servant)))
+        given.append(("implementation", PlainExpression(offer.servant)))
     if offer.type_name != offer.protocol.removeprefix("idl."):
-        given.append(("type_name", Text(offer.type_name)))
+        given.append(("type_name", StringExpression(offer.type_name)))
     return given
 
 
-def _described(offer: Offer) -> Node:
+def _described(offer: GeneratedInterface) -> Node:
     """Return an interface that is only told of: nobody here knows its operations."""
-    polarity = Code(f"rt.Polarity.{'PROVIDED' if offer.is_provided else 'REQUIRED'}")
-    given: list[tuple[str, Node]] = [("", Text(offer.name)), ("", Text(offer.type_name))]
+    polarity = PlainExpression(f"rt.Polarity.{'PROVIDED' if offer.is_provided else 'REQUIRED'}")
+    given: list[tuple[str, Node]] = [
+        ("", StringExpression(offer.name)),
+        ("", StringExpression(offer.type_name)),
+    ]
     given.append(("", polarity))
-    return Call("rt.PortInterfaceProfile", given)
+    return CallExpression("rt.PortInterfaceProfile", given)
 
 
-def _setting(setting: Setting) -> list[str]:
+def _setting(setting: GeneratedParameter) -> list[str]:
     given = [("", constant(setting.default)), *_named(setting.attribute, setting.name)]
     for keyword in ("unit", "doc", "constraint", "widget"):
         text = getattr(setting, keyword)
-        given += [(keyword, Text(text))] if text else []
-    return assigned(setting.attribute, Call("rt.Parameter", given))
+        given += [(keyword, StringExpression(text))] if text else []
+    return assigned(setting.attribute, CallExpression("rt.Parameter", given))
 
 
-def _callbacks(subject: Subject) -> Iterator[list[str]]:
+def _callbacks(subject: GeneratedComponent) -> Iterator[list[str]]:
     names = [each.name for each in subject.callbacks]
     for each in subject.callbacks:
         given = "" if each.name in _UNHURRIED else ", context: str"
@@ -264,11 +282,11 @@ def _callbacks(subject: Subject) -> Iterator[list[str]]:
         yield from _machine_callbacks(subject.machine, names)
 
 
-def _beginning(subject: Subject, callback: str) -> list[str]:
+def _beginning(subject: GeneratedComponent, callback: str) -> list[str]:
     return [BODY + line for line in subject.working] if callback == "on_execute" else []
 
 
-def _others(subject: Subject) -> Iterator[str]:
+def _others(subject: GeneratedComponent) -> Iterator[str]:
     """Yield the callbacks that the profile does not ask for, as comments to copy from."""
     there = {each.name for each in subject.callbacks}
     if subject.machine:
@@ -290,7 +308,7 @@ def callback_doc(name: str, doc: ActionDoc | None) -> list[str]:
     return docstring(SUMMARIES[name], told(doc, "description"), more, BODY)
 
 
-def _machine_callbacks(machine: Machine, names: list[str]) -> Iterator[list[str]]:
+def _machine_callbacks(machine: GeneratedStateMachine, names: list[str]) -> Iterator[list[str]]:
     conditions = ["Conditions of the profile:\n" + "\n".join(machine.conditions)]
     yield [
         f"{INDENT}def on_entry(self, state: str) -> None:",
@@ -316,7 +334,7 @@ def _machine_callbacks(machine: Machine, names: list[str]) -> Iterator[list[str]
     ]
 
 
-def _state_class(each: StateClass, subject: Subject) -> Iterator[str]:
+def _state_class(each: StateClass, subject: GeneratedComponent) -> Iterator[str]:
     events = subject.machine.events if subject.machine else ()
     types = {event.name: event.type for event in events}
     yield f"class {each.name}(rt.State):"
@@ -330,7 +348,7 @@ def _state_class(each: StateClass, subject: Subject) -> Iterator[str]:
         yield from region(f"{each.name}.{name}", BODY)
     for name, event, target in each.moves:
         yield ""
-        yield from lines_of("@", Call("rt.takes", [("", Text(event))]))
+        yield from lines_of("@", CallExpression("rt.takes", [("", StringExpression(event))]))
         yield f"{INDENT}def {name}(self, value: {types[event]}) -> str | None:"
         yield from docstring(
             "Take an event.", f"Take {one_line(event)}, which leads to {one_line(target)}", (), BODY
@@ -338,14 +356,16 @@ def _state_class(each: StateClass, subject: Subject) -> Iterator[str]:
         yield from region(f"{each.name}.{name}", BODY, [f"{BODY}return None"])
 
 
-def _operations(subject: Subject, types: TypesCode) -> Iterator[list[str]]:
+def _operations(subject: GeneratedComponent, types: TypesCode) -> Iterator[list[str]]:
     for service in subject.services:
         for offer in service.offers:
             if offer.is_provided and not offer.servant:
                 yield from _methods(service, offer, types)
 
 
-def _methods(service: Service, offer: Offer, types: TypesCode) -> Iterator[list[str]]:
+def _methods(
+    service: GeneratedServicePort, offer: GeneratedInterface, types: TypesCode
+) -> Iterator[list[str]]:
     owner = offer.servant or service.attribute
     for method in offer.methods:
         yield [
@@ -355,7 +375,12 @@ def _methods(service: Service, offer: Offer, types: TypesCode) -> Iterator[list[
         ]
 
 
-def _servant(service: Service, offer: Offer, subject: Subject, types: TypesCode) -> Iterator[str]:
+def _servant(
+    service: GeneratedServicePort,
+    offer: GeneratedInterface,
+    subject: GeneratedComponent,
+    types: TypesCode,
+) -> Iterator[str]:
     yield f"class {offer.servant}:"
     yield f'{INDENT}"""What a service port offers; `component` is the one that it is part of."""'
     yield ""
@@ -366,7 +391,7 @@ def _servant(service: Service, offer: Offer, subject: Subject, types: TypesCode)
         yield from method
 
 
-def _init(subject: Subject) -> list[str]:
+def _init(subject: GeneratedComponent) -> list[str]:
     return [
         f"def {subject.init}(manager: rt.Manager) -> None:",
         f'{INDENT}"""Register the component type of this module."""',

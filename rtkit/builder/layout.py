@@ -11,66 +11,66 @@ from typing import NamedTuple
 from rtkit.builder.text import INDENT, WIDTH, cut_text, literal, value, width
 
 
-class Code(NamedTuple):
+class PlainExpression(NamedTuple):
     """An expression that is never split."""
 
     code: str
 
 
-class Text(NamedTuple):
+class StringExpression(NamedTuple):
     """A string literal; one that is too long for a line is cut."""
 
     text: str
 
 
-class Call(NamedTuple):
+class CallExpression(NamedTuple):
     """``head(…)``; an argument is its keyword, which may be empty, and its value."""
 
     head: str
     arguments: Sequence[tuple[str, Node]]
 
 
-class Tuple(NamedTuple):
+class TupleExpression(NamedTuple):
     """``(…)``."""
 
     items: Sequence[Node]
 
 
-class Mapping(NamedTuple):
+class MappingExpression(NamedTuple):
     """``{…}``; keys are texts."""
 
     items: Sequence[tuple[str, Node]]
 
 
-Node = Code | Text | Call | Tuple | Mapping
+Node = PlainExpression | StringExpression | CallExpression | TupleExpression | MappingExpression
 
 
 def constant(content: object) -> Node:
     """Return the literal of a number, a text, a truth value or a tuple of them."""
     if isinstance(content, str):
-        return Text(content)
+        return StringExpression(content)
     if isinstance(content, tuple):
-        return Tuple([constant(item) for item in content])
-    return Code(value(content))
+        return TupleExpression([constant(item) for item in content])
+    return PlainExpression(value(content))
 
 
 def flat(node: Node) -> str:
     """Return an expression on one line."""
     opening, items, closing = _parts(node)
     inner = ", ".join(f"{prefix}{flat(item)}" for prefix, item in items)
-    comma = "," if isinstance(node, Tuple) and len(items) == 1 else ""
+    comma = "," if isinstance(node, TupleExpression) and len(items) == 1 else ""
     return f"{opening}{inner}{comma}{closing}"
 
 
 def _parts(node: Node) -> tuple[str, list[tuple[str, Node]], str]:
-    if isinstance(node, Code):
+    if isinstance(node, PlainExpression):
         return node.code, [], ""
-    if isinstance(node, Text):
+    if isinstance(node, StringExpression):
         return literal(node.text), [], ""
-    if isinstance(node, Call):
+    if isinstance(node, CallExpression):
         pairs = [(f"{keyword}=" if keyword else "", item) for keyword, item in node.arguments]
         return f"{node.head}(", pairs, ")"
-    if isinstance(node, Tuple):
+    if isinstance(node, TupleExpression):
         return "(", [("", item) for item in node.items], ")"
     return "{", [(f"{literal(key)}: ", item) for key, item in node.items], "}"
 
@@ -78,16 +78,16 @@ def _parts(node: Node) -> tuple[str, list[tuple[str, Node]], str]:
 def lines(head: str, node: Node, tail: str = "", indent: str = INDENT) -> list[str]:
     """Return the lines of ``head`` + expression + ``tail``."""
     line = f"{indent}{head}{flat(node)}{tail}"
-    if width(line) <= WIDTH or isinstance(node, Code):
+    if width(line) <= WIDTH or isinstance(node, PlainExpression):
         return [line]
-    if isinstance(node, Text):
+    if isinstance(node, StringExpression):
         return [f"{indent}{head}(", *cut_text(node.text, indent + INDENT), f"{indent}){tail}"]
     opening, items, closing = _parts(node)
     if not items:
         return [line]
     inner = (
         _pairs(node.items, indent + INDENT)
-        if isinstance(node, Mapping)
+        if isinstance(node, MappingExpression)
         else _inner(items, indent + INDENT)
     )
     return [f"{indent}{head}{opening}", *inner, f"{indent}{closing}{tail}"]
@@ -119,7 +119,7 @@ def mapping(name: str, items: Sequence[tuple[str, Node]], indent: str = INDENT) 
     return [f"{indent}{name} = {{", *_pairs(items, indent + INDENT), f"{indent}}}"]
 
 
-def chained(name: str, calls: Sequence[Call], indent: str = INDENT) -> list[str]:
+def chained(name: str, calls: Sequence[CallExpression], indent: str = INDENT) -> list[str]:
     """Return the lines of ``name = a(…).b(…).c(…)``."""
     if len(calls) == 1:
         return assigned(name, calls[0], indent)

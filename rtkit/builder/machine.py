@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 
-from rtkit.builder.subject import Event, Machine
+from rtkit.builder.subject import GeneratedEvent, GeneratedStateMachine
 from rtkit.builder.text import one_line
 from rtkit.profile import rtc_model
 from rtkit.rtc.names import near_port_name
@@ -17,11 +17,11 @@ _Note = Callable[[str], None]
 
 
 def machine_of(
-    port: rtc_model.DataPort,
+    port: rtc_model.DataPortDeclaration,
     drawn: _Table | None,
     type_of: Callable[[str], str],
     note: _Note,
-) -> Machine | None:
+) -> GeneratedStateMachine | None:
     """Return the machine of an event port; None where nothing tells a state.
 
     Args:
@@ -41,15 +41,15 @@ def machine_of(
             types.setdefault(name, type_of(each.type or ""))
     missing = [event for moves in states.values() for event in moves if event not in types]
     events = [*types.items(), *((event, "bytes") for event in dict.fromkeys(missing))]
-    return Machine(
+    return GeneratedStateMachine(
         near_port_name(port.name) or "event",
         states,
-        tuple(Event(name, type) for name, type in events),
+        tuple(GeneratedEvent(name, type) for name, type in events),
         tuple(filter(None, map(_condition, port.events))),
     )
 
 
-def _states(events: Iterable[rtc_model.Event], note: _Note) -> dict[str, dict[str, str]]:
+def _states(events: Iterable[rtc_model.FsmTransition], note: _Note) -> dict[str, dict[str, str]]:
     states: dict[str, dict[str, str]] = {}
     first = ""
     for each in events:
@@ -81,6 +81,6 @@ def _event(name: str) -> str:
     return one_line(name)
 
 
-def _condition(event: rtc_model.Event) -> str:
+def _condition(event: rtc_model.FsmTransition) -> str:
     condition = one_line(event.condition)
     return f"{_event(event.name)} in {_state(event.source)}: {condition}" if condition else ""

@@ -19,7 +19,7 @@ _EVENT, _FORMER, _STATES = "on_event", ["return None"], "(rt.State):"
 """A region, what it held in the beginning before states had classes, and what tells them."""
 
 
-class Fate(Enum):
+class MergeOutcome(Enum):
     """What is to be done with a file."""
 
     WRITE = "written"
@@ -39,7 +39,7 @@ class Merged(NamedTuple):
     A conflict has the text that can be written all the same, if what was there is kept aside.
     """
 
-    fate: Fate
+    assignment: MergeOutcome
     text: str
     why: str = ""
     line: int = 0
@@ -53,42 +53,46 @@ def merge(old: str | None, new: str, *, has_regions: bool) -> Merged:
     """
     text = stamped(new, has_regions=has_regions)
     if old is None:
-        return Merged(Fate.WRITE, text)
+        return Merged(MergeOutcome.WRITE, text)
     if old == text:
-        return Merged(Fate.SAME, text)
+        return Merged(MergeOutcome.SAME, text)
     try:
         return _with_regions(old, text) if has_regions else _whole(old, text)
     except Malformed as error:
         number, _, why = str(error).partition(": ")
-        return Merged(Fate.CONFLICT, text, why, int(number))
+        return Merged(MergeOutcome.CONFLICT, text, why, int(number))
 
 
 def _whole(old: str, text: str) -> Merged:
     stamp = stamp_of(old)
     if stamp and stamp == fingerprint(old, has_regions=False):
-        return Merged(Fate.WRITE, text)
-    return Merged(Fate.KEEP, text, "it was changed" if stamp else "it was not made by rtbuild")
+        return Merged(MergeOutcome.WRITE, text)
+    return Merged(
+        MergeOutcome.KEEP, text, "it was changed" if stamp else "it was not made by rtbuild"
+    )
 
 
 def _with_regions(old: str, text: str) -> Merged:
     before, after = split(old), split(text)
     stamp = stamp_of(old)
     if not stamp:
-        return Merged(Fate.CONFLICT, text, "it was not made by rtbuild", 1)
+        return Merged(MergeOutcome.CONFLICT, text, "it was not made by rtbuild", 1)
     if stamp != fingerprint(old, has_regions=True):
         line = _first_difference(before.generated, after.generated)
         where = before.numbers[min(line, len(before.numbers) - 1)]
         why = "the generated part was changed"
-        return Merged(Fate.CONFLICT, joined(after, before.regions), why, where)
+        return Merged(MergeOutcome.CONFLICT, joined(after, before.regions), why, where)
     for name, lines in before.regions.items():
         if name not in after.regions and not is_placeholder(lines):
             why = f"there is no place any more for your code {name}"
-            return Merged(Fate.CONFLICT, joined(after, before.regions), why, _place(old, name))
+            return Merged(
+                MergeOutcome.CONFLICT, joined(after, before.regions), why, _place(old, name)
+            )
     regions = dict(before.regions)
     if _STATES not in old and [line.strip() for line in regions.get(_EVENT, ())] == _FORMER:
         del regions[_EVENT]  # else classes of states would never be asked
     merged = joined(after, regions)
-    return Merged(Fate.SAME if merged == old else Fate.WRITE, merged)
+    return Merged(MergeOutcome.SAME if merged == old else MergeOutcome.WRITE, merged)
 
 
 def _first_difference(old: list[str], new: list[str]) -> int:

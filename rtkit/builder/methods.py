@@ -13,12 +13,12 @@ from typing import NamedTuple
 from rtkit.builder.annotations import OWN, Annotations
 from rtkit.builder.names import Taken, in_words
 from rtkit.builder.text import INDENT, WIDTH, docstring, sentence, width
-from rtkit.idl.model import Attribute, Direction, Interface, Operation, Path
+from rtkit.idl.model import Attribute, Direction, InterfaceDeclaration, Operation, Path
 
 _LONG_RESULT = 60
 
 
-class Method(NamedTuple):
+class GeneratedMethod(NamedTuple):
     """A method; annotations have ``§`` before names of the module with the types.
 
     Attributes:
@@ -34,10 +34,10 @@ class Method(NamedTuple):
     raises: tuple[Path, ...] = ()
 
 
-def methods_of(interface: Interface, types: Annotations) -> list[Method]:
+def methods_of(interface: InterfaceDeclaration, types: Annotations) -> list[GeneratedMethod]:
     """Return the methods of an interface, without those of its bases."""
     taken = Taken([*dir(object), "idl", "images", "rt"])
-    found: list[Method] = []
+    found: list[GeneratedMethod] = []
     for operation in interface.operations:
         name = taken.add(operation.name)
         found.append(_operation(operation, name, types, f"{interface.path[-1]}{name}"))
@@ -46,14 +46,14 @@ def methods_of(interface: Interface, types: Annotations) -> list[Method]:
     return found
 
 
-def _operation(operation: Operation, name: str, types: Annotations, label: str) -> Method:
+def _operation(operation: Operation, name: str, types: Annotations, label: str) -> GeneratedMethod:
     taken = Taken()
     given = [each for each in operation.parameters if each.direction is not Direction.OUT]
     back = [each for each in operation.parameters if each.direction is not Direction.IN]
     results = [(each.name, types.of(each.type)) for each in back]
     if operation.result is not None:
         results.insert(0, ("", types.of(operation.result)))
-    return Method(
+    return GeneratedMethod(
         name,
         tuple((taken.add(each.name), types.of(each.type)) for each in given),
         _result([kind for _, kind in results], types, label),
@@ -75,16 +75,16 @@ def _result(kinds: Sequence[str], types: Annotations, label: str) -> str:
     return f"{OWN}{name}"
 
 
-def _attribute(attribute: Attribute, taken: Taken, types: Annotations) -> Iterator[Method]:
+def _attribute(attribute: Attribute, taken: Taken, types: Annotations) -> Iterator[GeneratedMethod]:
     kind, words = types.of(attribute.type), in_words(attribute.name)
     doc = attribute.doc or f"Return the {words}"
-    yield Method(taken.add(f"get_{attribute.name}"), (), kind, doc)
+    yield GeneratedMethod(taken.add(f"get_{attribute.name}"), (), kind, doc)
     if not attribute.is_readonly:
         name = taken.add(f"set_{attribute.name}")
-        yield Method(name, (("value", kind),), "None", f"Change the {words}")
+        yield GeneratedMethod(name, (("value", kind),), "None", f"Change the {words}")
 
 
-def signature(method: Method, prefix: str, indent: str) -> list[str]:
+def signature(method: GeneratedMethod, prefix: str, indent: str) -> list[str]:
     """Return the lines of ``def …:``; `prefix` is how code gets at the types."""
     given = ["self", *(f"{name}: {kind}" for name, kind in method.parameters)]
     head = f"{indent}def {method.name}("
@@ -96,7 +96,7 @@ def signature(method: Method, prefix: str, indent: str) -> list[str]:
     return [head, *(f"{indent}{INDENT}{each}," for each in plain), f"{indent}{tail}"]
 
 
-def documentation(method: Method, names: Callable[[Path], str], indent: str) -> list[str]:
+def documentation(method: GeneratedMethod, names: Callable[[Path], str], indent: str) -> list[str]:
     """Return the lines of the docstring; `names` gives those of exceptions."""
     sections: list[str] = []
     if method.results:

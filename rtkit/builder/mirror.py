@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.builder.sample import system_of
-from rtkit.builder.subject import Port, Subject
+from rtkit.builder.subject import GeneratedComponent, GeneratedPort
 from rtkit.component.contexts import PERIODIC
 from rtkit.component.fsm import EVENT_NAME
-from rtkit.profile.common import Property
-from rtkit.profile.rtc_model import Actions, ActionStatus, BasicInfo, DataPort, RtcProfile
+from rtkit.fast_dataclass import replace
+from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.rtc_model import (
+    Actions,
+    ActionStatus,
+    BasicInfo,
+    DataPortDeclaration,
+    RtcProfile,
+)
 from rtkit.profile.rts_model import DataPortConnector, ServicePortConnector, TargetPort
-from rtkit.records import replace
 from rtkit.rtc.profiles import TypeProfile
 
 FOLDER = "mirror"
@@ -24,7 +30,7 @@ _REVERSED = {
 }
 
 
-def mirrored(profile: RtcProfile, subject: Subject) -> RtcProfile:
+def mirrored(profile: RtcProfile, subject: GeneratedComponent) -> RtcProfile:
     """Return the profile of the mirror of a component; it has an out port for each event."""
     name, info = f"{subject.type_name}Mirror", subject.info
     ports = [
@@ -35,7 +41,9 @@ def mirrored(profile: RtcProfile, subject: Subject) -> RtcProfile:
     machine = subject.machine
     types = {each.name: each.type or "" for port in profile.data_ports for each in port.events}
     for event in machine.events if machine else ():
-        ports.append(DataPort("DataOutPort", event.name, types.get(event.name, ""), "RIGHT"))
+        ports.append(
+            DataPortDeclaration("DataOutPort", event.name, types.get(event.name, ""), "RIGHT")
+        )
     services = tuple(
         replace(
             port,
@@ -69,7 +77,7 @@ def _info(info: BasicInfo, name: str) -> BasicInfo:
     )
 
 
-def listening(ports: tuple[Port, ...]) -> list[str]:
+def listening(ports: tuple[GeneratedPort, ...]) -> list[str]:
     """Return code that logs what arrives at in ports."""
     lines = []
     for port in ports:
@@ -79,7 +87,7 @@ def listening(ports: tuple[Port, ...]) -> list[str]:
     return lines
 
 
-def mirror_system(subject: Subject, mirror: Subject) -> str:
+def mirror_system(subject: GeneratedComponent, mirror: GeneratedComponent) -> str:
     """Return a system profile that connects a component with its mirror, not yet stamped."""
     return system_of(
         [(subject, ""), (mirror, f"{FOLDER}/")],
@@ -89,7 +97,9 @@ def mirror_system(subject: Subject, mirror: Subject) -> str:
     )
 
 
-def _data_connectors(subject: Subject, mirror: Subject) -> Iterator[DataPortConnector]:
+def _data_connectors(
+    subject: GeneratedComponent, mirror: GeneratedComponent
+) -> Iterator[DataPortConnector]:
     own = [port for port in subject.ports if port.kind != "EventPort"]
     machine = subject.machine
     ends = [(port.name, port.name, port.type_name, port.kind == "OutPort", "") for port in own]
@@ -109,11 +119,13 @@ def _data_connectors(subject: Subject, mirror: Subject) -> Iterator[DataPortConn
             source,
             target,
             "flush",
-            properties=(Property(EVENT_NAME, event),) if event else (),
+            properties=(ExtensionProperty(EVENT_NAME, event),) if event else (),
         )
 
 
-def _service_connectors(subject: Subject, mirror: Subject) -> Iterator[ServicePortConnector]:
+def _service_connectors(
+    subject: GeneratedComponent, mirror: GeneratedComponent
+) -> Iterator[ServicePortConnector]:
     pairs = zip(subject.services, mirror.services, strict=True)
     for number, (own, other) in enumerate(pairs, 1):
         if any(offer.protocol for offer in own.offers):
@@ -121,7 +133,7 @@ def _service_connectors(subject: Subject, mirror: Subject) -> Iterator[ServicePo
             yield ServicePortConnector(f"mirror-service-{number}", own.name, *ends)
 
 
-def _end(subject: Subject, port: str) -> TargetPort:
+def _end(subject: GeneratedComponent, port: str) -> TargetPort:
     info, instance = subject.info, f"{subject.type_name}0"
     type = TypeProfile(subject.type_name, info.vendor, info.category, info.version)
     return TargetPort(type.id, instance, f"{instance}.{port}")

@@ -8,18 +8,18 @@ from rtkit.builder.standard_types import KNOWN
 from rtkit.idl.model import (
     ArrayOf,
     Basic,
+    BasicKind,
     Constant,
     Declaration,
     Definitions,
-    Enumeration,
-    Interface,
-    Kind,
+    EnumDeclaration,
+    InterfaceDeclaration,
     Named,
     Opaque,
     Operation,
     Path,
     SequenceOf,
-    Struct,
+    StructDeclaration,
     Type,
     Typedef,
 )
@@ -77,22 +77,22 @@ def _of_name(definitions: Definitions, path: Path, inside: tuple[Path, ...]) -> 
         return f"{name} contains itself"
     if isinstance(declared, Typedef):
         return of_type(definitions, declared.type, (*inside, path))
-    if isinstance(declared, Enumeration):
+    if isinstance(declared, EnumDeclaration):
         return ""
-    if isinstance(declared, Struct) and not declared.is_exception:
+    if isinstance(declared, StructDeclaration) and not declared.is_exception:
         if not declared.fields:
             return f"{name} has no members"
         reasons = (of_type(definitions, each.type, (*inside, path)) for each in declared.fields)
         return next(filter(None, reasons), "")
-    if isinstance(declared, Interface):
+    if isinstance(declared, InterfaceDeclaration):
         return f"{name} is an interface, to which no reference is passed"
-    if isinstance(declared, Opaque) and declared.kind is not Kind.MISSING:
+    if isinstance(declared, Opaque) and declared.kind is not BasicKind.MISSING:
         return f"{name} is a {declared.kind.value}"
     absent = ", ".join(definitions.missing)
     return f"{name} is not defined" + (f" ({absent} not found)" if absent else "")
 
 
-def of_interface(definitions: Definitions, interface: Interface) -> str:
+def of_interface(definitions: Definitions, interface: InterfaceDeclaration) -> str:
     """Return why an interface cannot be called; empty when it can."""
     is_empty = True
     for each in lineage(definitions, interface):
@@ -118,7 +118,9 @@ def _of_operation(definitions: Definitions, operation: Operation) -> str:
     return next(filter(None, (of_type(definitions, each) for each in types)), "")
 
 
-def lineage(definitions: Definitions, interface: Interface) -> Iterator[Interface | str]:
+def lineage(
+    definitions: Definitions, interface: InterfaceDeclaration
+) -> Iterator[InterfaceDeclaration | str]:
     """Yield the bases of an interface, the farthest first, then itself.
 
     A base that nothing defines is told by its name.
@@ -128,12 +130,12 @@ def lineage(definitions: Definitions, interface: Interface) -> Iterator[Interfac
 
 
 def _lineage(
-    definitions: Definitions, interface: Interface, seen: set[Path]
-) -> Iterator[Interface | str]:
+    definitions: Definitions, interface: InterfaceDeclaration, seen: set[Path]
+) -> Iterator[InterfaceDeclaration | str]:
     seen.add(interface.path)
     for path in interface.bases:
         base = definitions.by_path.get(path)
-        if not isinstance(base, Interface):
+        if not isinstance(base, InterfaceDeclaration):
             yield "::".join(path)
         elif path not in seen:
             yield from _lineage(definitions, base, seen)
@@ -152,9 +154,11 @@ def resolved(definitions: Definitions, type: Type) -> Type:
 
 def obstacle(definitions: Definitions, declared: Declaration) -> str:
     """Return why a declaration has no form in Python; empty when it has one."""
-    if isinstance(declared, Interface):
+    if isinstance(declared, InterfaceDeclaration):
         return of_interface(definitions, declared)
-    if isinstance(declared, Constant) or (isinstance(declared, Struct) and declared.is_exception):
+    if isinstance(declared, Constant) or (
+        isinstance(declared, StructDeclaration) and declared.is_exception
+    ):
         return ""
     if isinstance(declared, Typedef):
         return of_type(definitions, declared.type)

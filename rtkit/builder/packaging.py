@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from rtkit.builder.regions import FILE_STAMP
-from rtkit.builder.subject import Subject
+from rtkit.builder.subject import GeneratedComponent
 from rtkit.builder.text import one_line
 
 ENTRY_POINTS = "rtkit.components"
@@ -55,7 +55,9 @@ def toml(text: str) -> str:
     return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in plain) + '"'
 
 
-def pyproject(subject: Subject, made_of: Sequence[str] = (), *, has_mirror: bool = False) -> str:
+def pyproject(
+    subject: GeneratedComponent, made_of: Sequence[str] = (), *, has_mirror: bool = False
+) -> str:
     """Return ``pyproject.toml``, not yet stamped; IDL files that it is `made_of` go with it."""
     module, package = subject.module, package_name(subject.type_name)
     rules: dict[str, Sequence[str]] = {}
@@ -126,5 +128,5 @@ def _listed(texts: Iterable[str]) -> str:
     return ", ".join(map(toml, texts))
 
 
-def _has_foreign_names(subject: Subject) -> bool:
+def _has_foreign_names(subject: GeneratedComponent) -> bool:
     return any(offer.methods for service in subject.services for offer in service.offers)

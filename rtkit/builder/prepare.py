@@ -19,12 +19,12 @@ from rtkit.builder.obstacles import of_interface, of_type
 from rtkit.builder.settings import settings_of, unused
 from rtkit.builder.subject import (
     Callback,
-    Machine,
-    Offer,
-    Port,
-    Service,
+    GeneratedComponent,
+    GeneratedInterface,
+    GeneratedPort,
+    GeneratedServicePort,
+    GeneratedStateMachine,
     StateClass,
-    Subject,
 )
 from rtkit.builder.text import one_line, width
 from rtkit.builder.types_code import TypesCode
@@ -33,14 +33,14 @@ from rtkit.component.contexts import PERIODIC, kind_named
 from rtkit.component.fsm import FsmComponent, State
 from rtkit.component.machine import lineage
 from rtkit.errors import Refused
-from rtkit.idl.model import Definitions, Interface, Named, Path
+from rtkit.idl.model import Definitions, InterfaceDeclaration, Named, Path
 from rtkit.profile.rtc_model import (
     Actions,
     BasicInfo,
-    DataPort,
+    DataPortDeclaration,
     RtcProfile,
     ServiceInterface,
-    ServicePort,
+    ServicePortDeclaration,
 )
 from rtkit.rtc.names import near_port_name
 
@@ -97,7 +97,7 @@ def is_declared(text: str, definitions: Definitions) -> bool:
     return not path or path in standard_types.KNOWN or bool(_full(path, definitions))
 
 
-def prepare(profile: RtcProfile, sources: Sources) -> tuple[Subject, TypesCode]:
+def prepare(profile: RtcProfile, sources: Sources) -> tuple[GeneratedComponent, TypesCode]:
     """Return what is to be generated for a profile, and the types that go with it."""
     return _Preparation(profile, sources).run()
 
@@ -108,9 +108,9 @@ class _Preparation:
     sources: Sources
     notes: list[str] = field(default_factory=list)
     classes: set[str] = field(default_factory=set)
-    event_port: DataPort | None = None
+    event_port: DataPortDeclaration | None = None
 
-    def run(self) -> tuple[Subject, TypesCode]:
+    def run(self) -> tuple[GeneratedComponent, TypesCode]:
         profile = self.profile
         info = profile.basic_info or _unnamed(self.sources.stem)
         if profile.basic_info is None:
@@ -123,7 +123,7 @@ class _Preparation:
         names: set[str] = {machine.port} if machine else set()
         ports = tuple(self._ports(types, taken, names))
         services = tuple(self._services(types, taken, names))
-        subject = Subject(
+        subject = GeneratedComponent(
             profile=profile,
             info=info,
             type_name=own,
@@ -170,10 +170,10 @@ class _Preparation:
             return ()
         return _full(path, self.sources.definitions)
 
-    def _interface(self, each: ServiceInterface) -> Interface | None:
+    def _interface(self, each: ServiceInterface) -> InterfaceDeclaration | None:
         path = _full(standard_types.path_of(each.type), self.sources.definitions)
         found = self.sources.definitions.by_path.get(path)
-        return found if isinstance(found, Interface) else None
+        return found if isinstance(found, InterfaceDeclaration) else None
 
     def _execution_type(self, info: BasicInfo) -> str:
         name = info.execution_type.strip()
@@ -190,7 +190,7 @@ class _Preparation:
             self.notes.append(f"a rate of {rate:g} Hz is none; it is left out")
         return max(rate, 0.0)
 
-    def _machine(self, types: TypesCode) -> Machine | None:
+    def _machine(self, types: TypesCode) -> GeneratedStateMachine | None:
         """Return the machine of the first event port that tells one."""
         for port in self._event_ports():
             found = machine_of(
@@ -204,7 +204,7 @@ class _Preparation:
                 return found._replace(classes=tuple(self._state_classes(found)))
         return None
 
-    def _state_classes(self, machine: Machine) -> Iterator[StateClass]:
+    def _state_classes(self, machine: GeneratedStateMachine) -> Iterator[StateClass]:
         states = [reversed(list(lineage(state))) for state in machine.states]
         for state in dict.fromkeys(each for line in states for each in line):
             taken = Taken([*dir(State), "component", *_IN_CLASS])
@@ -214,10 +214,10 @@ class _Preparation:
             )
             yield StateClass(state, unused(class_name(state), self.classes, ""), moves)
 
-    def _event_ports(self) -> list[DataPort]:
+    def _event_ports(self) -> list[DataPortDeclaration]:
         return [each for each in self.profile.data_ports if each.port_type == EVENT_PORT]
 
-    def _ports(self, types: TypesCode, taken: Taken, names: set[str]) -> Iterator[Port]:
+    def _ports(self, types: TypesCode, taken: Taken, names: set[str]) -> Iterator[GeneratedPort]:
         for each in self.profile.data_ports:
             if each is self.event_port:
                 continue
@@ -226,9 +226,11 @@ class _Preparation:
             type, type_name = self._type(text, f"port {name}", types)
             attribute = taken.add(attribute_name(name, "port"))
             self.notes += cut("port", name, attribute)
-            yield Port(attribute, name, _KINDS[each.port_type], type, type_name, each)
+            yield GeneratedPort(attribute, name, _KINDS[each.port_type], type, type_name, each)
 
-    def _port_name(self, each: DataPort | ServicePort, names: set[str]) -> str:
+    def _port_name(
+        self, each: DataPortDeclaration | ServicePortDeclaration, names: set[str]
+    ) -> str:
         allowed = near_port_name(each.name)
         name = unused(allowed or "port", names)
         if name != each.name:
@@ -255,7 +257,9 @@ class _Preparation:
         self.notes.append(f"{where}: {why}; values of that type pass as bytes{help}")
         return "bytes", name
 
-    def _services(self, types: TypesCode, taken: Taken, names: set[str]) -> Iterator[Service]:
+    def _services(
+        self, types: TypesCode, taken: Taken, names: set[str]
+    ) -> Iterator[GeneratedServicePort]:
         done: set[str] = set()
         for each in self.profile.service_ports:
             name = self._port_name(each, names)
@@ -265,7 +269,7 @@ class _Preparation:
                 self._offer(interface, name, types, taken, done)
                 for interface in each.service_interfaces
             ]
-            yield Service(attribute, name, tuple(offers), each)
+            yield GeneratedServicePort(attribute, name, tuple(offers), each)
 
     def _offer(
         self,
@@ -274,7 +278,7 @@ class _Preparation:
         types: TypesCode,
         taken: Taken,
         done: set[str],
-    ) -> Offer:
+    ) -> GeneratedInterface:
         is_provided = each.direction == "Provided"
         name, type_name = each.name, "::".join(standard_types.path_of(each.type))
         found = self._interface(each)
@@ -285,7 +289,7 @@ class _Preparation:
             why = of_interface(self.sources.definitions, found)
         if found is None or why:
             self.notes.append(f"port {port}: {type_name or '(no type)'}: {why}; described only")
-            return Offer(name, type_name or "Unknown", is_provided)
+            return GeneratedInterface(name, type_name or "Unknown", is_provided)
         methods = tuple(types.methods(found.path)) if is_provided else ()
         servant = ""
         if any(method.name in taken or method.name in done for method in methods):
@@ -294,11 +298,15 @@ class _Preparation:
         else:
             done |= {taken.add(method.name) for method in methods}
         protocol = f"idl.{types.name(found.path)}"
-        return Offer(name, "::".join(found.path), is_provided, protocol, methods, servant)
+        return GeneratedInterface(
+            name, "::".join(found.path), is_provided, protocol, methods, servant
+        )
 
 
 def _uses_types(
-    ports: tuple[Port, ...], services: tuple[Service, ...], machine: Machine | None
+    ports: tuple[GeneratedPort, ...],
+    services: tuple[GeneratedServicePort, ...],
+    machine: GeneratedStateMachine | None,
 ) -> bool:
     expressions = [port.type for port in ports]
     expressions += [event.type for event in machine.events] if machine else []

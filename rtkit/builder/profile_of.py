@@ -31,7 +31,7 @@ from rtkit.component.parameter import Parameter, declared_parameters
 from rtkit.errors import Malformed
 from rtkit.profile import rtc_doc_model as docs
 from rtkit.profile import rtc_model as rtc
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.constraint_text import parse_constraint
 from rtkit.rtc.data_types import scoped_name
@@ -63,7 +63,7 @@ def profile_of(component: Component, date: str, properties: Mapping[str, str]) -
         version=rtc.RTC_VERSION,
         basic_info=_basic_info(component, date, properties),
         actions=_actions(type(component)),
-        configuration_set=rtc.ConfigurationSet(settings) if settings else None,
+        configuration_set=rtc.DeclaredParameters(settings) if settings else None,
         data_ports=tuple(
             _data_port(component, port) for port in ports if port.port_type is not PortType.SERVICE
         ),
@@ -92,7 +92,7 @@ def _basic_info(component: Component, date: str, properties: Mapping[str, str]) 
         update_date=date,
         description=description,
         doc=doc,
-        properties=tuple(Property(name, value) for name, value in properties.items()),
+        properties=tuple(ExtensionProperty(name, value) for name, value in properties.items()),
     )
 
 
@@ -146,18 +146,18 @@ def _action_doc(name: str, text: str | None) -> docs.ActionDoc | None:
     return docs.ActionDoc(**told) if told else None
 
 
-def _configuration(parameter: Parameter[object]) -> rtc.Configuration:
+def _configuration(parameter: Parameter[object]) -> rtc.ConfigurationParameter:
     kind = kind_of(parameter.default)  # type: ignore[arg-type]
     constraint, words = _constraint(parameter.constraint)
     doc = docs.ConfigurationDoc(description=parameter.doc or None, constraint=words or None)
-    return rtc.Configuration(
+    return rtc.ConfigurationParameter(
         name=parameter.name,
         type=kind.name,
         default_value=kind.write(parameter.default),
         unit=parameter.unit or None,
         constraint=constraint,
         doc=doc if parameter.doc or words else None,
-        properties=(Property(WIDGET, parameter.widget),) if parameter.widget else (),
+        properties=(ExtensionProperty(WIDGET, parameter.widget),) if parameter.widget else (),
     )
 
 
@@ -169,14 +169,14 @@ def _constraint(text: str) -> tuple[Constraint | None, str]:
         return None, text
 
 
-def _data_port(component: Component, port: PortProfile) -> rtc.DataPort:
+def _data_port(component: Component, port: PortProfile) -> rtc.DataPortDeclaration:
     is_event_port = isinstance(component.ports.get(port.name), EventPort)
     kind = "EventPort" if is_event_port else port.port_type.value
     text = port.properties.get("description", "")
     found = _UNIT.fullmatch(text)
     text, unit = (found[1], found[2]) if found else (text, "")
     events = tuple(_events(component, port.name)) if is_event_port else ()
-    return rtc.DataPort(
+    return rtc.DataPortDeclaration(
         port_type=kind,
         name=port.name,
         type=scoped_name(port.data_type) or "Any",
@@ -187,22 +187,22 @@ def _data_port(component: Component, port: PortProfile) -> rtc.DataPort:
     )
 
 
-def _events(component: Component, port: str) -> Iterator[rtc.Event]:
+def _events(component: Component, port: str) -> Iterator[rtc.FsmTransition]:
     if not isinstance(component, FsmComponent) or component.event_port != port:
         return
     described = describe(component)
     states = component.states
     first = next(iter(states))
-    yield rtc.Event("", INITIAL, first)
+    yield rtc.FsmTransition("", INITIAL, first)
     for state, moves in states.items():
         for event, target in moves.items():
             kind = described.fsm_events.get(event, "Any")
-            yield rtc.Event(event, state, target, type=kind)
+            yield rtc.FsmTransition(event, state, target, type=kind)
 
 
-def _service_port(port: PortProfile) -> rtc.ServicePort:
+def _service_port(port: PortProfile) -> rtc.ServicePortDeclaration:
     text = port.properties.get("description", "")
-    return rtc.ServicePort(
+    return rtc.ServicePortDeclaration(
         name=port.name,
         position="RIGHT",
         service_interfaces=tuple(

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from rtkit.builder.component_code import LABELS, SUMMARIES, port_doc, service_doc
 from rtkit.builder.packaging import project_name
 from rtkit.builder.regions import MARKDOWN_STAMP
-from rtkit.builder.subject import Port, Subject
+from rtkit.builder.subject import GeneratedComponent, GeneratedPort
 from rtkit.builder.text import clean, one_line, told
 from rtkit.component.contexts import PERIODIC
 
@@ -20,7 +20,7 @@ _PORT_FACTS = {
 }
 
 
-def readme(subject: Subject) -> str:
+def readme(subject: GeneratedComponent) -> str:
     """Return ``README.md``, not yet stamped."""
     parts = [
         [f"# {_plain(subject.type_name)}"],
@@ -58,7 +58,7 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     return [f"| {' | '.join(row)} |" for row in lines]
 
 
-def _documentation(subject: Subject) -> Iterator[str]:
+def _documentation(subject: GeneratedComponent) -> Iterator[str]:
     doc = subject.info.doc
     texts = [("", told(doc, "description"))]
     texts += [(label, told(doc, key)) for key, label in LABELS.items()]
@@ -70,7 +70,7 @@ def _documentation(subject: Subject) -> Iterator[str]:
             yield label + "  \n".join(_plain(line) for line in clean(text).split("\n") if line)
 
 
-def _identity(subject: Subject) -> Iterator[str]:
+def _identity(subject: GeneratedComponent) -> Iterator[str]:
     info = subject.info
     facts = [("vendor", info.vendor), ("category", info.category), ("version", info.version)]
     driven = subject.execution_type
@@ -82,7 +82,7 @@ def _identity(subject: Subject) -> Iterator[str]:
     )
 
 
-def _running(subject: Subject) -> Iterator[str]:
+def _running(subject: GeneratedComponent) -> Iterator[str]:
     module, name = subject.module, subject.type_name
     yield "## Run it"
     yield ""
@@ -111,7 +111,7 @@ def _quoted(text: str) -> str:
     return "'" + text.replace("'", "'\"'\"'") + "'"
 
 
-def _tables(subject: Subject) -> Iterator[list[str]]:
+def _tables(subject: GeneratedComponent) -> Iterator[list[str]]:
     machine = subject.machine
     ports = [[_code(p.name), _KINDS[p.kind], _code(_type(p)), _port_text(p)] for p in subject.ports]
     if machine:
@@ -143,7 +143,7 @@ def _tables(subject: Subject) -> Iterator[list[str]]:
         yield ["## Callbacks", "", *_table(["callback", ""], callbacks)]
 
 
-def _services(subject: Subject) -> Iterator[list[str]]:
+def _services(subject: GeneratedComponent) -> Iterator[list[str]]:
     for service in subject.services:
         for offer in service.offers:
             kind = "provided" if offer.is_provided else "required"
@@ -155,17 +155,17 @@ def _cell(text: str) -> str:
     return _plain(text) if text else ""
 
 
-def _type(port: Port) -> str:
+def _type(port: GeneratedPort) -> str:
     return port.type_name.removeprefix("IDL:").removesuffix(":1.0").replace("/", "::")
 
 
-def _port_text(port: Port) -> str:
+def _port_text(port: GeneratedPort) -> str:
     facts = [("", port_doc(port))]
     facts += [(label, told(port.profile.doc, name)) for name, label in _PORT_FACTS.items()]
     return "; ".join(f"{label}{_plain(text)}" for label, text in facts if one_line(text))
 
 
-def _work(subject: Subject) -> Iterator[str]:
+def _work(subject: GeneratedComponent) -> Iterator[str]:
     yield "## Work on it"
     yield ""
     yield f"Your code goes between the marks in `{subject.module}.py`. After a change to `RTC.xml`,"

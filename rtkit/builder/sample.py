@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rtkit.builder.regions import XML_STAMP
-from rtkit.builder.subject import Subject
+from rtkit.builder.subject import GeneratedComponent
 from rtkit.component.contexts import kind_named
 from rtkit.component.kinds import kind_of
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import (
     RTS_VERSION,
-    Component,
+    ComponentInstance,
     ConfigurationData,
     ConfigurationSet,
     DataPortConnector,
-    ExecutionContext,
+    InstancePort,
     Location,
-    Port,
+    OwnedContext,
     RtsProfile,
     ServicePortConnector,
 )
@@ -33,13 +33,13 @@ _EPOCH = "1970-01-01T00:00:00"
 _DEFAULT_RATE = 1000.0
 
 
-def sample_system(subject: Subject) -> str:
+def sample_system(subject: GeneratedComponent) -> str:
     """Return a system profile of one component, not yet stamped."""
     return system_of([(subject, "")], f"A sample of component type {subject.type_name}")
 
 
 def system_of(
-    subjects: Sequence[tuple[Subject, str]],
+    subjects: Sequence[tuple[GeneratedComponent, str]],
     abstract: str,
     data: tuple[DataPortConnector, ...] = (),
     services: tuple[ServicePortConnector, ...] = (),
@@ -70,11 +70,11 @@ def system_of(
     return f"{head}\n{XML_STAMP}\n{body}"
 
 
-def _options(subject: Subject) -> dict[str, str]:
+def _options(subject: GeneratedComponent) -> dict[str, str]:
     return {"instance_name": f"{subject.type_name}0", "manager_name": subject.module}
 
 
-def _component(subject: Subject, folder: str, place: int) -> Component:
+def _component(subject: GeneratedComponent, folder: str, place: int) -> ComponentInstance:
     info, instance = subject.info, f"{subject.type_name}0"
     id = TypeProfile(subject.type_name, info.vendor, info.category, info.version).id
     data = [port.name for port in subject.ports]
@@ -87,22 +87,24 @@ def _component(subject: Subject, folder: str, place: int) -> Component:
         ConfigurationData(each.name, kind_of(each.default).write(each.default))
         for each in subject.settings
     )
-    return Component(
+    return ComponentInstance(
         id=id,
         path_uri=f"localhost/{instance}.rtc",
         instance_name=instance,
         active_configuration_set="default" if values else None,
         composite_type="None",
         visible=True,
-        data_ports=tuple(Port(f"{instance}.{name}", visible=True) for name in data),
+        data_ports=tuple(InstancePort(f"{instance}.{name}", visible=True) for name in data),
         service_ports=tuple(
-            Port(f"{instance}.{each.name}", visible=True) for each in subject.services
+            InstancePort(f"{instance}.{each.name}", visible=True) for each in subject.services
         ),
         configuration_sets=(ConfigurationSet("default", values),) if values else (),
-        execution_contexts=(ExecutionContext("0", kind.value, rate),),
+        execution_contexts=(OwnedContext("0", kind.value, rate),),
         location=Location(100 + 300 * place, 100, 50, 100, "RIGHT"),
         properties=(
-            Property(CREATE, str(CreateString(subject.type_name, options=_options(subject)))),
-            Property(MODULE, f"{folder}{subject.module}.py:{subject.init}"),
+            ExtensionProperty(
+                CREATE, str(CreateString(subject.type_name, options=_options(subject)))
+            ),
+            ExtensionProperty(MODULE, f"{folder}{subject.module}.py:{subject.init}"),
         ),
     )

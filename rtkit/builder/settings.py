@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 from rtkit.builder.names import Taken, attribute_name, cut
-from rtkit.builder.subject import Setting
+from rtkit.builder.subject import GeneratedParameter
 from rtkit.builder.text import one_line, told
 from rtkit.component.kinds import elements, read_bool, read_float, read_int
 from rtkit.errors import Malformed
 from rtkit.profile.constraint_format import format_constraint
-from rtkit.profile.rtc_model import Configuration, RtcProfile
+from rtkit.profile.rtc_model import ConfigurationParameter, RtcProfile
 from rtkit.profile.words import property_value
 
 WIDGET = "__widget__"
@@ -23,7 +23,7 @@ _MOST_DIGITS = 60
 _Note = Callable[[str], None]
 
 
-def settings_of(profile: RtcProfile, taken: Taken, note: _Note) -> tuple[Setting, ...]:
+def settings_of(profile: RtcProfile, taken: Taken, note: _Note) -> tuple[GeneratedParameter, ...]:
     """Return the parameters; `note` is told what cannot be taken over as it is."""
     if profile.configuration_set is None:
         return ()
@@ -51,8 +51,10 @@ def unused(name: str, names: set[str], link: str = "_") -> str:
     return free
 
 
-def _setting(each: Configuration, name: str, attribute: str, note: _Note) -> Setting:
-    return Setting(
+def _setting(
+    each: ConfigurationParameter, name: str, attribute: str, note: _Note
+) -> GeneratedParameter:
+    return GeneratedParameter(
         attribute=attribute,
         name=name,
         default=default_value(each.type, each.default_value, f"parameter {name}", note),
@@ -63,7 +65,7 @@ def _setting(each: Configuration, name: str, attribute: str, note: _Note) -> Set
     )
 
 
-def _constraint(each: Configuration, name: str, note: _Note) -> str:
+def _constraint(each: ConfigurationParameter, name: str, note: _Note) -> str:
     if each.constraint is None:
         return ""
     try:

@@ -5,8 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from rtkit.builder.methods import Method
-from rtkit.profile.rtc_model import ActionStatus, BasicInfo, DataPort, RtcProfile, ServicePort
+from rtkit.builder.methods import GeneratedMethod
+from rtkit.profile.rtc_model import (
+    ActionStatus,
+    BasicInfo,
+    DataPortDeclaration,
+    RtcProfile,
+    ServicePortDeclaration,
+)
 
 
 class Callback(NamedTuple):
@@ -16,7 +22,7 @@ class Callback(NamedTuple):
     status: ActionStatus
 
 
-class Port(NamedTuple):
+class GeneratedPort(NamedTuple):
     """A data port.
 
     Attributes:
@@ -31,10 +37,10 @@ class Port(NamedTuple):
     kind: str
     type: str
     type_name: str
-    profile: DataPort
+    profile: DataPortDeclaration
 
 
-class Offer(NamedTuple):
+class GeneratedInterface(NamedTuple):
     """An interface of a service port.
 
     Attributes:
@@ -47,20 +53,20 @@ class Offer(NamedTuple):
     type_name: str
     is_provided: bool
     protocol: str = ""
-    methods: tuple[Method, ...] = ()
+    methods: tuple[GeneratedMethod, ...] = ()
     servant: str = ""
 
 
-class Service(NamedTuple):
+class GeneratedServicePort(NamedTuple):
     """A service port."""
 
     attribute: str
     name: str
-    offers: tuple[Offer, ...]
-    profile: ServicePort
+    offers: tuple[GeneratedInterface, ...]
+    profile: ServicePortDeclaration
 
 
-class Setting(NamedTuple):
+class GeneratedParameter(NamedTuple):
     """A configuration parameter."""
 
     attribute: str
@@ -72,7 +78,7 @@ class Setting(NamedTuple):
     widget: str
 
 
-class Event(NamedTuple):
+class GeneratedEvent(NamedTuple):
     """An event of the state machine; `type` is an expression."""
 
     name: str
@@ -92,7 +98,7 @@ class StateClass(NamedTuple):
     moves: tuple[tuple[str, str, str], ...]
 
 
-class Machine(NamedTuple):
+class GeneratedStateMachine(NamedTuple):
     """A state machine.
 
     Attributes:
@@ -104,13 +110,13 @@ class Machine(NamedTuple):
 
     port: str
     states: dict[str, dict[str, str]]
-    events: tuple[Event, ...]
+    events: tuple[GeneratedEvent, ...]
     conditions: tuple[str, ...]
     classes: tuple[StateClass, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Subject:
+class GeneratedComponent:
     """A component type to generate.
 
     Attributes:
@@ -132,11 +138,11 @@ class Subject:
     description: str
     execution_type: str
     rate: float
-    ports: tuple[Port, ...]
-    services: tuple[Service, ...]
-    settings: tuple[Setting, ...]
+    ports: tuple[GeneratedPort, ...]
+    services: tuple[GeneratedServicePort, ...]
+    settings: tuple[GeneratedParameter, ...]
     callbacks: tuple[Callback, ...]
-    machine: Machine | None
+    machine: GeneratedStateMachine | None
     has_types: bool
     notes: tuple[str, ...]
     working: tuple[str, ...] = ()

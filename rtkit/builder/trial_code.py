@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.builder.layout import Node, Text, Tuple, assigned, mapping
+from rtkit.builder.layout import Node, StringExpression, TupleExpression, assigned, mapping
 from rtkit.builder.regions import CODE_STAMP, region
-from rtkit.builder.subject import Offer, Port, Subject
+from rtkit.builder.subject import GeneratedComponent, GeneratedInterface, GeneratedPort
 from rtkit.builder.text import docstring, one_line
 from rtkit.component.kinds import kind_of
 from rtkit.rtc.enums import PortType
@@ -85,7 +85,7 @@ def test_a_manager_runs_it() -> None:
 """
 
 
-def trial_code(subject: Subject) -> str:
+def trial_code(subject: GeneratedComponent) -> str:
     """Return the source of the test, not yet stamped."""
     blocks = [_FIXTURE, _PARAMETERS if subject.settings else "", _LIFE_CYCLE]
     blocks.append(_VALUES if _in_ports(subject) else "")
@@ -100,39 +100,46 @@ def trial_code(subject: Subject) -> str:
     return "\n".join([*found, "", "", *region("tests", ""), ""])
 
 
-def _constants(subject: Subject) -> Iterator[str]:
+def _constants(subject: GeneratedComponent) -> Iterator[str]:
     yield f"Subject = {subject.module}.{subject.class_name}"
-    yield from assigned("TYPE_NAME", Text(subject.type_name), "")
+    yield from assigned("TYPE_NAME", StringExpression(subject.type_name), "")
     ports = [(port.name, _port(port)) for port in subject.ports]
     machine = subject.machine
     ports += [(each.name, _service(each.offers)) for each in subject.services]
     if machine:
-        ports.append((machine.port, Tuple([Text(PortType.IN.value), Text("any")])))
+        ports.append(
+            (
+                machine.port,
+                TupleExpression([StringExpression(PortType.IN.value), StringExpression("any")]),
+            )
+        )
     if ports:
         yield from mapping("PORTS", ports, "")
     else:
         yield "PORTS: dict[str, tuple[str, ...]] = {}"
     if _in_ports(subject):
-        names = [Text(name) for name in _in_ports(subject)]
-        yield from assigned("IN_PORTS", Tuple(names), "")
+        names = [StringExpression(name) for name in _in_ports(subject)]
+        yield from assigned("IN_PORTS", TupleExpression(names), "")
     if subject.settings:
         values = [
             (each.name, kind_of(each.default).write(each.default)) for each in subject.settings
         ]
-        yield from mapping("PARAMETERS", [(name, Text(text)) for name, text in values], "")
+        yield from mapping(
+            "PARAMETERS", [(name, StringExpression(text)) for name, text in values], ""
+        )
 
 
-def _in_ports(subject: Subject) -> list[str]:
+def _in_ports(subject: GeneratedComponent) -> list[str]:
     return [port.name for port in subject.ports if port.kind == "InPort"]
 
 
-def _port(port: Port) -> Node:
+def _port(port: GeneratedPort) -> Node:
     kind = PortType.OUT if port.kind == "OutPort" else PortType.IN
-    return Tuple([Text(kind.value), Text(port.type_name)])
+    return TupleExpression([StringExpression(kind.value), StringExpression(port.type_name)])
 
 
-def _service(offers: tuple[Offer, ...]) -> Node:
+def _service(offers: tuple[GeneratedInterface, ...]) -> Node:
     # Interfaces that are only described come first.
     known = sorted(offers, key=lambda offer: bool(offer.protocol))
     told = [f"{each.type_name} {'Provided' if each.is_provided else 'Required'}" for each in known]
-    return Tuple([Text(PortType.SERVICE.value), *map(Text, told)])
+    return TupleExpression([StringExpression(PortType.SERVICE.value), *map(StringExpression, told)])

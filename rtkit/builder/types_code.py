@@ -8,7 +8,7 @@ from rtkit.builder import standard_types
 from rtkit.builder.annotations import OWN, Annotations, member_names
 from rtkit.builder.closure import closure
 from rtkit.builder.layout import assigned, constant
-from rtkit.builder.methods import Method, documentation, methods_of, signature
+from rtkit.builder.methods import GeneratedMethod, documentation, methods_of, signature
 from rtkit.builder.names import Taken
 from rtkit.builder.text import INDENT, WIDTH, docstring, one_line, wrapped
 from rtkit.builder.versions import version_of
@@ -16,12 +16,12 @@ from rtkit.idl.model import (
     Constant,
     Declaration,
     Definitions,
-    Enumeration,
+    EnumDeclaration,
     EnumValue,
     Field,
-    Interface,
+    InterfaceDeclaration,
     Path,
-    Struct,
+    StructDeclaration,
     Type,
     Typedef,
 )
@@ -47,9 +47,11 @@ class TypesCode:
         self._definitions = definitions
         # What a method declares to raise has to be there before it, and is often declared inside.
         needed = closure(definitions, wanted)
-        self._order = sorted(needed, key=lambda p: isinstance(definitions.by_path[p], Interface))
+        self._order = sorted(
+            needed, key=lambda p: isinstance(definitions.by_path[p], InterfaceDeclaration)
+        )
         self._types = Annotations(definitions, self._order)
-        self._methods: dict[Path, list[Method]] = {}
+        self._methods: dict[Path, list[GeneratedMethod]] = {}
         self._blocks = [block for path in self._order for block in self._emit(path)]
 
     def __bool__(self) -> bool:
@@ -63,11 +65,11 @@ class TypesCode:
         """Return how code names a type, ``§`` before names of the module."""
         return self._types.of(type)
 
-    def methods(self, path: Path) -> list[Method]:
+    def methods(self, path: Path) -> list[GeneratedMethod]:
         """Return the methods of an interface, those of its bases first."""
         declared = self._definitions.by_path[path]
-        found: dict[str, Method] = {}
-        for base in declared.bases if isinstance(declared, Interface) else ():
+        found: dict[str, GeneratedMethod] = {}
+        for base in declared.bases if isinstance(declared, InterfaceDeclaration) else ():
             found.update({each.name: each for each in self.methods(base)})
         found.update({each.name: each for each in self._methods.get(path, ())})
         return list(found.values())
@@ -100,15 +102,15 @@ class TypesCode:
             yield code
 
     def _code(self, declared: Declaration, name: str) -> list[str]:
-        if isinstance(declared, Struct):
+        if isinstance(declared, StructDeclaration):
             return (
                 self._exception(declared, name)
                 if declared.is_exception
                 else self._struct(declared, name)
             )
-        if isinstance(declared, Enumeration):
+        if isinstance(declared, EnumDeclaration):
             return self._enumeration(declared, name)
-        if isinstance(declared, Interface):
+        if isinstance(declared, InterfaceDeclaration):
             return self._interface(declared, name)
         if isinstance(declared, Typedef):
             return [f"{name} = {self._plain(declared.type)}"]
@@ -117,7 +119,7 @@ class TypesCode:
     def _plain(self, type: Type) -> str:
         return self._types.of(type).replace(OWN, "")
 
-    def _struct(self, declared: Struct, name: str) -> list[str]:
+    def _struct(self, declared: StructDeclaration, name: str) -> list[str]:
         self._types.uses.add("dataclass")
         fields = self._fields(declared)
         doc = docstring(
@@ -137,11 +139,11 @@ class TypesCode:
         self._types.uses.add("shared")
         return f'@shared("{declared.name}", "{version_of(self._definitions, declared.path)}")'
 
-    def _fields(self, declared: Struct) -> list[tuple[str, Field]]:
+    def _fields(self, declared: StructDeclaration) -> list[tuple[str, Field]]:
         taken = Taken(self._types.all)
         return [(taken.add(each.name), each) for each in declared.fields]
 
-    def _exception(self, declared: Struct, name: str) -> list[str]:
+    def _exception(self, declared: StructDeclaration, name: str) -> list[str]:
         fields = self._fields(declared)
         doc = docstring(
             f"Exception {name}.", declared.doc, indent=INDENT, sections=_attributes(fields)
@@ -160,7 +162,7 @@ class TypesCode:
         lines.append(f"{INDENT * 2}super().__init__({names})")
         return lines + [f"{INDENT * 2}self.{own} = {own}" for own, _ in fields]
 
-    def _enumeration(self, declared: Enumeration, name: str) -> list[str]:
+    def _enumeration(self, declared: EnumDeclaration, name: str) -> list[str]:
         self._types.uses.add("Enum")
         members = [
             f"{INDENT}{member} = {number}"
@@ -174,13 +176,13 @@ class TypesCode:
     def _constant(self, declared: Constant, name: str) -> list[str]:
         if isinstance(declared.value, EnumValue):
             owner = self._definitions.by_path[declared.value.path]
-            assert isinstance(owner, Enumeration)
+            assert isinstance(owner, EnumDeclaration)
             member = member_names(owner)[owner.members.index(declared.value.name)]
             return [f"{name} = {self.name(owner.path)}.{member}"]
         self._types.uses.add("Final")
         return assigned(f"{name}: Final", constant(declared.value), "")
 
-    def _interface(self, declared: Interface, name: str) -> list[str]:
+    def _interface(self, declared: InterfaceDeclaration, name: str) -> list[str]:
         self._types.uses.add("Protocol")
         methods = self._methods[declared.path] = methods_of(declared, self._types)
         bases = [self.name(path) for path in declared.bases]
@@ -193,7 +195,7 @@ class TypesCode:
             lines += [f"{INDENT * 2}..."] if method.result != "None" else []
         return lines
 
-    def _raises(self, method: Method) -> list[str]:
+    def _raises(self, method: GeneratedMethod) -> list[str]:
         """Return the line that declares what a method raises, if it does."""
         if not method.raises:
             return []

@@ -8,11 +8,11 @@ from rtkit.idl.model import (
     ArrayOf,
     Basic,
     Definitions,
-    Enumeration,
+    EnumDeclaration,
     Named,
     Path,
     SequenceOf,
-    Struct,
+    StructDeclaration,
     Type,
     Typedef,
 )
@@ -35,10 +35,10 @@ def version_of(definitions: Definitions, path: Path) -> str:
 def _content(definitions: Definitions, path: Path, outer: tuple[Path, ...]) -> str:
     declared = definitions.by_path.get(path)
     name, within = "::".join(path), (*outer, path)
-    if isinstance(declared, Struct) and path not in outer:
+    if isinstance(declared, StructDeclaration) and path not in outer:
         inner = (f"{each.name}:{_type(definitions, each.type, within)}" for each in declared.fields)
         return f"{name}{{{';'.join(inner)}}}"
-    if isinstance(declared, Enumeration):
+    if isinstance(declared, EnumDeclaration):
         return f"{name}{{{','.join(declared.members)}}}"
     if isinstance(declared, Typedef):
         return _type(definitions, declared.type, within)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeGuard
 import click
 
 from rtkit.cli import _process
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.cli._out import printable
 from rtkit.errors import (
     BUG_EXIT,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rtkit.rtc.address import Address
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 DEFAULT_TIMEOUT_S = 10.0
 _LEAST_TIMEOUT_S = 2.0
@@ -78,7 +78,7 @@ class App:
         """Have a connection asked that was made for this run; it is closed with the run."""
         self._tree = tree
 
-    def root(self, path: Path, *, is_deep: bool) -> tuple[Node, str]:
+    def root(self, path: Path, *, is_deep: bool) -> tuple[TreeNode, str]:
         """Return the tree as far as a path shows it, and the host that ``localhost`` means.
 
         Other managers of this host are asked too, if it is to be deep.
@@ -101,7 +101,7 @@ class App:
             self._has_warned_of_servers = True
             self.warn(strange_servers())
 
-    def tell_silent(self, root: Node, nodes: Iterable[Node], done: str) -> int:
+    def tell_silent(self, root: TreeNode, nodes: Iterable[TreeNode], done: str) -> int:
         """Tell which managers did not answer, so that nothing was `done` there; return the status.
 
         Args:
@@ -347,7 +347,7 @@ def common_options(*, is_local: bool = False) -> list[click.Option]:
     """Return the options that every command has; one that asks nobody needs no time-out."""
     timeout = click.Option(
         ["--timeout"],
-        type=Number(min=0.01),
+        type=NumberChoice(min=0.01),
         metavar="SECONDS",
         expose_value=False,
         callback=_set("timeout_s"),

@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 
-class Words(click.Choice[str]):
+class WordChoice(click.Choice[str]):
     """One of these words, which are capitals; a dash stands for an underscore.
 
     Args:
@@ -41,7 +41,7 @@ class Words(click.Choice[str]):
         self.fail(f"unknown {self._what}: {value}{hint}; known: {', '.join(self.choices)}")
 
 
-class Number(click.FloatRange):
+class NumberChoice(click.FloatRange):
     """A number within bounds, as `click.FloatRange`, and finite."""
 
     def convert(

@@ -80,10 +80,10 @@ def _candidates(
 
 def _load_path(tell: Callable[[str], object]) -> list[str]:
     """Return the folders of modules that the ``rtc.conf`` found here names."""
-    from rtkit.manager.settings.configuration import Wanted, read
+    from rtkit.settings.configuration import CommandLineSettings, read
 
     try:
-        settings = read(Wanted()).settings
+        settings = read(CommandLineSettings()).settings
     except RtkitError as error:
         tell(f"load paths are not known: {error}")
         return []
@@ -121,7 +121,7 @@ def _beside_modules(folder: str) -> Iterator[str]:
 
 def _of_packages() -> Iterator[str]:
     """Yield the profiles beside modules of installed packages."""
-    from rtkit.manager.modules.installed import installed
+    from rtkit.modules.installed import installed
 
     for each in installed().values():
         stem, usual = os.path.splitext(each.file)[0], os.path.dirname(each.file)

@@ -14,7 +14,7 @@ MEMBERS = "members"
 PORTS = "exported_ports"
 
 
-class Change(NamedTuple):
+class MemberChange(NamedTuple):
     """A member to be added or removed, or only ports of it."""
 
     path: Path
@@ -42,7 +42,7 @@ class Parts(NamedTuple):
         """The parameters that say so."""
         return {MEMBERS: ",".join(self.members), PORTS: ",".join(self.ports)}
 
-    def with_added(self, changes: Iterable[Change]) -> Parts:
+    def with_added(self, changes: Iterable[MemberChange]) -> Parts:
         """Return these with members added, and ports of members shown."""
         members, ports = list(self.members), list(self.ports)
         for change in changes:
@@ -50,7 +50,7 @@ class Parts(NamedTuple):
             ports += change.names
         return Parts(tuple(dict.fromkeys(members)), tuple(dict.fromkeys(ports)))
 
-    def without(self, changes: Iterable[Change]) -> Parts:
+    def without(self, changes: Iterable[MemberChange]) -> Parts:
         """Return these without some members, or without some ports of members.
 
         Raises:
@@ -69,7 +69,7 @@ class Parts(NamedTuple):
                 ports = tuple(name for name in ports if not name.startswith(prefix))
         return Parts(members, ports)
 
-    def _check_shown(self, change: Change) -> None:
+    def _check_shown(self, change: MemberChange) -> None:
         for port, name in zip(change.ports, change.names, strict=True):
             if name not in self.ports:
                 raise NotFound(f"Port not found: {change.typed_port(port)}")

@@ -9,26 +9,26 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App
-from rtkit.cli._meter import Show, counted, metered
+from rtkit.cli._progress import Show, counted, metered
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
-    from rtkit.recording.entries import Channel, Entry, Part
+    from rtkit.recording.entries import RecordedStream, RecordedValue, RecordingSelection
 
 _PIECE = 1000
-Line = Callable[["Entry", Any], Iterable[str]]
+Line = Callable[["RecordedValue", Any], Iterable[str]]
 
 
-def export(app: App, name: str, form: str, part: Part) -> None:
+def export(app: App, name: str, form: str, part: RecordingSelection) -> None:
     """Write the values of a recording to stdout as text, JSON or CSV.
 
     Raises:
         Malformed: It is no recording.
         Refused: There is nothing in the part that is wanted.
     """
-    from rtkit.recording.mcap_file import Reader
+    from rtkit.recording.mcap_file import RecordingReader
 
-    reader = Reader(name)
+    reader = RecordingReader(name)
     info = reader.info()
     channels = {channel.name: channel for channel in info.channels}
     warning = part.check(info.entries, info.first_ns, info.last_ns)
@@ -49,7 +49,7 @@ def export(app: App, name: str, form: str, part: Part) -> None:
             sys.stdout.flush()
 
 
-def _watched(entries: Iterator[Entry], total: int, show: Show) -> Iterator[Entry]:
+def _watched(entries: Iterator[RecordedValue], total: int, show: Show) -> Iterator[RecordedValue]:
     """Yield entries, and show how many of all have been read."""
     show_count = counted(show)
     for number, entry in enumerate(entries, 1):
@@ -58,7 +58,7 @@ def _watched(entries: Iterator[Entry], total: int, show: Show) -> Iterator[Entry
 
 
 def _lines(
-    app: App, channels: dict[str, Channel], entries: Iterator[Entry], line: Line
+    app: App, channels: dict[str, RecordedStream], entries: Iterator[RecordedValue], line: Line
 ) -> Iterator[str]:
     from rtkit.component.codec import codec_for
     from rtkit.probe.types import type_or_bytes
@@ -73,20 +73,20 @@ def _lines(
         yield from line(entry, decoders[entry.channel](entry.payload))
 
 
-def _as_text(_channels: dict[str, Channel]) -> Line:
+def _as_text(_channels: dict[str, RecordedStream]) -> Line:
     from rtkit.probe.text import plain
     from rtkit.recording.text_log import line_of
 
-    def line(entry: Entry, value: Any) -> Iterable[str]:
+    def line(entry: RecordedValue, value: Any) -> Iterable[str]:
         return [line_of(entry.channel, entry.time_ns, plain(value))]
 
     return line
 
 
-def _as_json(channels: dict[str, Channel]) -> Line:
+def _as_json(channels: dict[str, RecordedStream]) -> Line:
     from rtkit.probe.text import plain
 
-    def line(entry: Entry, value: Any) -> Iterable[str]:
+    def line(entry: RecordedValue, value: Any) -> Iterable[str]:
         channel = channels[entry.channel]
         record = {
             "stream": channel.name,
@@ -100,10 +100,10 @@ def _as_json(channels: dict[str, Channel]) -> Line:
     return line
 
 
-def _as_csv(_channels: dict[str, Channel]) -> Line:
+def _as_csv(_channels: dict[str, RecordedStream]) -> Line:
     from rtkit.probe.fields import scalars
 
-    def line(entry: Entry, value: Any) -> Iterator[str]:
+    def line(entry: RecordedValue, value: Any) -> Iterator[str]:
         received = _records.time_text(entry.arrived_ns)
         stamp = _records.time_text(entry.time_ns)
         for field, item in scalars(value):
@@ -117,7 +117,7 @@ def _cell(item: object) -> str:
     return f'"{text.replace(chr(34), 2 * chr(34))}"' if any(c in text for c in ',"') else text
 
 
-_FORMS: dict[str, Callable[[dict[str, Channel]], Line]] = {
+_FORMS: dict[str, Callable[[dict[str, RecordedStream]], Line]] = {
     "text": _as_text,
     "json": _as_json,
     "csv": _as_csv,

@@ -12,7 +12,7 @@ from rtkit.cli._app import SETTINGS, App, Main, WrongArguments, common_options
 from rtkit.errors import UsageProblem
 
 
-class Word(NamedTuple):
+class Subcommand(NamedTuple):
     """A word of a command.
 
     Attributes:
@@ -24,10 +24,10 @@ class Word(NamedTuple):
     summary: str
 
 
-class Group(click.Group):
+class CommandGroup(click.Group):
     """Looks its words up in a table, so that listing them imports none of them."""
 
-    def __init__(self, name: str, words: Mapping[str, Word], help_text: str) -> None:
+    def __init__(self, name: str, words: Mapping[str, Subcommand], help_text: str) -> None:
         super().__init__(
             name,
             help=help_text,
@@ -75,9 +75,9 @@ class Group(click.Group):
         return typed, found, args[1:]
 
 
-def group(name: str, words: Mapping[str, Word], help_text: str) -> Main:
+def group(name: str, words: Mapping[str, Subcommand], help_text: str) -> Main:
     """Return the command that has these words."""
-    return Main(name, Group(name, words, help_text))
+    return Main(name, CommandGroup(name, words, help_text))
 
 
 @click.pass_context

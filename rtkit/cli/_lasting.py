@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import click
 
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -18,7 +18,7 @@ def lasting(text: str = "Stop after this time.", long: str = "--timeout") -> Cal
         "-t",
         long,
         "duration_s",
-        type=Number(min=0.0, min_open=True),
+        type=NumberChoice(min=0.0, min_open=True),
         metavar="SECONDS",
         help=text,
     )

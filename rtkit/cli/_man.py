@@ -13,7 +13,7 @@ import click
 from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
-from rtkit.cli._group import Group
+from rtkit.cli._group import CommandGroup
 from rtkit.cli._help import TOPICS
 from rtkit.cli._statuses import DETAILS, STATUSES, TOLD_APART
 from rtkit.cli._verbs import SUMMARIES, WORDS
@@ -50,7 +50,7 @@ def _page(verb: str, name: str) -> str:
     lines += _paragraphs(cleandoc(command.help or ""))
     lines.append(".SH OPTIONS")
     lines += _options(command, context)
-    if isinstance(command, Group):
+    if isinstance(command, CommandGroup):
         lines.append(".SH COMMANDS")
         for word in command.words:
             lines += _word(command, word, context)
@@ -58,7 +58,7 @@ def _page(verb: str, name: str) -> str:
     return _text([*lines, *_tail(name), ".SH SEE ALSO", "rtkit(1)"])
 
 
-def _word(group: Group, word: str, context: click.Context) -> Iterator[str]:
+def _word(group: CommandGroup, word: str, context: click.Context) -> Iterator[str]:
     command = group.get_command(context, word)
     assert command is not None
     inner = click.Context(command, info_name=word, parent=context, **command.context_settings)

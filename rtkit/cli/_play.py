@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, NamedTuple
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App
 from rtkit.cli._data import named_streams
-from rtkit.cli._meter import metered
+from rtkit.cli._progress import metered
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
     from rtkit.probe.probe import Probe
     from rtkit.probe.spec import Stream
-    from rtkit.recording.entries import Channel, Entry, Info, Part
+    from rtkit.recording.entries import Info, RecordedStream, RecordedValue, RecordingSelection
 
 _NS = 1_000_000_000
 _UNNAMED = "\0"
 """What the names of streams begin with that the user did not name."""
 
 
-class Pace(NamedTuple):
+class PlaybackPace(NamedTuple):
     """How fast a recording is played.
 
     Attributes:
@@ -40,7 +40,7 @@ class Pace(NamedTuple):
     is_absolute: bool
     duration_s: float | None
 
-    def due_s(self, index: int, entry: Entry, first: Entry) -> float:
+    def due_s(self, index: int, entry: RecordedValue, first: RecordedValue) -> float:
         """Return how long after the beginning an entry is played [s]."""
         if self.is_untimed:
             return index // max(1, int(self.factor)) / self.cycles_hz
@@ -49,9 +49,9 @@ class Pace(NamedTuple):
 
 def describe(app: App, name: str, *, is_json: bool) -> None:
     """Print what is in a recording."""
-    from rtkit.recording.mcap_file import Reader
+    from rtkit.recording.mcap_file import RecordingReader
 
-    info = Reader(name).info()
+    info = RecordingReader(name).info()
     if is_json:
         _out.write([_records.line("recording", _record(name, info))])
     else:
@@ -71,7 +71,7 @@ def _record(name: str, info: Info) -> dict[str, object]:
     }
 
 
-def _channel_record(channel: Channel, info: Info) -> dict[str, object]:
+def _channel_record(channel: RecordedStream, info: Info) -> dict[str, object]:
     span = info.spans.get(channel.name)
     told = {name: value for name, value in channel._asdict().items() if name != "definition"}
     return {
@@ -129,8 +129,8 @@ def play(
     name: str,
     form: str,
     ports: Sequence[str],
-    part: Part,
-    pace: Pace,
+    part: RecordingSelection,
+    pace: PlaybackPace,
     *,
     is_lossless: bool,
 ) -> None:
@@ -175,7 +175,7 @@ def play(
         app.say("End of log reached.")
 
 
-def _announcement(part: Part, pace: Pace) -> str:
+def _announcement(part: RecordingSelection, pace: PlaybackPace) -> str:
     """Return what will be played, in the words of the tools of old."""
     if pace.duration_s is not None:
         return f"Playing for {pace.duration_s}s."
@@ -191,11 +191,13 @@ def _announcement(part: Part, pace: Pace) -> str:
     return "Playing."
 
 
-def _place(part: Part, place: int) -> str:
+def _place(part: RecordingSelection, place: int) -> str:
     return str(place) if part.is_by_index else _date(place)
 
 
-def _matched(app: App, streams: Sequence[Stream], channels: Sequence[Channel]) -> dict[str, str]:
+def _matched(
+    app: App, streams: Sequence[Stream], channels: Sequence[RecordedStream]
+) -> dict[str, str]:
     """Return the channel that each stream plays, by stream name.
 
     Raises:
@@ -231,17 +233,17 @@ def _matched(app: App, streams: Sequence[Stream], channels: Sequence[Channel]) -
     return chosen
 
 
-def _told(channels: Sequence[Channel]) -> str:
+def _told(channels: Sequence[RecordedStream]) -> str:
     names = (f"{channel.name} ({channel.data_type or 'any'})" for channel in channels)
     return f"the recording has {', '.join(names) or 'none'}"
 
 
 def _write(
     probe: Probe,
-    entries: Iterator[Entry],
+    entries: Iterator[RecordedValue],
     outs: Mapping[str, Sequence[str]],
-    pace: Pace,
-    part: Part,
+    pace: PlaybackPace,
+    part: RecordingSelection,
     count: Callable[[int], None],
 ) -> bool:
     """Write entries when they are due; return whether it came to the end of the recording.
@@ -251,7 +253,7 @@ def _write(
     """
     from rtkit.recording.shift import shifted
 
-    first: Entry | None = None
+    first: RecordedValue | None = None
     begin = time.monotonic()
     until = None if pace.duration_s is None else begin + pace.duration_s
     for index, entry in enumerate(each for each in entries if each.channel in outs):
@@ -275,9 +277,9 @@ class _McapSource:
     """An MCAP file."""
 
     def __init__(self, name: str) -> None:
-        from rtkit.recording.mcap_file import Reader
+        from rtkit.recording.mcap_file import RecordingReader
 
-        self._reader = Reader(name)
+        self._reader = RecordingReader(name)
         info = self._reader.info()
         self.channels = info.channels
         self.counts: Mapping[str, int] = info.counts
@@ -285,7 +287,7 @@ class _McapSource:
 
     def entries(
         self, outs: Mapping[str, Sequence[str]], types: Mapping[str, Stream]
-    ) -> Iterator[Entry]:
+    ) -> Iterator[RecordedValue]:
         """Yield all entries."""
         return self._reader.entries()
 
@@ -294,19 +296,19 @@ class _TextSource:
     """A text log; its values are read as those of the ports that they are played into."""
 
     def __init__(self, name: str) -> None:
-        from rtkit.recording.entries import Channel
+        from rtkit.recording.entries import RecordedStream
         from rtkit.recording.text_log import read_file
 
         self._lines = list(read_file(name))
         streams = dict.fromkeys(line.stream for line in self._lines)
-        self.channels = tuple(Channel(stream, "") for stream in streams)
+        self.channels = tuple(RecordedStream(stream, "") for stream in streams)
         self.counts: Mapping[str, int] = Counter(line.stream for line in self._lines)
         times = [line.time_ns for line in self._lines]
         self.extent = (len(times), min(times, default=None), max(times, default=None))
 
     def entries(
         self, outs: Mapping[str, Sequence[str]], types: Mapping[str, Stream]
-    ) -> Iterator[Entry]:
+    ) -> Iterator[RecordedValue]:
         """Yield all entries of the streams that are played.
 
         Raises:
@@ -316,7 +318,7 @@ class _TextSource:
         from rtkit.component.literal import Literal
         from rtkit.component.types import Time
         from rtkit.probe.types import data_type
-        from rtkit.recording.entries import Entry
+        from rtkit.recording.entries import RecordedValue
 
         played = {name: types[ports[0]] for name, ports in outs.items()}
         classes = {
@@ -330,4 +332,4 @@ class _TextSource:
             stamp = Time(*divmod(line.time_ns, _NS))
             value = Literal(cls, json.dumps(line.value)).at(stamp)
             payload = codec_for(cls).encode(value)
-            yield Entry(line.stream, line.time_ns, line.time_ns, payload)
+            yield RecordedValue(line.stream, line.time_ns, line.time_ns, payload)

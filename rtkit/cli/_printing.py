@@ -20,7 +20,7 @@ _ROWS = 16
 _COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue")
 
 
-class Wish(NamedTuple):
+class PrintOptions(NamedTuple):
     """How values are to be shown; `fields` are those of them that are wanted."""
 
     fields: tuple[str, ...] = ()
@@ -48,7 +48,9 @@ class Sink(Protocol):
 class Printer:
     """Prints every value."""
 
-    def __init__(self, streams: Sequence[Stream], types: Mapping[str, type], wish: Wish) -> None:
+    def __init__(
+        self, streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+    ) -> None:
         self._lines = lines_of(streams, types, wish)
         self.count = 0
 
@@ -65,7 +67,9 @@ class Printer:
 class Counter:
     """Tells at the end how values came."""
 
-    def __init__(self, streams: Sequence[Stream], types: Mapping[str, type], wish: Wish) -> None:
+    def __init__(
+        self, streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+    ) -> None:
         from rtkit.probe.stats import Stats, stamp_reader
 
         self._streams = streams
@@ -100,7 +104,9 @@ class Counter:
 class Plotter:
     """Draws numbers over time: on a terminal as they come, else once at the end."""
 
-    def __init__(self, streams: Sequence[Stream], types: Mapping[str, type], wish: Wish) -> None:
+    def __init__(
+        self, streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+    ) -> None:
         from rtkit.component.codec import codec_for
         from rtkit.probe.plot import Chart
 
@@ -187,7 +193,9 @@ def labels_of(streams: Sequence[Stream]) -> dict[str, str]:
     return {s.name: ",".join(end.path.typed.partition("#")[0] for end in s.ends) for s in streams}
 
 
-def lines_of(streams: Sequence[Stream], types: Mapping[str, type], wish: Wish) -> dict[str, Line]:
+def lines_of(
+    streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+) -> dict[str, Line]:
     """Return what makes a line of an arrival, by stream."""
     from rtkit.component.codec import codec_for
 
@@ -230,7 +238,7 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
     return line
 
 
-def _shower(stream: Stream, wish: Wish) -> Callable[[Any], str]:
+def _shower(stream: Stream, wish: PrintOptions) -> Callable[[Any], str]:
     from rtkit.probe.formatters import formatter
     from rtkit.probe.text import text_of
 

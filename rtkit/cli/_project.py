@@ -8,13 +8,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.builder.build import PROFILE, File, build, build_types
-from rtkit.builder.merge import Fate, Merged, merge
+from rtkit.builder.merge import Merged, MergeOutcome, merge
 from rtkit.builder.prepare import Sources, idl_files, is_declared, undefined
 from rtkit.builder.standard_types import IMAGES, KNOWN, expression
 from rtkit.errors import InvalidDocument, NotFound, Refused
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.idl.read import read_idl
 from rtkit.profile.read import read_bytes, read_rtc
-from rtkit.records import dataclass, field
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -44,7 +44,7 @@ class Project:
     other: str = ""
 
 
-class Change(NamedTuple):
+class FileChange(NamedTuple):
     """What becomes of a file."""
 
     path: str
@@ -53,7 +53,7 @@ class Change(NamedTuple):
     @property
     def is_conflict(self) -> bool:
         """Whether it cannot be written without losing something."""
-        return self.merged.fate is Fate.CONFLICT
+        return self.merged.assignment is MergeOutcome.CONFLICT
 
     @property
     def line(self) -> int:
@@ -65,10 +65,13 @@ class Change(NamedTuple):
         """Why it is a conflict, or kept."""
         return self.merged.why
 
-    def fate_when(self, *, is_forced: bool) -> str:
+    def assignment_when(self, *, is_forced: bool) -> str:
         """Return what becomes of it, in a word."""
-        is_written = is_forced and self.merged.fate in (Fate.CONFLICT, Fate.KEEP)
-        return (Fate.WRITE if is_written else self.merged.fate).value
+        is_written = is_forced and self.merged.assignment in (
+            MergeOutcome.CONFLICT,
+            MergeOutcome.KEEP,
+        )
+        return (MergeOutcome.WRITE if is_written else self.merged.assignment).value
 
 
 class _Idl:
@@ -231,14 +234,14 @@ def _is_same(one: str, other: str) -> bool:
     return one != STDIN and os.path.exists(other) and os.path.samefile(one, other)
 
 
-def compare(project: Project) -> list[Change]:
+def compare(project: Project) -> list[FileChange]:
     """Return what is to become of each file.
 
     Raises:
         NotFound: A file that is there cannot be read.
     """
     return [
-        Change(path, _merged(path, file))
+        FileChange(path, _merged(path, file))
         for name, file in project.files.items()
         for path in [os.path.join(project.folder, *name.split("/"))]
     ]
@@ -251,20 +254,26 @@ def _merged(path: str, file: File) -> Merged:
         old = read_bytes(path).decode("utf-8").replace("\r\n", "\n")
     except UnicodeDecodeError:
         why = "it is not of UTF-8"
-        return Merged(Fate.CONFLICT if file.has_regions else Fate.KEEP, file.text, why, 1)
+        return Merged(
+            MergeOutcome.CONFLICT if file.has_regions else MergeOutcome.KEEP, file.text, why, 1
+        )
     return merge(old, file.text, has_regions=file.has_regions)
 
 
-def write(changes: Sequence[Change], *, is_forced: bool) -> None:
+def write(changes: Sequence[FileChange], *, is_forced: bool) -> None:
     """Write what is to be written: all of it, or nothing where something cannot be written."""
-    wanted = [each for each in changes if each.fate_when(is_forced=is_forced) == Fate.WRITE.value]
+    wanted = [
+        each
+        for each in changes
+        if each.assignment_when(is_forced=is_forced) == MergeOutcome.WRITE.value
+    ]
     staged: list[tuple[str, str]] = []
     try:
         for each in wanted:
             os.makedirs(os.path.dirname(each.path) or ".", exist_ok=True)
             staged.append((_stage(each.path, each.merged.text), each.path))
         for each in wanted:
-            if each.merged.fate is not Fate.WRITE:
+            if each.merged.assignment is not MergeOutcome.WRITE:
                 _keep(each.path)
         while staged:
             os.replace(*staged[0])

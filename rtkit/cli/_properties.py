@@ -15,7 +15,7 @@ from rtkit.errors import Malformed
 
 if TYPE_CHECKING:
     from rtkit.property.messages import Payload
-    from rtkit.tree.properties import Places
+    from rtkit.tree.properties import PropertyConnections
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -38,16 +38,16 @@ def place_options(function: F) -> F:
 
 
 @contextmanager
-def connected(app: App, at: str | None) -> Iterator[Places]:
+def connected(app: App, at: str | None) -> Iterator[PropertyConnections]:
     """Connect to owners of properties for as long as the context lasts.
 
     Raises:
         UsageError: ``--at`` is no address.
     """
-    from rtkit.tree.properties import Places
+    from rtkit.tree.properties import PropertyConnections
 
     if at is not None and at.startswith("serial:"):
-        from rtkit.link.serial_line import read_address
+        from rtkit.wires.serial.address import read_address
 
         try:
             read_address(at)
@@ -55,7 +55,7 @@ def connected(app: App, at: str | None) -> Iterator[Places]:
             raise click.BadParameter(str(error), param_hint="--at") from None
     elif at is not None and not _is_door(at):
         raise click.BadParameter(f"not HOST:PORT: {at}", param_hint="--at")
-    places = Places(working_directory(), at or "", app.timeout_s)
+    places = PropertyConnections(working_directory(), at or "", app.timeout_s)
     try:
         yield places
     finally:

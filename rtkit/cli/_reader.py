@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
-class Reader:
+class StdoutReader:
     """Who reads stdout.
 
     Attributes:
@@ -29,7 +29,7 @@ class Reader:
 
 
 @contextmanager
-def while_read(gone: Callable[[], object]) -> Iterator[Reader]:
+def while_read(gone: Callable[[], object]) -> Iterator[StdoutReader]:
     """Call `gone`, on a thread of its own, once nobody reads stdout, though nothing is written.
 
     So a command that waits for what is to come ends with the reader of its pipe.
@@ -37,7 +37,7 @@ def while_read(gone: Callable[[], object]) -> Iterator[Reader]:
     import select
     import threading
 
-    reader = Reader()
+    reader = StdoutReader()
     descriptor = _pipe()
     if descriptor is None:
         yield reader

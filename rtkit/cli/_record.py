@@ -14,7 +14,7 @@ from rtkit.cli import _reader
 from rtkit.cli._app import App
 from rtkit.cli._atomic import STDOUT
 from rtkit.cli._data import named_streams
-from rtkit.cli._meter import Show, metered
+from rtkit.cli._progress import Show, metered
 from rtkit.cli._signals import heard_by_main
 from rtkit.errors import Refused
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rtkit.probe.probe import Probe
     from rtkit.probe.spec import Stream
     from rtkit.probe.stats import Stamp
-    from rtkit.recording.entries import Entry, Part
+    from rtkit.recording.entries import RecordedValue, RecordingSelection
     from rtkit.rtc.profiles import PortRef
 
 _NS = 1_000_000_000
@@ -35,7 +35,7 @@ def record(
     name: str,
     form: str,
     ports: Sequence[str],
-    part: Part,
+    part: RecordingSelection,
     duration_s: float | None,
     *,
     is_lossless: bool,
@@ -144,9 +144,9 @@ class _Counted:
         sys.stdout.buffer.flush()
 
 
-def _reading(name: str, probe: Probe) -> AbstractContextManager[_reader.Reader]:
+def _reading(name: str, probe: Probe) -> AbstractContextManager[_reader.StdoutReader]:
     """Watch who reads stdout, where the recording goes there."""
-    return _reader.while_read(probe.stop) if name == STDOUT else nullcontext(_reader.Reader())
+    return _reader.while_read(probe.stop) if name == STDOUT else nullcontext(_reader.StdoutReader())
 
 
 class _Sink(Protocol):
@@ -162,7 +162,7 @@ class _Sink(Protocol):
     @property
     def flush_at(self) -> float | None: ...
 
-    def write(self, entry: Entry) -> None: ...
+    def write(self, entry: RecordedValue) -> None: ...
 
     def flush(self) -> None: ...
 
@@ -175,14 +175,16 @@ def _sink(
         yield _TextSink(file, types, 0.0 if file is sys.stdout.buffer else _FLUSH_S)
         return
     from rtkit.component.definition import has_octets
-    from rtkit.recording.entries import Channel
-    from rtkit.recording.mcap_file import Writer
+    from rtkit.recording.entries import RecordedStream
+    from rtkit.recording.mcap_file import RecordingWriter
 
     is_compressed = not any(map(has_octets, types.values()))
-    with Writer(file, is_compressed=is_compressed) as writer:
+    with RecordingWriter(file, is_compressed=is_compressed) as writer:
         for stream in streams:
             sources = tuple(str(end.path) for end in stream.ends)
-            writer.add_channel(Channel(stream.name, stream.data_type, sources), types[stream.name])
+            writer.add_channel(
+                RecordedStream(stream.name, stream.data_type, sources), types[stream.name]
+            )
         yield writer
 
 
@@ -199,7 +201,7 @@ class _TextSink:
         self.flush_at: float | None = None
         self._flushed_at = 0.0
 
-    def write(self, entry: Entry) -> None:
+    def write(self, entry: RecordedValue) -> None:
         from rtkit.probe.text import plain
         from rtkit.recording.text_log import line_of
 
@@ -217,7 +219,7 @@ class _TextSink:
 class _Limit:
     """When a recording ends: after some time, at a time, after a number of entries, or never."""
 
-    def __init__(self, part: Part, duration_s: float | None) -> None:
+    def __init__(self, part: RecordingSelection, duration_s: float | None) -> None:
         self.count = part.end if part.is_by_index and duration_s is None else None
         self.until: float | None = None
         self._begin = time.monotonic()
@@ -245,7 +247,7 @@ def _take(
     probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp], show: Show
 ) -> None:
     """Write what arrives until the limit; what waits in the file's buffer is written in time."""
-    from rtkit.recording.entries import Entry
+    from rtkit.recording.entries import RecordedValue
 
     while limit.count is None or sink.count < limit.count:
         piece = probe.take(_sooner(limit.until, sink.flush_at))
@@ -255,7 +257,7 @@ def _take(
             piece = piece[: limit.count - sink.count]
         for arrival in piece:
             stamp = stamps[arrival.stream](arrival.payload) or arrival.time_ns
-            sink.write(Entry(arrival.stream, stamp, arrival.time_ns, arrival.payload))
+            sink.write(RecordedValue(arrival.stream, stamp, arrival.time_ns, arrival.payload))
         now = time.monotonic()
         show(*limit.progress(sink.count, now))
         if sink.flush_at is not None and now >= sink.flush_at:

@@ -11,7 +11,7 @@ _DISTURBANCES = (signal.SIGWINCH, signal.SIGCONT)
 """Another size; or the shell has had the terminal meanwhile (Ctrl-Z, fg)."""
 
 
-class Bell:
+class ResizeWakeup:
     """Something to wait for: its descriptor is readable from the ringing until it is heard."""
 
     def __init__(self) -> None:
@@ -41,16 +41,16 @@ class Bell:
 
 
 @contextmanager
-def resizing(is_terminal: bool) -> Iterator[Bell]:
+def resizing(is_terminal: bool) -> Iterator[ResizeWakeup]:
     """Have a bell ring when all is to be written anew, if there is a terminal to write on."""
-    bell = Bell()
+    wakeup = ResizeWakeup()
     before = {
-        number: signal.signal(number, lambda *_: bell.ring())
+        number: signal.signal(number, lambda *_: wakeup.ring())
         for number in (_DISTURBANCES if is_terminal else ())
     }
     try:
-        yield bell
+        yield wakeup
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        bell.close()
+        wakeup.close()

@@ -81,7 +81,7 @@ def _refuse(name: str, told: str, why: str, status: int) -> int:
 
 
 def _shell_init(name: str, arguments: Sequence[str]) -> int:
-    from rtkit.cli.prompt.functions import HELP, SHELLS, script
+    from rtkit.cli.completion.functions import HELP, SHELLS, script
 
     help_text = HELP.format(name)
     if len(arguments) == 1 and arguments[0] in ("-h", "--help"):
@@ -99,7 +99,7 @@ def _shell_init(name: str, arguments: Sequence[str]) -> int:
 
 
 def _complete(name: str, arguments: Sequence[str], tree: Tree | None) -> int:
-    from rtkit.cli.prompt.answer import USAGE, complete
+    from rtkit.cli.completion.answer import USAGE, complete
 
     if arguments[:1] in (["-h"], ["--help"]):
         return write(f"{name} {COMPLETE}", USAGE.format(name, name))

@@ -13,7 +13,7 @@ from rtkit.cli._properties import record, shown
 
 if TYPE_CHECKING:
     from rtkit.property.values import Element, Value
-    from rtkit.tree.properties import End, Place
+    from rtkit.tree.properties import PropertyTarget, ProviderConnectionEnd
 
 _HEAD = ("type", "access", "unit", "quality")
 _CALL_S = 0.1
@@ -21,7 +21,7 @@ _CALLS_S = 1.0
 """How long one value, and all of them, may take that code of a user has to tell [s]."""
 
 
-def service_at(typed: str) -> Place | None:
+def service_at(typed: str) -> PropertyTarget | None:
     """Return the place in a service that a path names, None if it names something else."""
     from rtkit.link.places import services
 
@@ -34,7 +34,7 @@ def service_at(typed: str) -> Place | None:
     return place if place.service else None
 
 
-class Listing:
+class ServiceListing:
     """What is shown of a place in a service.
 
     Attributes:
@@ -46,7 +46,13 @@ class Listing:
     """
 
     def __init__(
-        self, app: App, place: Place, is_long: bool, recurse: bool, is_json: bool, is_single: bool
+        self,
+        app: App,
+        place: PropertyTarget,
+        is_long: bool,
+        recurse: bool,
+        is_json: bool,
+        is_single: bool,
     ) -> None:
         self.app = app
         self.place = place
@@ -84,12 +90,12 @@ class Listing:
         return _columns([_cells(row) for row in rows])
 
 
-def _completed(end: End, above: str, rows: Sequence[Value]) -> Iterator[Value]:
+def _completed(end: ProviderConnectionEnd, above: str, rows: Sequence[Value]) -> Iterator[Value]:
     """Yield rows with the values that code of a user has to tell, where that is quick.
 
     The service itself calls no such code to list what there is.
     """
-    from rtkit.property.reading import Limits, read
+    from rtkit.property.reading import ValueLimits, read
 
     until = monotonic() + _CALLS_S
     for row in rows:
@@ -101,7 +107,7 @@ def _completed(end: End, above: str, rows: Sequence[Value]) -> Iterator[Value]:
         path = f"{above}.{name}" if above else name
         told, error = end.ask(f"{path}?timeout={_CALL_S}")
         is_shown = not error and isinstance(told, str)
-        yield (name, meta, read(str(told), Limits(text=1 << 26))) if is_shown else row
+        yield (name, meta, read(str(told), ValueLimits(text=1 << 26))) if is_shown else row
 
 
 def _in_columns(names: list[str]) -> list[str]:
@@ -118,9 +124,9 @@ def _row(row: Value) -> tuple[str, Value, *tuple[Value, ...]]:
 
 
 def _group(text: str | bytes) -> tuple[Value, ...]:
-    from rtkit.property.reading import Limits, read
+    from rtkit.property.reading import ValueLimits, read
 
-    value = read(str(text), Limits(text=1 << 26, items=1 << 24))
+    value = read(str(text), ValueLimits(text=1 << 26, items=1 << 24))
     return value if isinstance(value, tuple) else (value,)
 
 

@@ -6,43 +6,43 @@ from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 
 from rtkit.cli import _out
-from rtkit.cli._patience import wait_for
 from rtkit.cli._properties import connected
 from rtkit.cli._resizing import resizing
-from rtkit.cli._service_listing import Listing
-from rtkit.cli._watch import Sight
+from rtkit.cli._service_listing import ServiceListing
+from rtkit.cli._wait import wait_for
+from rtkit.cli._watch import WatchedScreen
 from rtkit.property.codes import PropertyError
-from rtkit.tree.properties_heard import Heard
+from rtkit.tree.property_subscription import PropertySubscription
 
 _MOST = 1000
 """How many properties one connection listens to; services bound it."""
 
 
-def watch_service(listing: Listing, sight: Sight) -> None:
+def watch_service(listing: ServiceListing, sight: WatchedScreen) -> None:
     """Show a listing again when something of it has changed, until nobody reads it.
 
     Raises:
         PropertyError: The service has gone.
     """
-    with _Ears(listing) as ears, resizing(_out.is_terminal()) as bell:
+    with _Ears(listing) as subscriptions, resizing(_out.is_terminal()) as wakeup:
         while True:
-            if bell.heard():
+            if wakeup.heard():
                 sight.forget()
-            if ears.has_news():
+            if subscriptions.has_changes():
                 sight.stale()
             if sight.is_due:
                 sight.show(listing.look)
-                ears.listen_to(listing.names)
-            wait_for([bell.fileno(), *ears.sources], sight.due())
+                subscriptions.listen_to(listing.names)
+            wait_for([wakeup.fileno(), *subscriptions.sources], sight.due())
 
 
 class _Ears:
     """Hears that there are other names, and other values of those that are shown."""
 
-    def __init__(self, listing: Listing) -> None:
+    def __init__(self, listing: ServiceListing) -> None:
         self._listing = listing
         self._open = ExitStack()
-        self._heard: list[Heard] = []
+        self._heard: list[PropertySubscription] = []
         self._known: set[str] = set()
 
     def __enter__(self) -> _Ears:
@@ -57,7 +57,7 @@ class _Ears:
         """Descriptors of which one is readable when there is news."""
         return [heard.fileno() for heard in self._heard]
 
-    def has_news(self) -> bool:
+    def has_changes(self) -> bool:
         """Take all news, and tell whether there was some.
 
         Raises:
@@ -85,4 +85,6 @@ class _Ears:
 
     def _hear(self, targets: Sequence[str], parameters: Sequence[str]) -> None:
         places = self._open.enter_context(connected(self._listing.app, None))
-        self._heard.append(self._open.enter_context(Heard(places, targets, "&".join(parameters))))
+        self._heard.append(
+            self._open.enter_context(PropertySubscription(places, targets, "&".join(parameters)))
+        )

@@ -16,7 +16,7 @@ from rtkit.errors import InvalidDocument, NotFound, Refused, UsageProblem
 if TYPE_CHECKING:
     from rtkit.deployment.limits import Capacity
     from rtkit.report.finding import Checked
-    from rtkit.statics.verdict import Options
+    from rtkit.static_check.verdict import Options
 
 TEXT = "text"
 _FORMS = (TEXT, "json", "sarif", "junit", "github")
@@ -74,7 +74,7 @@ def check(
     """
     from rtkit.profile.rules import RULES as RULES_OF_PROFILES
     from rtkit.report.forms import report_lines
-    from rtkit.statics.rules import RULES
+    from rtkit.static_check.rules import RULES
 
     unknown = sorted(set(options.ignored) - RULES.keys())
     if unknown:
@@ -101,8 +101,8 @@ def _checked(
     from rtkit.cli.profile._files import sources
     from rtkit.profile.forms import may_be_component
     from rtkit.profile_tools.validation import unreadable
-    from rtkit.statics.stock import Document, stocked
-    from rtkit.statics.verdict import Opened, opened, verdict
+    from rtkit.static_check.stock import CandidateDocument, stocked
+    from rtkit.static_check.verdict import Opened, opened, verdict
 
     named = list(sources(paths))
     others = [each for each in named if each.data and may_be_component(each.data[:8192])]
@@ -118,7 +118,7 @@ def _checked(
     types = {name for each in systems if isinstance(each, Opened) for name in each.types}
     components = [*components, *(each.name for each in others)]
     files = [source.name for source in named if source.data is not None and source.name in paths]
-    documents = (Document(*each) for each in profiles(components, app.tell, systems=files))
+    documents = (CandidateDocument(*each) for each in profiles(components, app.tell, systems=files))
     catalogue, troubles = stocked(documents, types, options)
     for each in systems:
         yield verdict(each, catalogue, options) if isinstance(each, Opened) else each

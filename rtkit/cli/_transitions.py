@@ -14,7 +14,7 @@ from rtkit.rtc.enums import Transition
 if TYPE_CHECKING:
     from rtkit.deployment.actions import ChangeState, Result
     from rtkit.rtc.names import Path
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 ALL = "all"
 _Asked = tuple["Path", "ChangeState"]
@@ -120,7 +120,7 @@ def _asked(
     return asked
 
 
-def _first_context(node: Node) -> list[str]:
+def _first_context(node: TreeNode) -> list[str]:
     return [node.row.context] if node.row is not None and node.row.context else []
 
 

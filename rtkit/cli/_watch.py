@@ -31,7 +31,7 @@ class MayWatch(click.Command):
         return super().parse_args(ctx, options + args[end:])
 
 
-class Sight:
+class WatchedScreen:
     """What is shown: on a terminal in place of the last time, else behind a `gap`.
 
     It begins stale, and is shown at most once in a period as long as it stands there.
@@ -75,15 +75,15 @@ class Sight:
 
 def watch(look: Callable[[], Iterable[str]], period_s: float) -> None:
     """Look again in each period, and show what has changed, until nobody reads it."""
-    from rtkit.cli._patience import wait_for
     from rtkit.cli._resizing import resizing
+    from rtkit.cli._wait import wait_for
 
-    sight = Sight(period_s, "")
-    with resizing(_out.is_terminal()) as bell:
+    sight = WatchedScreen(period_s, "")
+    with resizing(_out.is_terminal()) as wakeup:
         while True:
             sight.stale()
-            if bell.heard():
+            if wakeup.heard():
                 sight.forget()
             if sight.is_due:
                 sight.show(look)
-            wait_for([bell.fileno()], sight.due() or time.monotonic() + period_s)
+            wait_for([wakeup.fileno()], sight.due() or time.monotonic() + period_s)

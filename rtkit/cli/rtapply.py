@@ -57,7 +57,7 @@ def main(
     noted: plans made later count with it.
     """
     from rtkit.deployment.applying import Applier
-    from rtkit.deployment.planning.telling import lines
+    from rtkit.deployment.planning.rendering import lines
     from rtkit.tree.grace import uninterrupted
 
     source, data = read_data(files)

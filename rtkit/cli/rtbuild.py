@@ -12,7 +12,7 @@ from rtkit.cli._app import App, command
 from rtkit.errors import Malformed, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli._project import Change
+    from rtkit.cli._project import FileChange
 
 _SHOWN = ("written", "kept")
 
@@ -94,17 +94,17 @@ def main(
     _tell(app, changes, is_json=is_json, is_forced=force)
 
 
-def _tell(app: App, changes: Sequence[Change], *, is_json: bool, is_forced: bool) -> None:
+def _tell(app: App, changes: Sequence[FileChange], *, is_json: bool, is_forced: bool) -> None:
     if is_json:
-        fates = [each.fate_when(is_forced=is_forced) for each in changes]
+        assignments = [each.assignment_when(is_forced=is_forced) for each in changes]
         records = (
-            {"path": each.path, "fate": fate, "why": each.why or None}
-            for each, fate in zip(changes, fates, strict=True)
+            {"path": each.path, "fate": assignment, "why": each.why or None}
+            for each, assignment in zip(changes, assignments, strict=True)
         )
         _out.write(_records.lines("built-file", records))
         return
     for each in changes:
-        fate = each.fate_when(is_forced=is_forced)
-        if fate in _SHOWN or app.is_verbose:
+        assignment = each.assignment_when(is_forced=is_forced)
+        if assignment in _SHOWN or app.is_verbose:
             why = f" ({each.why})" if each.why else ""
-            click.echo(_out.printable(f"{fate:<9}  {each.path}{why}"))
+            click.echo(_out.printable(f"{assignment:<9}  {each.path}{why}"))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import PortProfile
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 
 @command("rtcat")
@@ -55,9 +55,9 @@ def main(app: App, paths: tuple[str, ...], level: int, is_json: bool) -> None:
     _out.write(lines)
 
 
-def _node(listing: Listing, path: Path) -> Node:
+def _node(listing: Listing, path: Path) -> TreeNode:
     from rtkit.tree.resolve import absent, find, zombie
-    from rtkit.tree.view import Kind, build
+    from rtkit.tree.view import NodeKind, build
 
     root = build(listing)
     node = find(root, path, listing.host)
@@ -66,12 +66,12 @@ def _node(listing: Listing, path: Path) -> Node:
     if node.is_directory:
         if path.port is not None:
             raise Refused(f"Not a component: {path.typed}")
-        if node.kind is not Kind.MANAGER:
+        if node.kind is not NodeKind.MANAGER:
             hint = f"it is a directory: rtls {path.typed} lists it"
             raise NotFound(f"No such object: {path.typed} ({hint})")
     elif path.is_directory:
         raise NotFound(f"No such object: {path.typed}")
-    elif node.kind is Kind.ZOMBIE:
+    elif node.kind is NodeKind.ZOMBIE:
         component = path.typed if path.port is None else path.typed.rpartition(":")[0]
         raise Refused(f"{zombie(node, path)}; rtvlog {component} shows what it logged")
     return node
@@ -87,7 +87,7 @@ def _manager(
     return manager_lines(snapshot, process, found), manager_record(snapshot, process, found)
 
 
-def _slave(snapshot: Snapshot, node: Node) -> ProcessFacts | None:
+def _slave(snapshot: Snapshot, node: TreeNode) -> ProcessFacts | None:
     if not node.is_slave:
         return None
     return next(each for each in snapshot.processes if each.name == node.process)
@@ -104,7 +104,7 @@ def _port(facts: ComponentFacts, path: Path) -> PortProfile:
 
 def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, Any]:
     from rtkit.deployment.shown_ports import OwnEnds
-    from rtkit.rtc.plain import encode
+    from rtkit.rtc.serde import encode
 
     wires = OwnEnds.of(snapshot).wires(facts, snapshot.connectors)
     return {
@@ -116,8 +116,8 @@ def _component_record(snapshot: Snapshot, facts: ComponentFacts) -> dict[str, An
 
 def _port_record(snapshot: Snapshot, facts: ComponentFacts, port: PortProfile) -> dict[str, Any]:
     from rtkit.deployment.shown_ports import OwnEnds
-    from rtkit.rtc.plain import encode
     from rtkit.rtc.profiles import PortRef
+    from rtkit.rtc.serde import encode
 
     end = OwnEnds.of(snapshot).end(PortRef(facts.instance, port.name))
     wires = [encode(wire) for wire in snapshot.connectors if end in wire.ports]

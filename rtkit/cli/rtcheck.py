@@ -65,7 +65,7 @@ def main(
         if is_diff or dry_run:
             raise UsageProblem("--static compares with no live system: no --diff, no --dry-run")
         check_at_most_one(files, "file")
-        from rtkit.statics.verdict import Options
+        from rtkit.static_check.verdict import Options
 
         options = Options(app.is_strict, ignored, _static.this_host)
         return _static.check(app, files, components, report=form, tool=TOOL, options=options)
@@ -75,7 +75,7 @@ def main(
         raise UsageProblem("--diff has a form of its own: no --json, no --format")
     from rtkit.cli.system.present_code import present_code
     from rtkit.deployment.check import check_lines, deviations, diff_lines, surplus
-    from rtkit.deployment.live import Live
+    from rtkit.deployment.live import LiveIndex
 
     document = read_document(app, files)
     snapshot = shared.look(app, document.profile, dry_run=dry_run)
@@ -85,17 +85,17 @@ def main(
             click.echo(line)
         return 0
     expected = None if state == UNKNOWN_STATE else LifeCycleState(state)
-    live = Live(snapshot, system)
+    live = LiveIndex(snapshot, system)
     present = present_code(snapshot.components)
     found = list(deviations(system, live, expected, present))
     if is_diff:
         _out.write(map(_out.printable, diff_lines([*found, *surplus(system, live)])))
     elif form != _static.TEXT:
-        from rtkit.cli.system.judged import told
+        from rtkit.cli.system.verdict import told
 
         _out.write(told(form, document.source, system, found))
     elif found:
-        from rtkit.cli.system.judged import text_of
+        from rtkit.cli.system.verdict import text_of
 
         for each in found:
             app.say(text_of(each))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, check_at_most_one, command, strict_option
-from rtkit.cli._composites import Change, Parts, parts_of
+from rtkit.cli._composites import MemberChange, Parts, parts_of
 from rtkit.errors import Malformed, NotFound, Refused, from_kind
 from rtkit.rtc.names import COMPONENT_SUFFIX
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
     from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 DEFAULT_NAME = "CompositeRTC"
 DEFAULT_TYPE = "PeriodicECSharedComposite"
@@ -94,33 +94,33 @@ def _change(
         _make(app, create, name, node.process if node.is_slave else "", adding)
 
 
-def _name(node: Node, path: Path) -> str:
+def _name(node: TreeNode, path: Path) -> str:
     """Return the instance name of the composite that is meant."""
     from rtkit.rtc.names import check_instance_name
     from rtkit.tree.resolve import zombie
-    from rtkit.tree.view import Kind
+    from rtkit.tree.view import NodeKind
 
-    if node.kind is Kind.MANAGER:
+    if node.kind is NodeKind.MANAGER:
         return check_instance_name(path.port) if path.port is not None else DEFAULT_NAME
     if node.is_directory:
         raise Refused(f"Not a component or manager: {path.typed}")
     if path.port is not None or path.is_directory:
         raise Malformed(f"Not a component: {path.typed}")
-    if node.kind is Kind.ZOMBIE:
+    if node.kind is NodeKind.ZOMBIE:
         raise zombie(node, path)
     return node.instance
 
 
-def _added(root: Node, listing: Listing, path: Path) -> Change:
+def _added(root: TreeNode, listing: Listing, path: Path) -> MemberChange:
     from rtkit.tree.resolve import component, component_of_port
 
     is_bare = path.port is None
     find = component if is_bare else component_of_port
     node = find(root, path, listing.host)
-    return Change(path, node.instance, _ports(path))
+    return MemberChange(path, node.instance, _ports(path))
 
 
-def _removed(root: Node, listing: Listing, path: Path) -> Change:
+def _removed(root: TreeNode, listing: Listing, path: Path) -> MemberChange:
     """Return what to remove; what is not there any more is known by the last part of its path."""
     from rtkit.tree.resolve import find
 
@@ -129,14 +129,14 @@ def _removed(root: Node, listing: Listing, path: Path) -> Change:
     if not is_component or path.is_directory:
         raise Refused(f"Not a component: {path.typed}")
     gone = path.elements[-1].removesuffix(COMPONENT_SUFFIX)
-    return Change(path, gone if node is None else node.instance, _ports(path))
+    return MemberChange(path, gone if node is None else node.instance, _ports(path))
 
 
 def _ports(path: Path) -> tuple[str, ...]:
     return tuple(each for each in (path.port or "").split(",") if each)
 
 
-def _check_ports(snapshot: Snapshot, change: Change) -> None:
+def _check_ports(snapshot: Snapshot, change: MemberChange) -> None:
     facts = snapshot.component(change.instance)
     if facts is None:
         raise NotFound(f"No such object: {change.path.typed}")
@@ -145,7 +145,7 @@ def _check_ports(snapshot: Snapshot, change: Change) -> None:
             raise NotFound(f"Port not found: {change.typed_port(port)}")
 
 
-def _make(app: App, create: str, name: str, slave: str, adding: Sequence[Change]) -> None:
+def _make(app: App, create: str, name: str, slave: str, adding: Sequence[MemberChange]) -> None:
     from rtkit.deployment.actions import Create, strict
     from rtkit.rtc.create import parse_create
 
@@ -168,8 +168,8 @@ def _edit(
     snapshot: Snapshot,
     whole: ComponentFacts,
     path: Path,
-    adding: Sequence[Change],
-    removing: Sequence[Change],
+    adding: Sequence[MemberChange],
+    removing: Sequence[MemberChange],
 ) -> None:
     from rtkit.deployment.actions import ActivateSet, SetParameters
 
@@ -189,7 +189,7 @@ def _edit(
         result.raise_for_error()
 
 
-def _check_process(snapshot: Snapshot, whole: ComponentFacts, change: Change) -> None:
+def _check_process(snapshot: Snapshot, whole: ComponentFacts, change: MemberChange) -> None:
     facts = snapshot.component(change.instance)
     if facts is not None and facts.process != whole.process:
         raise Refused(

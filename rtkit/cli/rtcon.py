@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.rtc.names import Path
     from rtkit.rtc.profiles import ConnectorProfile
-    from rtkit.tree.wiring import End
+    from rtkit.tree.wiring import ResolvedPort
 
 
 @command("rtcon")
@@ -92,7 +92,9 @@ def _ids(wished: str, count: int) -> list[str]:
     return [str(uuid4()) for _ in range(count)]
 
 
-def _check_new(snapshot: Snapshot, one: End, other: End, connector_id: str, name: str) -> None:
+def _check_new(
+    snapshot: Snapshot, one: ResolvedPort, other: ResolvedPort, connector_id: str, name: str
+) -> None:
     from rtkit.tree.wiring import between
 
     if between(snapshot.connectors, one.ref, [other.ref]):

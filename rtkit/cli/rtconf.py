@@ -11,10 +11,10 @@ from rtkit.cli._app import App, WrongArguments, command, strict_option
 from rtkit.errors import NotFound, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli.conf.asked import Asked
+    from rtkit.cli.conf.request import ConfRequest
     from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 _GUARD = "\0"
 FORMS = {
@@ -76,13 +76,13 @@ def main(
     that begins with a minus and is no number needs -- before the path.
     """
     from rtkit.cli.conf import files, properties, sets
-    from rtkit.tree.view import Kind
+    from rtkit.tree.view import NodeKind
 
     typed, asked = _asked(words, has_hidden, is_long, set_id, is_json)
     path = app.path(typed)
     node = _node(app.tree.listing(), path)
     snapshot = app.tree.part([node.instance])
-    if node.kind is Kind.MANAGER:
+    if node.kind is NodeKind.MANAGER:
         properties.of_manager(app, snapshot.properties, path, asked)
         return 0
     facts = snapshot.component(node.instance)
@@ -96,8 +96,8 @@ def main(
 
 def _asked(
     words: Sequence[str], has_hidden: bool, is_long: bool, set_id: str, is_json: bool
-) -> tuple[str, Asked]:
-    from rtkit.cli.conf.asked import Asked
+) -> tuple[str, ConfRequest]:
+    from rtkit.cli.conf.request import ConfRequest
 
     if not words:
         raise WrongArguments("No component specified.")
@@ -120,20 +120,20 @@ def _asked(
         raise WrongArguments(f"no such word: {verb}{hint}")
     if not is_fit[verb]:
         raise WrongArguments(f"expected: {FORMS[verb]}; found: {' '.join([verb, *arguments])}")
-    return typed, Asked(verb, tuple(arguments), set_id, has_hidden, is_long, is_json)
+    return typed, ConfRequest(verb, tuple(arguments), set_id, has_hidden, is_long, is_json)
 
 
-def _node(listing: Listing, path: Path) -> Node:
+def _node(listing: Listing, path: Path) -> TreeNode:
     from rtkit.tree.resolve import absent, find, zombie
-    from rtkit.tree.view import Kind, build
+    from rtkit.tree.view import NodeKind, build
 
     root = build(listing)
     node = find(root, path, listing.host)
     if path.port is not None and node is not None:
         raise Refused(f"Not a component: {path.typed}")
-    if node is not None and node.kind is Kind.ZOMBIE and not path.is_directory:
+    if node is not None and node.kind is NodeKind.ZOMBIE and not path.is_directory:
         raise zombie(node, path)
-    is_known = node is not None and node.kind in (Kind.COMPONENT, Kind.MANAGER)
+    is_known = node is not None and node.kind in (NodeKind.COMPONENT, NodeKind.MANAGER)
     if node is None or not is_known or (path.is_directory and not node.is_directory):
         raise absent(root, path, listing.host)
     return node

@@ -55,7 +55,7 @@ def main(
     """
     from datetime import datetime
 
-    from rtkit.deployment.capture import Heading, capture
+    from rtkit.deployment.capture import SystemHeading, capture
     from rtkit.profile.forms import XML, form_of_name
     from rtkit.profile.write import write_profile
 
@@ -67,7 +67,7 @@ def main(
         servers = gather_named(app, servers)
     snapshot = shared.snapshot(app)
     date = datetime.now().replace(microsecond=0).isoformat()
-    heading = Heading(date, name, system_version, vendor, abstract)
+    heading = SystemHeading(date, name, system_version, vendor, abstract)
     hosts = [_host(server, snapshot) for server in servers]
     _tell_gaps(app, snapshot)
     profile = capture(snapshot, heading, takes_all=takes_all, hosts=hosts)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.listing import Listing
     from rtkit.rtc.names import Path
     from rtkit.tree.client import Tree
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 _Failure = tuple[str, RtkitError]
 
@@ -64,7 +64,7 @@ def _remove_zombies(app: App) -> None:
 
 def _below(app: App, path: Path, zombies: bool) -> list[Action]:
     from rtkit.deployment.actions import Unregister
-    from rtkit.tree.view import Kind
+    from rtkit.tree.view import NodeKind
 
     if path.port is not None:
         raise Malformed(f"Undeletable object: {path.typed}")
@@ -72,16 +72,16 @@ def _below(app: App, path: Path, zombies: bool) -> list[Action]:
         raise Malformed("Cannot delete the root directory.")
     listing = app.tree.listing()
     node = _node(listing, path)
-    if zombies and node.kind is not Kind.ZOMBIE:
+    if zombies and node.kind is not NodeKind.ZOMBIE:
         raise Refused(f"Not a zombie object: {path.typed}")
-    if node.kind is Kind.HOST:
+    if node.kind is NodeKind.HOST:
         raise Refused(f"Undeletable object: {path.typed}")
-    if node.parent is None or node.parent.kind is Kind.MANAGER:
+    if node.parent is None or node.parent.kind is NodeKind.MANAGER:
         raise Refused(f"Parent not a directory: {path.typed}")
     return [Unregister(name, zombies) for name in _names(listing, node)]
 
 
-def _node(listing: Listing, path: Path) -> Node:
+def _node(listing: Listing, path: Path) -> TreeNode:
     from rtkit.tree.resolve import absent, find
     from rtkit.tree.view import build
 
@@ -92,13 +92,13 @@ def _node(listing: Listing, path: Path) -> Node:
     return node
 
 
-def _names(listing: Listing, node: Node) -> list[str]:
+def _names(listing: Listing, node: TreeNode) -> list[str]:
     """Return the names behind an entry, or behind all entries of a directory."""
-    from rtkit.tree.view import Kind, shown_path
+    from rtkit.tree.view import NodeKind, shown_path
 
     registered = [*listing.names, *(name for row in listing.rows for name in row.names)]
     shown = [(name, shown_path(name, listing.host)) for name in registered]
-    if node.kind is Kind.DIRECTORY:
+    if node.kind is NodeKind.DIRECTORY:
         return [name for name, place in shown if place.startswith(f"{node.path}/")]
     return [name for name, place in shown if place == node.path]
 

@@ -11,7 +11,7 @@ from rtkit.cli._atomic import STDOUT, write_output
 from rtkit.errors import Malformed, NotFound, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli.doc.subject import Subject
+    from rtkit.cli.doc.subject import DocumentedComponent
     from rtkit.profile_tools.page import Page, Section
     from rtkit.rtc.profiles import TypeProfile
 
@@ -82,18 +82,18 @@ def _is_module(typed: str) -> bool:
     return typed.endswith(".py") or ".py:" in typed
 
 
-def _of_module(typed: str) -> Subject:
-    from rtkit.cli.doc.subject import Subject
+def _of_module(typed: str) -> DocumentedComponent:
+    from rtkit.cli.doc.subject import DocumentedComponent
     from rtkit.cli.profile._factory import component_class, instance_of
     from rtkit.component.describe import describe
 
     component = instance_of(component_class(typed, "").cls, typed, is_initialised=False)
     told = describe(component)
-    return Subject(component.type, told.ports, told.sets)
+    return DocumentedComponent(component.type, told.ports, told.sets)
 
 
-def _of_tree(app: App, typed: str) -> Subject:
-    from rtkit.cli.doc.subject import Subject
+def _of_tree(app: App, typed: str) -> DocumentedComponent:
+    from rtkit.cli.doc.subject import DocumentedComponent
     from rtkit.tree.resolve import component
     from rtkit.tree.view import build
 
@@ -105,7 +105,7 @@ def _of_tree(app: App, typed: str) -> Subject:
         raise NotFound(f"No such object: {typed}")
     if facts.trouble:
         app.fail(f"warning: as last reported ({facts.trouble}): {typed}")
-    return Subject(facts.type, facts.ports, facts.sets)
+    return DocumentedComponent(facts.type, facts.ports, facts.sets)
 
 
 def _from_profile(app: App, type: TypeProfile) -> tuple[Section, ...]:

@@ -11,7 +11,7 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command, strict_option
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.errors import Refused
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _STYLES: dict[str, dict[str, object]] = {
 @click.option(
     "--timeout",
     "timeout_s",
-    type=Number(min=0.01),
+    type=NumberChoice(min=0.01),
     default=_PATIENCE_S,
     metavar="SECONDS",
     help=f"How long to wait for each answer (default {_PATIENCE_S}).",

@@ -11,14 +11,14 @@ from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, check_at_most_one, command
 from rtkit.errors import Malformed, UsageProblem
 from rtkit.tree.resolve import absent, find
-from rtkit.tree.view import Kind, Node, once
+from rtkit.tree.view import NodeKind, TreeNode, once
 
-_LETTERS: dict[str, tuple[Kind, ...]] = {
-    "c": (Kind.COMPONENT,),
-    "d": (Kind.ROOT, Kind.HOST, Kind.DIRECTORY, Kind.MANAGER),
-    "m": (Kind.MANAGER,),
-    "n": (Kind.HOST,),
-    "z": (Kind.ZOMBIE,),
+_LETTERS: dict[str, tuple[NodeKind, ...]] = {
+    "c": (NodeKind.COMPONENT,),
+    "d": (NodeKind.ROOT, NodeKind.HOST, NodeKind.DIRECTORY, NodeKind.MANAGER),
+    "m": (NodeKind.MANAGER,),
+    "n": (NodeKind.HOST,),
+    "z": (NodeKind.ZOMBIE,),
 }
 
 
@@ -85,7 +85,7 @@ def main(
     return app.tell_silent(root, nodes, "searched")
 
 
-def _kinds(letters: str) -> set[Kind]:
+def _kinds(letters: str) -> set[NodeKind]:
     unknown = [letter for letter in letters if letter not in _LETTERS]
     if unknown:
         raise UsageProblem(f"no type of entry: {unknown[0]} (any of {''.join(_LETTERS)})")
@@ -101,7 +101,7 @@ def _matches(name: str, patterns: Sequence[re.Pattern[str]]) -> bool:
     return not patterns or any(pattern.fullmatch(name) for pattern in patterns)
 
 
-def _start(app: App, typed: str) -> tuple[Node, Node]:
+def _start(app: App, typed: str) -> tuple[TreeNode, TreeNode]:
     """Return the root of the tree and the node from which to search."""
     path = app.path(typed)
     if path.port is not None:
@@ -115,7 +115,7 @@ def _start(app: App, typed: str) -> tuple[Node, Node]:
     return root, node
 
 
-def _walk(node: Node, depth: int) -> Iterator[Node]:
+def _walk(node: TreeNode, depth: int) -> Iterator[TreeNode]:
     yield node
     for child in node.entries() if depth else ():
         yield from _walk(child, depth - 1)

@@ -8,7 +8,7 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.cli._properties import connected, joined, place_options, record, shown, write_raw
 from rtkit.cli._watch import MayWatch, WatchOption, watch
 from rtkit.errors import RtkitError
@@ -22,7 +22,7 @@ from rtkit.errors import RtkitError
     "--watch",
     "period_s",
     cls=WatchOption,
-    type=Number(min=0.05),
+    type=NumberChoice(min=0.05),
     metavar="SECONDS",
     help="Get again, every second or --watch=SECONDS, until interrupted.",
 )

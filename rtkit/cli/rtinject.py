@@ -10,7 +10,7 @@ from typing import IO, TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, command
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.cli._data import module_options, named_streams
 from rtkit.cli._lasting import lasting
 from rtkit.errors import Malformed, Refused, UsageProblem
@@ -35,7 +35,7 @@ _ENDLESS = -1
 @click.option(
     "-r",
     "--rate",
-    type=Number(min=0.0, min_open=True),
+    type=NumberChoice(min=0.0, min_open=True),
     metavar="HZ",
     help="Values per second (default 1 with -c, else as they are read).",
 )

@@ -11,13 +11,13 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.cli._lasting import lasting
 from rtkit.cli._properties import connected, joined, place_options, record, shown, write_raw
 
 if TYPE_CHECKING:
-    from rtkit.property.messages import Event
-    from rtkit.tree.properties_heard import Heard
+    from rtkit.property.messages import PropertyEvent
+    from rtkit.tree.property_subscription import PropertySubscription
 
 _NS = 1_000_000_000
 
@@ -28,9 +28,9 @@ _NS = 1_000_000_000
 @lasting(long="--duration")
 @click.option("--queue", type=click.IntRange(1, 10_000), metavar="N",
               help="Keep N events while they cannot be sent (default 1: the latest).")  # fmt: skip
-@click.option("--every", type=Number(min=0.0), metavar="SECONDS",
+@click.option("--every", type=NumberChoice(min=0.0), metavar="SECONDS",
               help="At most one event in this time; the last one always comes.")  # fmt: skip
-@click.option("--deadband", type=Number(min=0.0), metavar="NUMBER",
+@click.option("--deadband", type=NumberChoice(min=0.0), metavar="NUMBER",
               help="Only when a number has changed by this much.")  # fmt: skip
 @click.option("--mode", type=click.Choice(["change", "all", "diff"]),
               help="Each change (default), each set, or of names what came and went.")  # fmt: skip
@@ -67,15 +67,17 @@ def main(
     until = None if duration_s is None else time.monotonic() + duration_s
     count = 0
     with connected(app, at) as places, ExitStack() as stack:
-        from rtkit.tree.properties_heard import Heard
+        from rtkit.tree.property_subscription import PropertySubscription
 
-        heard = stack.enter_context(Heard(places, targets, joined([*parameters, *given])))
+        heard = stack.enter_context(
+            PropertySubscription(places, targets, joined([*parameters, *given]))
+        )
         for typed, event in _events(heard, until):
             if event.code:
                 from rtkit.property.codes import PropertyError
-                from rtkit.tree.properties import told
+                from rtkit.tree.properties import printed_error
 
-                raise told(typed, PropertyError(event.code, "it has been removed"))
+                raise printed_error(typed, PropertyError(event.code, "it has been removed"))
             if is_raw:
                 write_raw(event.payload)
             else:
@@ -87,14 +89,16 @@ def main(
     return 0 if count else 1
 
 
-def _events(heard: Heard, until: float | None) -> Iterator[tuple[str, Event]]:
+def _events(
+    heard: PropertySubscription, until: float | None
+) -> Iterator[tuple[str, PropertyEvent]]:
     """Yield events with the target as it was typed, until some time [s, monotonic].
 
     Raises:
         PropertyError: An owner has gone.
         BrokenPipeError: Nobody reads stdout any more.
     """
-    from rtkit.cli._patience import wait_for
+    from rtkit.cli._wait import wait_for
 
     while True:
         while (event := heard.take()) is not None:
@@ -110,7 +114,7 @@ def _flush() -> None:
     sys.stdout.flush()
 
 
-def _line(typed: str, event: Event, targets: tuple[str, ...]) -> str:
+def _line(typed: str, event: PropertyEvent, targets: tuple[str, ...]) -> str:
     text = shown(event.payload)
     if len(targets) > 1:
         text = f"{_out.printable(typed)} {text}"
@@ -119,7 +123,7 @@ def _line(typed: str, event: Event, targets: tuple[str, ...]) -> str:
     return f"{text}  ({', '.join(remarks)})" if remarks else text
 
 
-def _json(typed: str, event: Event) -> str:
+def _json(typed: str, event: PropertyEvent) -> str:
     more = {
         "time": _records.time_text(int(event.time * _NS)),
         "revision": event.revision,

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from rtkit.cli._app import App, command
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.cli._lasting import lasting
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.recording.entries import Part
+    from rtkit.recording.entries import RecordingSelection
 
 FORMATS = ("mcap", "text")
 FORMS_OUT = ("text", "json", "csv")
@@ -51,7 +51,7 @@ _NS = 1_000_000_000
 @click.option(
     "-r",
     "--rate",
-    type=Number(min=0.0, min_open=True),
+    type=NumberChoice(min=0.0, min_open=True),
     metavar="FACTOR",
     help="Play so many times as fast; with -n so many entries each cycle (default 1).",
 )
@@ -64,7 +64,7 @@ _NS = 1_000_000_000
 @click.option(
     "-x",
     "--exec-rate",
-    type=Number(min=0.0, min_open=True),
+    type=NumberChoice(min=0.0, min_open=True),
     metavar="HZ",
     help="Cycles a second with -n (default 100).",
 )
@@ -143,7 +143,9 @@ def main(
 
         export(app, str(filename), exported, part)
     elif is_play:
-        pace = _play.Pace(rate or 1.0, is_untimed, exec_rate or 100.0, is_absolute, duration_s)
+        pace = _play.PlaybackPace(
+            rate or 1.0, is_untimed, exec_rate or 100.0, is_absolute, duration_s
+        )
         _play.play(app, str(filename), chosen, ports, part, pace, is_lossless=lossless)
     else:
         _refuse_when_recording(start, is_untimed, rate)
@@ -164,10 +166,12 @@ def _refuse_when_recording(start: str | None, is_untimed: bool, rate: float | No
             raise UsageProblem(f"{option} is for playing (-p)")
 
 
-def _part(start: str | None, end: str | None, is_by_index: bool, *, has_duration: bool) -> Part:
-    from rtkit.recording.entries import Part
+def _part(
+    start: str | None, end: str | None, is_by_index: bool, *, has_duration: bool
+) -> RecordingSelection:
+    from rtkit.recording.entries import RecordingSelection
 
-    return Part(
+    return RecordingSelection(
         _place(start, "-s", is_by_index),
         None if has_duration else _place(end, "-e", is_by_index),
         is_by_index,

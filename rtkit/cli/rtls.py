@@ -9,23 +9,23 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, check_at_most_one, command
-from rtkit.cli._choice import Number
-from rtkit.cli._service_listing import Listing, service_at
-from rtkit.cli._watch import MayWatch, Sight, WatchOption
+from rtkit.cli._choice import NumberChoice
+from rtkit.cli._service_listing import ServiceListing, service_at
+from rtkit.cli._watch import MayWatch, WatchedScreen, WatchOption
 from rtkit.errors import Malformed, Unreachable
 from rtkit.tree.resolve import entry
-from rtkit.tree.view import Kind, Node, once
+from rtkit.tree.view import NodeKind, TreeNode, once
 
 if TYPE_CHECKING:
     from rtkit.rtc.names import Path
 
-_Show = Callable[[list[Node]], Iterable[str]]
+_Show = Callable[[list[TreeNode]], Iterable[str]]
 _BLANK = ("-", "-", "-", "-", "-")
 _STYLES = {
-    Kind.HOST: "directory",
-    Kind.DIRECTORY: "directory",
-    Kind.MANAGER: "manager",
-    Kind.ZOMBIE: "zombie",
+    NodeKind.HOST: "directory",
+    NodeKind.DIRECTORY: "directory",
+    NodeKind.MANAGER: "manager",
+    NodeKind.ZOMBIE: "zombie",
 }
 
 
@@ -41,7 +41,7 @@ _STYLES = {
     "--watch",
     "period_s",
     cls=WatchOption,
-    type=Number(min=0.05),
+    type=NumberChoice(min=0.05),
     metavar="SECONDS",
     help="List again whenever something has changed, after a second or --watch=SECONDS at least.",
 )
@@ -72,21 +72,21 @@ def main(
     gap = "" if is_json else "\n"
     service = service_at(paths[0] if paths else ".")
     if service is not None:
-        listing = Listing(app, service, is_long, recurse, is_json, is_single)
+        listing = ServiceListing(app, service, is_long, recurse, is_json, is_single)
         if period_s is None:
             _out.write(listing.look())
         else:
             from rtkit.cli._service_watch import watch_service
 
-            watch_service(listing, Sight(period_s, gap))
+            watch_service(listing, WatchedScreen(period_s, gap))
         return 0
     show = _json if is_json else _long if is_long else _short(is_single)
 
-    def look() -> tuple[Node, Node]:
+    def look() -> tuple[TreeNode, TreeNode]:
         root, hostname = app.root(path, is_deep=recurse or is_long)
         return root, entry(root, path, hostname)
 
-    def lines(node: Node) -> Iterable[str]:
+    def lines(node: TreeNode) -> Iterable[str]:
         if not node.is_directory:
             return show([node])
         below = list(node.walk())[1:] if recurse else node.entries()
@@ -97,27 +97,30 @@ def main(
         root, node = look()
         _out.write(lines(node))
         return app.tell_silent(root, node.walk() if recurse else (), "listed")
-    _watch(app, path, lambda: lines(look()[1]), Sight(period_s, gap))
+    _watch(app, path, lambda: lines(look()[1]), WatchedScreen(period_s, gap))
     return 0
 
 
-def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: Sight) -> None:
+def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: WatchedScreen) -> None:
     """Show again when something has changed."""
-    from rtkit.cli._ears import Ears
+    from rtkit.cli._observers import Observers
     from rtkit.cli._resizing import resizing
-    from rtkit.deployment.news import TREE
-    from rtkit.tree.listening import Ended
+    from rtkit.deployment.delta import TREE
+    from rtkit.tree.subscription import SubscriptionEnded
 
     is_wide = len(path.elements) < 2
-    with Ears(app, (TREE,), is_wide=is_wide) as ears, resizing(_out.is_terminal()) as bell:
-        for told in ears.listen(None, (bell.fileno(),), sight.due):
-            if bell.heard():
+    with (
+        Observers(app, (TREE,), is_wide=is_wide) as subscriptions,
+        resizing(_out.is_terminal()) as wakeup,
+    ):
+        for told in subscriptions.listen(None, (wakeup.fileno(),), sight.due):
+            if wakeup.heard():
                 sight.forget()
             for each in told:
-                if isinstance(each.heard, Ended):
+                if isinstance(each.heard, SubscriptionEnded):
                     app.fail(f"{each.heard.why}; waiting for it to come back")
                 sight.stale()
-            if not sight.is_due or "" not in ears.ears:
+            if not sight.is_due or "" not in subscriptions.subscriptions:
                 continue
             try:
                 sight.show(look)
@@ -125,7 +128,7 @@ def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: Sight
                 app.tell(str(error))
 
 
-def _blocks(node: Node, title: str, kept: Container[Node], show: _Show) -> Iterator[str]:
+def _blocks(node: TreeNode, title: str, kept: Container[TreeNode], show: _Show) -> Iterator[str]:
     yield f"{_out.printable(title)}:"
     yield from show([child for child in node.entries() if child in kept])
     yield ""
@@ -138,7 +141,7 @@ def _short(is_single: bool) -> _Show:
     if is_single or not _out.is_terminal():
         return lambda nodes: [_label(node, "/")[1] for node in nodes]
 
-    def in_columns(nodes: list[Node]) -> list[str]:
+    def in_columns(nodes: list[TreeNode]) -> list[str]:
         from shutil import get_terminal_size
 
         return _out.columns([_label(node, "/") for node in nodes], get_terminal_size().columns)
@@ -146,7 +149,7 @@ def _short(is_single: bool) -> _Show:
     return in_columns
 
 
-def _long(nodes: list[Node]) -> list[str]:
+def _long(nodes: list[TreeNode]) -> list[str]:
     rows = [_cells(node) for node in nodes]
     widths = [max(map(len, column)) + 2 for column in zip(*rows, strict=True)]
     show_state = _out.state if _out.has_colour() else str.ljust
@@ -159,29 +162,29 @@ def _long(nodes: list[Node]) -> list[str]:
     return lines
 
 
-def _json(nodes: list[Node]) -> Iterator[str]:
+def _json(nodes: list[TreeNode]) -> Iterator[str]:
     for node in nodes:
         yield _records.line("entry", entry_record(node))
 
 
-def entry_record(node: Node) -> dict[str, object]:
+def entry_record(node: TreeNode) -> dict[str, object]:
     """Return what a listing tells of an entry, for JSON."""
     row = {} if node.row is None else node.row._asdict()
-    if node.kind is Kind.ZOMBIE:
+    if node.kind is NodeKind.ZOMBIE:
         row["state"] = None  # the last one known is that of nobody
     kind = node.kind.name.lower()
     return {"path": node.path, "kind": kind, **row, "remark": node.remark}
 
 
-def _label(node: Node, slash: str) -> tuple[str, str]:
-    star = "*" if node.kind is Kind.ZOMBIE else ""
+def _label(node: TreeNode, slash: str) -> tuple[str, str]:
+    star = "*" if node.kind is NodeKind.ZOMBIE else ""
     text = _out.printable(star + node.name + (slash if node.is_directory else ""))
     return text, _out.styled(text, _out.STYLES.get(_STYLES.get(node.kind, "")))
 
 
-def _cells(node: Node) -> tuple[str, ...]:
+def _cells(node: TreeNode) -> tuple[str, ...]:
     row = node.row
-    if row is None or node.kind is Kind.ZOMBIE:
+    if row is None or node.kind is NodeKind.ZOMBIE:
         return _BLANK
     ports = row.ins + row.outs + row.services
     connected = row.ins_connected + row.outs_connected + row.services_connected

@@ -13,8 +13,8 @@ from rtkit.cli._app import App, check_at_most_one, command, strict_option
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli.mgr.steps import Step
-    from rtkit.tree.view import Node
+    from rtkit.cli.mgr.steps import ManagerStep
+    from rtkit.tree.view import TreeNode
 
 WORDS = ("start", "stop", "restart", "status", "run")
 _ORDER = "rtkit.order"
@@ -112,7 +112,7 @@ def main(
     from rtkit.cli.mgr.steps import read_step
 
     asked = click.get_current_context().meta[_ORDER]
-    overrides = (*given, *_door(port, no_door), *_faults(allow_faults))
+    overrides = (*given, *_endpoint(port, no_door), *_faults(allow_faults))
     is_configured = bool(file or overrides or lenient)
     if words and words[0] in WORDS:
         _check_word(words, bool(asked), is_configured)
@@ -140,8 +140,10 @@ def _check_no_word(typed: str) -> None:
         raise UsageProblem(f"neither the path of a manager nor a word: {typed}{hint}")
 
 
-def _command(app: App, typed: str, steps: Sequence[Step], is_printing: bool, is_json: bool) -> None:
-    from rtkit.cli.mgr.steps import Runner
+def _command(
+    app: App, typed: str, steps: Sequence[ManagerStep], is_printing: bool, is_json: bool
+) -> None:
+    from rtkit.cli.mgr.steps import StepRunner
     from rtkit.tree.resolve import manager
     from rtkit.tree.view import build
 
@@ -151,10 +153,10 @@ def _command(app: App, typed: str, steps: Sequence[Step], is_printing: bool, is_
         path = app.path(typed)
         listing = app.tree.listing()
         node = manager(build(listing), path, listing.host)
-    Runner(app, node, is_printing, is_json).run(steps)
+    StepRunner(app, node, is_printing, is_json).run(steps)
 
 
-def _at_address(app: App, typed: str) -> Node:
+def _at_address(app: App, typed: str) -> TreeNode:
     """Return the manager, or the slave, at a direct address; it needs no name in the tree."""
     from rtkit.rtc.address import parse_address
     from rtkit.rtc.names import is_local_host
@@ -174,7 +176,7 @@ def _at_address(app: App, typed: str) -> Node:
     return node
 
 
-def _door(port: int | None, no_door: bool) -> list[str]:
+def _endpoint(port: int | None, no_door: bool) -> list[str]:
     if no_door and port is not None:
         raise UsageProblem("a port (-p) and no port at all (-a) exclude each other")
     if no_door:
@@ -187,7 +189,7 @@ def _faults(is_allowed: bool) -> list[str]:
 
 
 def _strict(app: App) -> list[str]:
-    from rtkit.manager.settings.properties import STRICT
+    from rtkit.settings.properties import STRICT
 
     return [f"{STRICT}:YES"] if app.is_strict else []
 

@@ -57,7 +57,7 @@ def main(
     When there is no plan it is told which wishes cannot hold together, and why; with --exit-detail
     the status is 7 then.
     """
-    from rtkit.deployment.planning import telling
+    from rtkit.deployment.planning import rendering
 
     if is_json and is_dot:
         raise UsageProblem("--json and --dot exclude each other")
@@ -69,8 +69,8 @@ def main(
 
         save(out, document, prepared, options)
     if is_json:
-        _out.write([_records.line("plan", telling.as_plain(plan, goal.costs))])
+        _out.write([_records.line("plan", rendering.as_plain(plan, goal.costs))])
     else:
-        told = telling.to_dot(plan) if is_dot else telling.lines(plan, goal.costs)
+        told = rendering.to_dot(plan) if is_dot else rendering.lines(plan, goal.costs)
         _out.write(map(_out.printable, told))
     return CHANGE_NEEDED if detailed_exitcode and plan.moves else 0

@@ -10,13 +10,13 @@ import click
 
 from rtkit.cli import _reader
 from rtkit.cli._app import App, command
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.cli._data import module_options, named_streams
 from rtkit.cli._lasting import lasting
 from rtkit.errors import Refused, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli._printing import Sink, Wish
+    from rtkit.cli._printing import PrintOptions, Sink
     from rtkit.probe.spec import Stream
     from rtkit.probe.tap import Arrival
 
@@ -30,7 +30,7 @@ LINES, STATS, PLOT = "lines", "stats", "plot"
 @click.option(
     "-r",
     "--rate",
-    type=Number(min=0.0, min_open=True, max=100_000),
+    type=NumberChoice(min=0.0, min_open=True, max=100_000),
     metavar="HZ",
     help="Look this often and take the newest value of each port; -n then counts looks.",
 )
@@ -83,7 +83,7 @@ def main(
     numbers in the fields of -f are spread. With --plot: the last 30 s as curves, on a terminal as
     they come, else at the end.
     """
-    from rtkit.cli._printing import Wish
+    from rtkit.cli._printing import PrintOptions
     from rtkit.probe.fields import check_field
     from rtkit.probe.probe import LOSSLESS, Probe, tap_ports
     from rtkit.probe.types import data_type, import_modules
@@ -99,7 +99,7 @@ def main(
     for cls in types.values():
         for field in fields:
             check_field(cls, field)
-    sink = _sink(form or LINES, streams, types, Wish(fields, is_full, is_json))
+    sink = _sink(form or LINES, streams, types, PrintOptions(fields, is_full, is_json))
     limit = None if duration_s is not None else number
     with (
         Probe(app.tree, "rtprint_reader", streams, tap_ports(streams), rate or 0.0) as probe,
@@ -121,7 +121,9 @@ def main(
     return 0 if sink.count else 1
 
 
-def _sink(form: str, streams: tuple[Stream, ...], types: dict[str, type], wish: Wish) -> Sink:
+def _sink(
+    form: str, streams: tuple[Stream, ...], types: dict[str, type], wish: PrintOptions
+) -> Sink:
     from rtkit.cli import _printing
 
     if form == STATS:

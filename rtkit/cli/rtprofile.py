@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from rtkit.cli._group import Word, group
+from rtkit.cli._group import Subcommand, group
 
 WORDS = {
-    "validate": Word("rtkit.cli.profile.validate", "Check profiles against the schemas."),
-    "check": Word(
+    "validate": Subcommand("rtkit.cli.profile.validate", "Check profiles against the schemas."),
+    "check": Subcommand(
         "rtkit.cli.profile.check",
         "Check systems against the RTC profiles of their components; nothing is run.",
     ),
-    "show": Word("rtkit.cli.profile.show", "Show what a profile says."),
-    "diff": Word("rtkit.cli.profile.diff", "Compare two profiles by what they mean."),
-    "convert": Word("rtkit.cli.profile.convert", "Write a profile as XML, YAML or JSON."),
-    "normalise": Word("rtkit.cli.profile.normalise", "Bring profiles to the strict form."),
-    "set": Word("rtkit.cli.profile.set", "Set properties of a system and its components."),
-    "new": Word("rtkit.cli.profile.new", "Begin the profile of a component or of a system."),
-    "from": Word(
+    "show": Subcommand("rtkit.cli.profile.show", "Show what a profile says."),
+    "diff": Subcommand("rtkit.cli.profile.diff", "Compare two profiles by what they mean."),
+    "convert": Subcommand("rtkit.cli.profile.convert", "Write a profile as XML, YAML or JSON."),
+    "normalise": Subcommand("rtkit.cli.profile.normalise", "Bring profiles to the strict form."),
+    "set": Subcommand("rtkit.cli.profile.set", "Set properties of a system and its components."),
+    "new": Subcommand("rtkit.cli.profile.new", "Begin the profile of a component or of a system."),
+    "from": Subcommand(
         "rtkit.cli.profile.from_component",
         "Write the RTC profile of a component, from its code.",
     ),
-    "doc": Word("rtkit.cli.profile.doc", "Write a page about a component, or a system."),
-    "graph": Word("rtkit.cli.profile.graph", "Draw a system without running it."),
+    "doc": Subcommand("rtkit.cli.profile.doc", "Write a page about a component, or a system."),
+    "graph": Subcommand("rtkit.cli.profile.graph", "Draw a system without running it."),
 }
 _HELP = """Check, show, compare and convert profiles of components and systems.
 

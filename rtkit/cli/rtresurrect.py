@@ -9,12 +9,12 @@ import click
 from rtkit.cli._app import App, command
 from rtkit.cli.system import following, shared
 from rtkit.cli.system.document import read_document
-from rtkit.cli.system.foresight import lacking
+from rtkit.cli.system.preflight import missing
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.system import System
+    from rtkit.deployment.system import WantedSystem
 
 
 @command("rtresurrect")
@@ -57,7 +57,7 @@ def main(
     from rtkit.cli.system.known_types import known_types
     from rtkit.cli.system.reserving import check_reserved
     from rtkit.deployment.creation import creation_plan
-    from rtkit.deployment.live import Live
+    from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.wiring import wiring_plan
 
     if no_create and (stand_in or transmit):
@@ -82,10 +82,10 @@ def main(
             known_types=None if no_create or stand_in else known_types(document.profile, before),
         )
         check_reserved(app, system, before)
-        lacks = {} if no_create else lacking(app, system, before)
+        lacks = {} if no_create else missing(app, system, before)
         with document.naming():
             if dry_run:
-                live = Live(before, system)
+                live = LiveIndex(before, system)
                 creation = creation_plan(system, live, may_create=not no_create, lacks=lacks)
                 shared.show(creation)
                 shared.show(wiring_plan(system, live, creation.made))
@@ -96,9 +96,9 @@ def main(
 
 
 def _bring_up(
-    app: App, system: System, before: Snapshot, lacks: dict[str, str], *, may_create: bool
+    app: App, system: WantedSystem, before: Snapshot, lacks: dict[str, str], *, may_create: bool
 ) -> None:
-    from rtkit.cli._meter import counted, metered
+    from rtkit.cli._progress import counted, metered
     from rtkit.cli.system import step_times
     from rtkit.tree.resurrect import resurrect
 

@@ -10,7 +10,7 @@ from rtkit.cli import _out
 from rtkit.cli._app import App, command
 
 if TYPE_CHECKING:
-    from rtkit.property.access import Policy
+    from rtkit.property.access import AccessPolicy
 
 _MOST_KEPT = 100_000
 _LOCAL = frozenset({"", "localhost", "127.0.0.1"})
@@ -39,7 +39,7 @@ def _kept(
     return kept
 
 
-def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> Policy:
+def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> AccessPolicy:
     from rtkit.property.access import read_policy
 
     policy = read_policy("\n".join(lines), "--rule")
@@ -103,8 +103,8 @@ def main(
 
     from rtkit.cli._object import made
     from rtkit.cli._signals import heard_by_main
-    from rtkit.link.serial_line import SCHEME
-    from rtkit.serving.serve import serve
+    from rtkit.wires.serial.address import SCHEME
+    from rtkit.wires.serve import serve
 
     ended = threading.Event()
     signal.signal(signal.SIGTERM, lambda number, frame: ended.set())
@@ -116,12 +116,14 @@ def main(
         thing_made, name, port=port, serial=serial, settable=settable, http=http, ice=ice,
         hide=hide, history=history, rules=policy, notify=notify,
     ) as served:  # fmt: skip
-        doors = [f"/localhost/{served.name}"]
-        doors += [] if served.port is None else [f"localhost:{served.port}"]
-        doors += [] if serial is None else [f"{SCHEME}{serial.removeprefix(SCHEME)}"]
-        doors += [] if served.http is None else [f"http://localhost:{served.http}/ps/{served.name}"]
-        doors += [] if served.ice is None else [f"ice://localhost:{served.ice}/{served.name}"]
-        _out.write(["  ".join(doors)])
+        endpoints = [f"/localhost/{served.name}"]
+        endpoints += [] if served.port is None else [f"localhost:{served.port}"]
+        endpoints += [] if serial is None else [f"{SCHEME}{serial.removeprefix(SCHEME)}"]
+        endpoints += (
+            [] if served.http is None else [f"http://localhost:{served.http}/ps/{served.name}"]
+        )
+        endpoints += [] if served.ice is None else [f"ice://localhost:{served.ice}/{served.name}"]
+        _out.write(["  ".join(endpoints)])
         import sys
 
         sys.stdout.flush()

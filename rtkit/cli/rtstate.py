@@ -90,7 +90,7 @@ def main(
         raise UsageProblem("--dry-run and --follow exclude each other")
     from rtkit.cli.system import following
     from rtkit.cli.system.states import as_lines, as_record, states_of
-    from rtkit.deployment.planning.telling import lines
+    from rtkit.deployment.planning.rendering import lines
 
     is_led = goto is not None or event is not None
     document = read_document(app, files)
@@ -140,10 +140,10 @@ def main(
         _out.write(map(_out.printable, lines(goal.plan(snapshot), goal.costs)))
         return 0
     from rtkit.cli.system.leading import leader
-    from rtkit.deployment.states.following import Passage
+    from rtkit.deployment.states.following import SystemTransition
 
     leading = leader(app, states, app.say, rolls_back=rollback)
-    _, _, reached = leading.lead(Passage(now, event or "goto", target))
+    _, _, reached = leading.lead(SystemTransition(now, event or "goto", target))
     if reached != target:
         raise Refused(f"{target} was not reached; the system was led to {reached}")
     return 0

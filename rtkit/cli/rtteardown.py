@@ -24,7 +24,7 @@ def main(
     What is missing is reported; the rest is removed all the same. A system that its manager
     follows (rtstate) is followed no more.
     """
-    from rtkit.deployment.live import Live
+    from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.running import left_now, teardown_plan
 
     document = read_document(app, files)
@@ -35,7 +35,7 @@ def main(
 
         if following.end_if_followed(app, document, snapshot):
             snapshot = shared.remains(app)
-    plan = teardown_plan(system, Live(snapshot, system), ends_components=ends)
+    plan = teardown_plan(system, LiveIndex(snapshot, system), ends_components=ends)
     if dry_run:
         shared.show(plan)
         return

@@ -12,14 +12,14 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command
-from rtkit.cli._choice import Words
-from rtkit.cli._ears import Ears, is_covered, place_of, scopes_of, write_now
+from rtkit.cli._choice import WordChoice
+from rtkit.cli._observers import Observers, is_covered, place_of, scopes_of, write_now
 from rtkit.cli.top.page import TITLES, Look, memory, ordered, short, table
-from rtkit.cli.top.rates import Rater, Row
+from rtkit.cli.top.rates import Rater, RateRow
 from rtkit.rtc.names import LOCAL
 
 if TYPE_CHECKING:
-    from rtkit.cli._ears import Told
+    from rtkit.cli._observers import ManagerTold
     from rtkit.tree.scope import Scope
 
 _PATIENCE = 5
@@ -35,7 +35,7 @@ SILENT_S = 3.0
 @click.option(
     "-s",
     "--sort",
-    type=Words("column", TITLES, is_short=True),
+    type=WordChoice("column", TITLES, is_short=True),
     default="NAME",
     metavar="COLUMN",
     help=f"Sort by {', '.join(TITLES)} (default NAME), or the beginning of one.",
@@ -67,14 +67,14 @@ def main(
 
     A line below a component tells why it is in Error, does not answer or is a zombie.
     """
-    from rtkit.deployment.figures import FIGURES
-    from rtkit.deployment.news import TREE
+    from rtkit.deployment.delta import TREE
+    from rtkit.deployment.metrics import FIGURES
 
     scopes = scopes_of(app, paths or (f"/{LOCAL}",))
     is_wide = not all(scope.is_one_manager for scope in scopes)
     look = Look(TITLES.index(sort), reverse)
-    with Ears(app, (TREE, FIGURES), is_wide=is_wide) as ears:
-        top = Top(app, ears, scopes)
+    with Observers(app, (TREE, FIGURES), is_wide=is_wide) as subscriptions:
+        top = Top(app, subscriptions, scopes)
         if is_json or once or number or not _is_live():
             _write_pages(top, look, 1 if once else number, is_json=is_json)
         else:
@@ -89,7 +89,7 @@ def _is_live() -> bool:
 
 def _write_pages(top: Top, look: Look, number: int | None, *, is_json: bool) -> None:
     left, patience = number, _PATIENCE
-    for told in top.ears.listen(None):
+    for told in top.subscriptions.listen(None):
         if not top.take(told) or not top.has_rates:
             continue
         if patience and not top.is_whole:
@@ -117,36 +117,36 @@ class Top:
         heard_at: When they came, monotonic [s].
     """
 
-    def __init__(self, app: App, ears: Ears, scopes: Sequence[Scope]) -> None:
+    def __init__(self, app: App, subscriptions: Observers, scopes: Sequence[Scope]) -> None:
         self.app = app
-        self.ears = ears
+        self.subscriptions = subscriptions
         self.time = time.time()
         self.heard_at = time.monotonic()
         self._scopes = scopes
         self._host = app.tree.host
         self._raters: dict[str, Rater] = {}
 
-    def take(self, told: Sequence[Told]) -> bool:
+    def take(self, told: Sequence[ManagerTold]) -> bool:
         """Take what was heard in; whether there were figures."""
-        from rtkit.deployment.figures import Figures
+        from rtkit.deployment.metrics import Metrics
 
-        has_figures = False
+        has_metrics = False
         for manager, heard in told:
-            if isinstance(heard, Figures):
+            if isinstance(heard, Metrics):
                 self._raters.setdefault(manager, Rater()).take(heard)
-                self.time, has_figures = heard.time, True
+                self.time, has_metrics = heard.time, True
                 self.heard_at = time.monotonic()
         for manager in list(self._raters):
-            if manager not in self.ears.ears:
+            if manager not in self.subscriptions.subscriptions:
                 del self._raters[manager]
-        return has_figures
+        return has_metrics
 
     @property
     def has_rates(self) -> bool:
         """Whether all managers have told figures twice."""
         raters = self._raters
         return bool(raters) and all(
-            name in raters and raters[name].has_rates for name in self.ears.ears
+            name in raters and raters[name].has_rates for name in self.subscriptions.subscriptions
         )
 
     @property
@@ -154,12 +154,12 @@ class Top:
         """Whether every process has answered both times."""
         return all(rater.is_whole for rater in self._raters.values())
 
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[RateRow]:
         """Return a row for each component."""
-        return [row for name in self.ears.ears for row in self._rows(name)]
+        return [row for name in self.subscriptions.subscriptions for row in self._rows(name)]
 
-    def _rows(self, manager: str) -> Iterator[Row]:
-        facts = self.ears.ears[manager].facts
+    def _rows(self, manager: str) -> Iterator[RateRow]:
+        facts = self.subscriptions.subscriptions[manager].facts
         paths = {
             each.instance: place_of(facts.manager, each, self._host, is_usual=not manager)
             for each in facts.components
@@ -168,7 +168,7 @@ class Top:
         shown = {instance: path.removeprefix(f"/{LOCAL}/") for instance, path in paths.items()}
         yield from self._raters.setdefault(manager, Rater()).rows(facts, shown)
 
-    def summary(self, rows: Sequence[Row]) -> str:
+    def summary(self, rows: Sequence[RateRow]) -> str:
         """Return one line about all of it."""
         states = Counter(row.state for row in rows)
         counts = ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
@@ -183,7 +183,7 @@ class Top:
         return f"{clock}{late}  {many}{': ' * bool(counts)}{counts}  {used}"
 
 
-def _json(row: Row, moment: float) -> str:
+def _json(row: RateRow, moment: float) -> str:
     from rtkit.cli._records import line, time_text
 
     path = row.path if row.path.startswith("/") else f"/{LOCAL}/{row.path}"

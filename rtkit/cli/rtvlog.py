@@ -10,15 +10,15 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._choice import Number, Words
-from rtkit.cli._ears import write_now
+from rtkit.cli._choice import NumberChoice, WordChoice
 from rtkit.cli._lasting import lasting
-from rtkit.cli._patience import wait_for
+from rtkit.cli._observers import write_now
+from rtkit.cli._wait import wait_for
 from rtkit.errors import Malformed, Unreachable
 
 if TYPE_CHECKING:
     from rtkit.rtc.names import Path
-    from rtkit.tree.logbook import Entry, Wanted
+    from rtkit.tree.logbook import LogEntry, Wanted
 
 LEVELS = ("FATAL", "ERROR", "WARN", "INFO", "NORMAL", "DEBUG", "TRACE", "VERBOSE", "PARANOID")
 """From few words to many; NORMAL is what a component says that is told nothing else."""
@@ -50,7 +50,7 @@ _STYLES: dict[str, dict[str, object]] = {
 @click.option(
     "-l",
     "--level",
-    type=Words("level", LEVELS),
+    type=WordChoice("level", LEVELS),
     default="NORMAL",
     metavar="LEVEL",
     help="The most talkative level to be printed (default NORMAL).",
@@ -59,7 +59,7 @@ _STYLES: dict[str, dict[str, object]] = {
 @click.option(
     "--since",
     "since_s",
-    type=Number(min=0.0, min_open=True),
+    type=NumberChoice(min=0.0, min_open=True),
     metavar="SECONDS",
     help="Begin with what was logged in the last SECONDS.",
 )
@@ -121,7 +121,7 @@ def main(
         write_now([line for entry in logbook.there(before) for line in show(entry)])
         while follow and wait_for([logbook.fileno()], until):
             time.sleep(_SETTLE_S)
-            write_now([line for entry in logbook.news() for line in show(entry)])
+            write_now([line for entry in logbook.delta() for line in show(entry)])
         if logbook.unreadable:
             app.say(f"{app.name}: {logbook.unreadable} lines are no records")
     finally:
@@ -142,7 +142,7 @@ def _said_by(sources: Sequence[str]) -> Wanted:
     if not names or "all" in names:
         return lambda entry: True
 
-    def is_said(entry: Entry) -> bool:
+    def is_said(entry: LogEntry) -> bool:
         said = {entry.source.casefold(), entry.component.casefold()}
         return any(one == name or one.startswith(f"{name}.") for one in said for name in names)
 
@@ -180,7 +180,7 @@ def _about(app: App, typed: Sequence[str]) -> Wanted:
 
 def _about_node(app: App, path: Path) -> Wanted:
     from rtkit.tree.resolve import entry
-    from rtkit.tree.view import Kind
+    from rtkit.tree.view import NodeKind
 
     root, hostname = app.root(path, is_deep=False)
     node = entry(root, path, hostname)
@@ -189,9 +189,9 @@ def _about_node(app: App, path: Path) -> Wanted:
         return _of_components(manager, {node.instance})
     if node.is_slave:
         return _of_file(f"{manager}.{node.process}")
-    if node.kind is Kind.MANAGER:
+    if node.kind is NodeKind.MANAGER:
         return _of_file(manager, is_deep=True)
-    if node.kind is Kind.DIRECTORY:
+    if node.kind is NodeKind.DIRECTORY:
         return _of_components(manager, {each.instance for each in node.walk() if each.instance})
     return lambda entry: True
 
@@ -220,13 +220,13 @@ def _of_components(manager: str, instances: Iterable[str]) -> Wanted:
     names = set(instances)
     is_near = _of_file(manager, is_deep=True) if manager else lambda _entry: True
 
-    def is_about(entry: Entry) -> bool:
+    def is_about(entry: LogEntry) -> bool:
         return (entry.component or entry.source.partition(".")[0]) in names and is_near(entry)
 
     return is_about
 
 
-def _text(entry: Entry) -> list[str]:
+def _text(entry: LogEntry) -> list[str]:
     from datetime import datetime
 
     from rtkit.cli._moments import clock
@@ -241,7 +241,7 @@ def _text(entry: Entry) -> list[str]:
     return [printable(head) + level + printable(rest), *(f"    {printable(each)}" for each in more)]
 
 
-def _json(entry: Entry) -> list[str]:
+def _json(entry: LogEntry) -> list[str]:
     from rtkit.cli._records import line
 
     manager = entry.file.removesuffix(f".{entry.process}")

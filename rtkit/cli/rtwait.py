@@ -10,13 +10,13 @@ import click
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.cli._ears import Ears
+    from rtkit.cli._observers import Observers
     from rtkit.rtc.names import Path
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 EXISTS, GONE, DATA = "exists", "gone", "data"
 _STATES = {"created": "Created", "inactive": "Inactive", "active": "Active", "error": "Error"}
@@ -24,13 +24,13 @@ WORDS = (EXISTS, *_STATES, GONE, DATA)
 _DEFAULT_S = 30.0
 
 
-class Goal(NamedTuple):
+class WaitGoal(NamedTuple):
     """What is to become of one path."""
 
     path: Path
     wanted: str
 
-    def problem(self, node: Node | None) -> str:
+    def problem(self, node: TreeNode | None) -> str:
         """Return what keeps it from being so, "" when it is."""
         row = node.row if node is not None else None
         if row is None:
@@ -45,7 +45,7 @@ class Goal(NamedTuple):
         return f"is {row.state}{why}, not {_STATES[self.wanted]}"
 
 
-Problem = tuple[Goal, str]
+Problem = tuple[WaitGoal, str]
 
 
 @command("rtwait")
@@ -53,7 +53,7 @@ Problem = tuple[Goal, str]
     "--timeout",
     "-t",
     "timeout_s",
-    type=Number(min=0.01),
+    type=NumberChoice(min=0.01),
     default=_DEFAULT_S,
     metavar="SECONDS",
     help="How long to wait at most (default 30).",
@@ -91,7 +91,7 @@ def main(app: App, words: tuple[str, ...], timeout_s: float, is_json: bool) -> i
 
 
 def _told(
-    goals: Sequence[Goal], problems: Sequence[Problem], waited_s: float
+    goals: Sequence[WaitGoal], problems: Sequence[Problem], waited_s: float
 ) -> Iterator[dict[str, object]]:
     why = dict(problems)
     for goal in goals:
@@ -104,8 +104,8 @@ def _told(
         }
 
 
-def _goals(app: App, words: Sequence[str]) -> list[Goal]:
-    goals: list[Goal] = []
+def _goals(app: App, words: Sequence[str]) -> list[WaitGoal]:
+    goals: list[WaitGoal] = []
     pending: list[Path] = []
     for word in words:
         state = word.casefold()
@@ -131,47 +131,47 @@ def _check_path(word: str) -> None:
         raise Malformed(f"neither a path nor a state: {word}{meant}")
 
 
-def _goal(path: Path, wanted: str) -> Goal:
+def _goal(path: Path, wanted: str) -> WaitGoal:
     if (path.port is not None) is not (wanted == DATA):
         what = "a state is one of a component" if path.port else "data come from a port"
         raise Malformed(f"{path.typed} {wanted}: {what}")
     if path.is_directory or not path.elements:
         raise Malformed(f"Not a component: {path.typed}")
-    return Goal(path, wanted)
+    return WaitGoal(path, wanted)
 
 
-def _reach(app: App, goals: Sequence[Goal], until: float) -> Sequence[Problem]:
+def _reach(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
     """Wait until all goals hold, looking again only when something has changed.
 
     When the time is up it returns what is missing; no manager answers may be why.
     """
-    from rtkit.cli._ears import Ears
-    from rtkit.deployment.news import TREE
+    from rtkit.cli._observers import Observers
+    from rtkit.deployment.delta import TREE
 
-    with Ears(app, (TREE,), is_patient=True) as ears:
-        if ears.why is not None:
-            app.tell(str(ears.why))
-        problems = _problems(goals, ears)
-        for _ in ears.listen(until) if problems else ():
-            problems = _problems(goals, ears)
+    with Observers(app, (TREE,), is_patient=True) as subscriptions:
+        if subscriptions.why is not None:
+            app.tell(str(subscriptions.why))
+        problems = _problems(goals, subscriptions)
+        for _ in subscriptions.listen(until) if problems else ():
+            problems = _problems(goals, subscriptions)
             if not problems:
                 return []
-        if not ears.ears and ears.why is not None:
-            return [(goal, f"is not known: {ears.why}") for goal in goals]
+        if not subscriptions.subscriptions and subscriptions.why is not None:
+            return [(goal, f"is not known: {subscriptions.why}") for goal in goals]
         return problems
 
 
-def _problems(goals: Sequence[Goal], ears: Ears) -> list[Problem]:
+def _problems(goals: Sequence[WaitGoal], subscriptions: Observers) -> list[Problem]:
     """Return what is the matter with each goal, as far as is known."""
     from rtkit.deployment.listing import listing_of
     from rtkit.tree.resolve import find
     from rtkit.tree.view import build
 
-    ear = ears.ears.get("")
-    if ear is None:
+    subscription = subscriptions.subscriptions.get("")
+    if subscription is None:
         return [(goal, "is at a manager that does not answer") for goal in goals]
-    root = build(listing_of(ear.facts))
-    told = ((goal, goal.problem(find(root, goal.path, ear.facts.host))) for goal in goals)
+    root = build(listing_of(subscription.facts))
+    told = ((goal, goal.problem(find(root, goal.path, subscription.facts.host))) for goal in goals)
     return [(goal, problem) for goal, problem in told if problem]
 
 
@@ -182,7 +182,7 @@ def _failures(problems: Sequence[Problem], timeout_s: float) -> list[tuple[str, 
     ]
 
 
-def _hear(app: App, goals: Sequence[Goal], until: float) -> Sequence[Problem]:
+def _hear(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Problem]:
     """Wait until each of these ports has carried a value; return those that did not in time."""
     from rtkit.probe.probe import Probe, tap_ports
     from rtkit.probe.spec import PortSpec, find_streams

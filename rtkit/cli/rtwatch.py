@@ -10,19 +10,19 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._choice import Words
-from rtkit.cli._ears import Begun, Ears, is_covered, place_of, scopes_of, write_now
+from rtkit.cli._choice import WordChoice
 from rtkit.cli._lasting import lasting
 from rtkit.cli._moments import clock
+from rtkit.cli._observers import ManagerSeen, Observers, is_covered, place_of, scopes_of, write_now
 from rtkit.cli._records import line as json_line
 from rtkit.cli._records import time_text
-from rtkit.deployment.happenings import HEARTBEAT, KINDS, SYSTEM_STATE, Happening, beats
+from rtkit.deployment.user_events import HEARTBEAT, KINDS, SYSTEM_STATE, UserEvent, heartbeats
 
 if TYPE_CHECKING:
-    from rtkit.cli._ears import Told
+    from rtkit.cli._observers import ManagerTold
     from rtkit.cli.system.gathering import Managers
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.figures import Figures
+    from rtkit.deployment.metrics import Metrics
     from rtkit.deployment.states.states import States
     from rtkit.tree.scope import Scope
 
@@ -35,7 +35,7 @@ ALL = "ALL"
     "-f",
     "--filter",
     "kinds",
-    type=Words("kind of event", (ALL, *KINDS, SYSTEM_STATE)),
+    type=WordChoice("kind of event", (ALL, *KINDS, SYSTEM_STATE)),
     multiple=True,
     metavar="KIND",
     help="Print only events of this kind (default: all but HEARTBEAT).",
@@ -85,8 +85,8 @@ def main(
     again at once may not be told. The status is 1 when the time is up before N events, or any at
     all, have come.
     """
-    from rtkit.deployment.figures import FIGURES
-    from rtkit.deployment.news import TREE
+    from rtkit.deployment.delta import TREE
+    from rtkit.deployment.metrics import FIGURES
 
     if not paths:
         raise WrongArguments("No component specified.")
@@ -99,11 +99,11 @@ def main(
     is_wide = managers is not None or not all(scope.is_one_manager for scope in scopes)
     lines = (TREE, FIGURES) if HEARTBEAT in wanted else (TREE,)
     left = number
-    with Ears(app, lines, is_wide=is_wide) as ears:
-        watch = _Watch(app, ears, scopes, wanted, states, managers)
+    with Observers(app, lines, is_wide=is_wide) as subscriptions:
+        watch = _Watch(app, subscriptions, scopes, wanted, states, managers)
         watch.begin()
         app.tell("listening")
-        for told in ears.listen(until):
+        for told in subscriptions.listen(until):
             records = list(watch.records(told))[:left]
             write_now([_json(each) if is_json else _line(each) for each in records])
             left = None if left is None else left - len(records)
@@ -121,9 +121,9 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     from rtkit.cli.system import shared
     from rtkit.cli.system.document import read_document
     from rtkit.cli.system.gathering import Managers, names_another
-    from rtkit.cli.system.planning import Begun
+    from rtkit.cli.system.planning import DeploymentInputs
     from rtkit.cli.system.states import states_of
-    from rtkit.deployment.goal import Goal
+    from rtkit.deployment.goal import DeploymentGoal
 
     document = read_document(app, (file,))
     managers = Managers(document.profile) if names_another(document.profile) else None
@@ -131,7 +131,7 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
     if managers is not None:
         snapshot = managers.joined([snapshot])
     system = shared.wanted_system(app, document, snapshot)
-    return states_of(Begun(document, Goal(system), snapshot)), managers
+    return states_of(DeploymentInputs(document, DeploymentGoal(system), snapshot)), managers
 
 
 class _Watch:
@@ -144,7 +144,7 @@ class _Watch:
     def __init__(
         self,
         app: App,
-        ears: Ears,
+        subscriptions: Observers,
         scopes: Sequence[Scope],
         wanted: Container[str],
         states: States | None,
@@ -154,33 +154,33 @@ class _Watch:
         self._managers = managers
         self._state = ""
         self._app = app
-        self._ears = ears
+        self._subscriptions = subscriptions
         self._scopes = scopes
         self._wanted = wanted
         self._host = app.tree.host
         self.count = 0
 
-    def records(self, told: Sequence[Told]) -> Iterator[Record]:
+    def records(self, told: Sequence[ManagerTold]) -> Iterator[Record]:
         """Yield a record for each event."""
-        from rtkit.deployment.figures import Figures
-        from rtkit.tree.listening import Change
+        from rtkit.deployment.metrics import Metrics
+        from rtkit.tree.subscription import TreeChange
 
         for manager, heard in told:
-            if isinstance(heard, Change):
+            if isinstance(heard, TreeChange):
                 if heard.lost:
                     self._app.fail(f"{heard.lost} news were missed; what they led to is told")
-                yield from self._chosen(manager, heard.time, heard.happenings)
+                yield from self._chosen(manager, heard.time, heard.user_events)
                 yield from self._came_to(manager, heard.time)
-            elif isinstance(heard, Figures):
-                yield from self._chosen(manager, heard.time, self._beats(manager, heard))
-            elif isinstance(heard, Begun):
+            elif isinstance(heard, Metrics):
+                yield from self._chosen(manager, heard.time, self._heartbeats(manager, heard))
+            elif isinstance(heard, ManagerSeen):
                 how = "is back" if heard.is_back else "has begun"
-                self._app.fail(f"manager {self._ears.names[manager]!r} {how}")
+                self._app.fail(f"manager {self._subscriptions.names[manager]!r} {how}")
             else:
                 self._app.fail(f"{heard.why}; waiting for it to come back")
 
     def _chosen(
-        self, manager: str, moment: float, happened: Iterable[Happening]
+        self, manager: str, moment: float, happened: Iterable[UserEvent]
     ) -> Iterator[Record]:
         for each in happened:
             if self._is_seen(each):
@@ -189,11 +189,11 @@ class _Watch:
                 self.count += 1
                 yield self._record(manager, moment, each)
 
-    def _is_seen(self, happening: Happening) -> bool:
+    def _is_seen(self, user_event: UserEvent) -> bool:
         """Whether it is told all the same that a system came to a state."""
-        told = happening.system
+        told = user_event.system
         is_own = self._states is not None and told is not None and told.system == self._states.name
-        return is_own and told is not None and happening.event == told.state
+        return is_own and told is not None and user_event.event == told.state
 
     def begin(self) -> None:
         """Note in which state the system is before anything happens."""
@@ -204,9 +204,11 @@ class _Watch:
     def _facts(self, manager: str) -> Snapshot | None:
         """Return what is known of the system, if this manager has to do with it."""
         if self._managers is not None:
-            return self._managers.joined([ear.facts for ear in self._ears.ears.values()])
-        ear = self._ears.ears.get(manager)
-        return ear.facts if ear is not None and not manager else None
+            return self._managers.joined(
+                [subscription.facts for subscription in self._subscriptions.subscriptions.values()]
+            )
+        subscription = self._subscriptions.subscriptions.get(manager)
+        return subscription.facts if subscription is not None and not manager else None
 
     def _came_to(self, manager: str, moment: float) -> Iterator[Record]:
         """Yield that the system is in another state than it was seen in before."""
@@ -218,37 +220,43 @@ class _Watch:
             return
         before, self._state = self._state, now
         self.count += 1
-        happening = Happening(SYSTEM_STATE, "", "", "state", now, f"was {before}" if before else "")
-        yield {**self._record(manager, moment, happening), "path": self._states.name}
+        user_event = UserEvent(
+            SYSTEM_STATE, "", "", "state", now, f"was {before}" if before else ""
+        )
+        yield {**self._record(manager, moment, user_event), "path": self._states.name}
 
-    def _beats(self, manager: str, figures: Figures) -> Iterator[Happening]:
-        ear = self._ears.ears.get(manager)
-        known = {facts.instance: facts for facts in ear.facts.components} if ear else {}
-        for process in figures.processes:
+    def _heartbeats(self, manager: str, metrics: Metrics) -> Iterator[UserEvent]:
+        subscription = self._subscriptions.subscriptions.get(manager)
+        known = (
+            {facts.instance: facts for facts in subscription.facts.components}
+            if subscription
+            else {}
+        )
+        for process in metrics.processes:
             for component in process.components:
                 facts = known.get(component.instance)
                 if facts is not None and not facts.trouble:
-                    yield from beats(facts, [c.id for c in component.contexts if c.is_running])
+                    yield from heartbeats(facts, [c.id for c in component.contexts if c.is_running])
 
-    def _record(self, manager: str, moment: float, happening: Happening) -> Record:
-        name = self._ears.names[manager]
+    def _record(self, manager: str, moment: float, user_event: UserEvent) -> Record:
+        name = self._subscriptions.names[manager]
         return {
             "time": moment,
-            "kind": happening.kind,
-            "path": place_of(name, happening, self._host, is_usual=not manager),
+            "kind": user_event.kind,
+            "path": place_of(name, user_event, self._host, is_usual=not manager),
             "manager": name,
-            "process": happening.process,
-            "instance": happening.instance,
-            "subject": happening.subject,
-            "event": happening.event,
-            "detail": happening.detail,
-            **_restart(happening),
+            "process": user_event.process,
+            "instance": user_event.instance,
+            "subject": user_event.subject,
+            "event": user_event.event,
+            "detail": user_event.detail,
+            **_restart(user_event),
         }
 
 
-def _restart(happening: Happening) -> Record:
+def _restart(user_event: UserEvent) -> Record:
     """Return which restart it was, in numbers; nothing for other events."""
-    told = happening.restart
+    told = user_event.restart
     if told is None:
         return {}
     return {"restart": {"count": told.restarts, "why": told.why, "took_s": told.took_s}}

@@ -14,7 +14,7 @@ from rtkit.component.extended import OAP, Geometry3D
 from rtkit.component.geometry import Orientation3D, Vector3D
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time, UShort
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

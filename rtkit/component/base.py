@@ -187,7 +187,7 @@ class Component(Callbacks):
         self._listen()
 
     @property
-    def has_news(self) -> bool:
+    def has_changes(self) -> bool:
         """Whether a value waits at some in port."""
         return any(port.is_new() for port in self._in_ports())
 

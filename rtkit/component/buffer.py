@@ -115,16 +115,16 @@ class AwaitedRing(Generic[T]):
         value = self.take()
         left_s = self._timeout_s
         while value is None and left_s > 0 and not self._is_closed:
-            bell = Lock()
-            bell.acquire()
-            self._bells.append(bell)
+            wakeup = Lock()
+            wakeup.acquire()
+            self._bells.append(wakeup)
             value = self.take()  # what came before the bell hung there rang nothing
             if value is None and not self._is_closed:
-                left_s = wait_for(bell, left_s)
+                left_s = wait_for(wakeup, left_s)
                 value = self.take()
             if self._bells:  # who rang it took it down
                 with suppress(ValueError):
-                    self._bells.remove(bell)
+                    self._bells.remove(wakeup)
         return value
 
     def close(self) -> None:

@@ -15,16 +15,16 @@ from typing import Any
 
 from rtkit.component.codec import codec_for, encoder_for
 from rtkit.component.layout import (
-    Array,
-    Bool,
-    Char,
-    Enumeration,
-    Items,
+    ArrayLayout,
+    BoolLayout,
+    CharLayout,
+    EnumLayout,
+    ItemsLayout,
     Layout,
-    Number,
-    Octets,
-    Struct,
-    Text,
+    NumberLayout,
+    OctetsLayout,
+    StructLayout,
+    TextLayout,
     layout_of,
 )
 
@@ -76,11 +76,11 @@ def passage(
 
 def is_changeable(layout: Layout) -> bool:
     """Whether readers could change values, so that each has to get one of its own."""
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         return not _is_frozen(layout.cls) or any(is_changeable(item) for _, item in layout.fields)
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         return any(map(is_changeable, layout.items))
-    return isinstance(layout, Items) and (layout.make is list or is_changeable(layout.item))
+    return isinstance(layout, ItemsLayout) and (layout.make is list or is_changeable(layout.item))
 
 
 def compile_test(layout: Layout) -> Test:
@@ -116,47 +116,47 @@ class _Writer:
         return test
 
     def _of(self, layout: Layout, source: str) -> str:
-        if isinstance(layout, Struct):
+        if isinstance(layout, StructLayout):
             name = self._name()
             head = f"({name} := {source}).__class__ is {self._named(layout.cls)}"
             return self._all(
                 head, *(self._of(item, f"{name}.{field}") for field, item in layout.fields)
             )
-        if isinstance(layout, Array):
+        if isinstance(layout, ArrayLayout):
             name = self._name()
             head = f"({name} := {source}).__class__ is tuple and len({name}) == {len(layout.items)}"
             items = (self._of(item, f"{name}[{at}]") for at, item in enumerate(layout.items))
             return self._all(head, *items)
-        if isinstance(layout, Items):
+        if isinstance(layout, ItemsLayout):
             name = self._name()
             return self._all(f"({name} := {source}).__class__ is tuple", self._each(layout, name))
         return self._scalar(layout, source)
 
-    def _each(self, layout: Items, name: str) -> str:
+    def _each(self, layout: ItemsLayout, name: str) -> str:
         """Return what tests the items of a tuple without a step of Python for each, if it can."""
         item = layout.item
-        if isinstance(item, (Struct, Array, Items)):
+        if isinstance(item, (StructLayout, ArrayLayout, ItemsLayout)):
             return f"all(map({self._named(compile_test(item))}, {name}))"
         kind = self._named(_kind(item))
         are_all = f"(not {name} or set(map(type, {name})) == {{{kind}}}"
-        if isinstance(item, Number) and not item.is_float:
+        if isinstance(item, NumberLayout) and not item.is_float:
             low, high = item.bounds
             return f"{are_all} and {low} <= min({name}) and max({name}) <= {high})"
-        if isinstance(item, Bool) or (isinstance(item, Number) and item.code == "d"):
+        if isinstance(item, BoolLayout) or (isinstance(item, NumberLayout) and item.code == "d"):
             return f"{are_all})"
         return f"{are_all} and all(map({self._named(_leaf(item))}, {name})))"
 
     def _scalar(self, layout: Layout, source: str) -> str:
         name = self._name()
         head = f"({name} := {source}).__class__ is {self._named(_kind(layout))}"
-        if isinstance(layout, Number) and not layout.is_float:
+        if isinstance(layout, NumberLayout) and not layout.is_float:
             low, high = layout.bounds
             return f"{head} and {low} <= {name} <= {high}"
-        if isinstance(layout, (Bool, Octets)) or (
-            isinstance(layout, Number) and layout.code == "d"
+        if isinstance(layout, (BoolLayout, OctetsLayout)) or (
+            isinstance(layout, NumberLayout) and layout.code == "d"
         ):
             return f"{source}.__class__ is {self._named(_kind(layout))}"
-        if isinstance(layout, Enumeration) and not issubclass(layout.cls, Flag):
+        if isinstance(layout, EnumLayout) and not issubclass(layout.cls, Flag):
             return f"{source}.__class__ is {self._named(layout.cls)}"
         return f"{head} and {self._named(_leaf(layout))}({name})"
 
@@ -175,24 +175,24 @@ class _Writer:
 
 def _kind(layout: Layout) -> type:
     """Return the class that a scalar has after it was carried."""
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return float if layout.is_float else int
-    if isinstance(layout, Enumeration):
+    if isinstance(layout, EnumLayout):
         return layout.cls
-    if isinstance(layout, Bool):
+    if isinstance(layout, BoolLayout):
         return bool
-    return bytes if isinstance(layout, Octets) else str
+    return bytes if isinstance(layout, OctetsLayout) else str
 
 
 def _leaf(layout: Layout) -> Test:
     """Return the test for a scalar that has the right class already."""
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return _is_float32
-    if isinstance(layout, Enumeration):
+    if isinstance(layout, EnumLayout):
         return layout.numbers.__contains__
-    if isinstance(layout, Char):
+    if isinstance(layout, CharLayout):
         return _is_wide_char if layout.is_wide else _is_char
-    if isinstance(layout, Text):
+    if isinstance(layout, TextLayout):
         return _is_wide_text if layout.is_wide else _is_text
     return _always
 

@@ -14,16 +14,16 @@ from types import MemberDescriptorType
 from typing import Any
 
 from rtkit.component.layout import (
-    Array,
-    Bool,
-    Char,
-    Enumeration,
-    Items,
+    ArrayLayout,
+    BoolLayout,
+    CharLayout,
+    EnumLayout,
+    ItemsLayout,
     Layout,
-    Number,
-    Octets,
-    Struct,
-    Text,
+    NumberLayout,
+    OctetsLayout,
+    StructLayout,
+    TextLayout,
     as_items,
     as_octets,
     as_truth,
@@ -37,7 +37,7 @@ _UTF_16 = {"<": "utf-16-le", ">": "utf-16-be"}
 _PADDING = [bytes(count) for count in range(8)]
 
 
-def compile_encoder(layout: Struct, order: str = "<") -> Callable[[Any], bytes]:
+def compile_encoder(layout: StructLayout, order: str = "<") -> Callable[[Any], bytes]:
     """Return a function from value to bytes; it raises whatever goes wrong.
 
     `order` is ``<`` or ``>``.
@@ -45,7 +45,7 @@ def compile_encoder(layout: Struct, order: str = "<") -> Callable[[Any], bytes]:
     return _Encoder(order).compile(layout)
 
 
-def compile_decoder(layout: Struct, order: str) -> Callable[[bytes], tuple[Any, int]]:
+def compile_decoder(layout: StructLayout, order: str) -> Callable[[bytes], tuple[Any, int]]:
     """Return a function from bytes to the value and the position behind it.
 
     It raises whatever goes wrong. `order` is ``<`` or ``>``.
@@ -106,7 +106,7 @@ class _Encoder(_Source):
         self.scope["_header"] = b"\x00\x01\x00\x00" if order == "<" else bytes(4)
         self.is_fixed = True
 
-    def compile(self, layout: Struct) -> Callable[[Any], bytes]:
+    def compile(self, layout: StructLayout) -> Callable[[Any], bytes]:
         self.write(layout, "value")
         if self.is_fixed:
             self.add(f"return {self.fixed()[0]}")
@@ -117,26 +117,26 @@ class _Encoder(_Source):
         return coder
 
     def write(self, layout: Layout, value: str) -> None:
-        if isinstance(layout, Struct):
+        if isinstance(layout, StructLayout):
             self.write_struct(layout, value)
-        elif isinstance(layout, Array):
+        elif isinstance(layout, ArrayLayout):
             names = [self.name() for _ in layout.items]
             self.take_items(value)
             self.add(f"{', '.join(names)}, = {value}")
             for name, item in zip(names, layout.items, strict=True):
                 self.write(item, name)
-        elif isinstance(layout, Items):
+        elif isinstance(layout, ItemsLayout):
             self.write_items(layout, value)
-        elif isinstance(layout, (Text, Octets)):
+        elif isinstance(layout, (TextLayout, OctetsLayout)):
             self.write_text(layout, value)
         else:
             code, expression = self.scalar(layout, value)
             self.codes += code
             self.names.append(expression)
 
-    def write_struct(self, layout: Struct, value: str) -> None:
+    def write_struct(self, layout: StructLayout, value: str) -> None:
         for field, item in layout.fields:
-            if isinstance(item, (Number, Bool, Char, Enumeration)):
+            if isinstance(item, (NumberLayout, BoolLayout, CharLayout, EnumLayout)):
                 self.write(item, f"{value}.{field}")
             else:
                 name = self.name()
@@ -144,23 +144,23 @@ class _Encoder(_Source):
                 self.write(item, name)
 
     def scalar(self, layout: Layout, value: str) -> tuple[str, str]:
-        if isinstance(layout, Number):
+        if isinstance(layout, NumberLayout):
             return layout.code, value
-        if isinstance(layout, Bool):
+        if isinstance(layout, BoolLayout):
             self.scope["_as_truth"] = as_truth
             return "?", f"_as_truth({value})"
-        if isinstance(layout, Char) and layout.is_wide:
+        if isinstance(layout, CharLayout) and layout.is_wide:
             self.scope["_unit"] = _unit
             return "H", f"_unit(ord({value}))"
-        if isinstance(layout, Char):
+        if isinstance(layout, CharLayout):
             return "c", f"{value}.encode('latin-1')"
-        if isinstance(layout, Enumeration):
+        if isinstance(layout, EnumLayout):
             return "i", f"{self.name(dict(layout.numbers), 'numbers')}[{value}]"
         raise Malformed(f"{layout.name} is no scalar")
 
-    def write_text(self, layout: Text | Octets, value: str) -> None:
+    def write_text(self, layout: TextLayout | OctetsLayout, value: str) -> None:
         data = self.name()
-        if isinstance(layout, Octets):
+        if isinstance(layout, OctetsLayout):
             self.scope["_as_octets"] = as_octets
             self.add(f"{data} = _as_octets({value})")
         elif layout.is_wide:
@@ -177,11 +177,11 @@ class _Encoder(_Source):
         self.scope["_as_items"] = as_items
         self.add(f"if {value}.__class__ is not tuple: {value} = _as_items({value})")
 
-    def write_items(self, layout: Items, value: str) -> None:
+    def write_items(self, layout: ItemsLayout, value: str) -> None:
         self.take_items(value)
         self.count(f"len({value})")
         item = layout.item
-        if isinstance(item, (Number, Bool, Char, Enumeration)):
+        if isinstance(item, (NumberLayout, BoolLayout, CharLayout, EnumLayout)):
             code, expression = self.scalar(item, "item")
             self.scope["_pack"] = struct.pack
             self.add(f"if len({value}):")
@@ -239,7 +239,7 @@ class _Decoder(_Source):
         self.checks: list[str] = []
         self.is_fixed = True
 
-    def compile(self, layout: Struct) -> Callable[[bytes], tuple[Any, int]]:
+    def compile(self, layout: StructLayout) -> Callable[[bytes], tuple[Any, int]]:
         result = self.read(layout)
         self.flush()
         self.add(f"return {result}, at")
@@ -248,18 +248,18 @@ class _Decoder(_Source):
 
     def read(self, layout: Layout) -> str:
         """Emit what reads a value; return the expression for it, valid once flushed."""
-        if isinstance(layout, Struct):
+        if isinstance(layout, StructLayout):
             values = [(field, self.read(item)) for field, item in layout.fields]
             if _is_plain_record(layout):
                 made = self.name(_maker(layout), "make")
                 return f"{made}({', '.join(value for _, value in values)})"
             made = self.name(layout.cls, "make")
             return f"{made}({', '.join(f'{field}={value}' for field, value in values)})"
-        if isinstance(layout, Array):
+        if isinstance(layout, ArrayLayout):
             return f"({''.join(self.read(item) + ', ' for item in layout.items)})"
-        if isinstance(layout, Items):
+        if isinstance(layout, ItemsLayout):
             return self.read_items(layout)
-        if isinstance(layout, (Text, Octets)):
+        if isinstance(layout, (TextLayout, OctetsLayout)):
             return self.read_text(layout)
         name = self.name()
         code, expression = self.scalar(layout, name)
@@ -268,35 +268,35 @@ class _Decoder(_Source):
         return expression
 
     def scalar(self, layout: Layout, value: str) -> tuple[str, str]:
-        if isinstance(layout, Number):
+        if isinstance(layout, NumberLayout):
             return layout.code, value
-        if isinstance(layout, Bool):
+        if isinstance(layout, BoolLayout):
             self.scope["_truth"] = _truth
             return "B", f"_truth({value})"
-        if isinstance(layout, Char) and layout.is_wide:
+        if isinstance(layout, CharLayout) and layout.is_wide:
             self.scope["_unit"] = _unit
             return "H", f"chr(_unit({value}))"
-        if isinstance(layout, Char):
+        if isinstance(layout, CharLayout):
             return "B", f"chr({value})"
-        if isinstance(layout, Enumeration):
+        if isinstance(layout, EnumLayout):
             members = {number: member for member, number in layout.numbers.items()}
             self.scope["_member"] = _member
             return "i", f"_member({self.name(members, 'members')}, {value})"
         raise Malformed(f"{layout.name} is no scalar")
 
-    def read_text(self, layout: Text | Octets) -> str:
+    def read_text(self, layout: TextLayout | OctetsLayout) -> str:
         length = self.count()
         result = self.name()
         reader: Callable[[bytes, int, int], Any] = _octets
-        if isinstance(layout, Text):
+        if isinstance(layout, TextLayout):
             reader = _WIDE[self.order] if layout.is_wide else _text
         self.add(f"{result} = {self.name(reader, 'read')}(data, at, {length})")
         self.add(f"at += {length}")
         return result
 
-    def read_items(self, layout: Items) -> str:
+    def read_items(self, layout: ItemsLayout) -> str:
         item = layout.item
-        if isinstance(item, (Number, Bool, Char, Enumeration)):
+        if isinstance(item, (NumberLayout, BoolLayout, CharLayout, EnumLayout)):
             return self.read_scalars(layout, item)
         count = self.count()
         result = self.name()
@@ -311,7 +311,7 @@ class _Decoder(_Source):
         self.depth -= 1
         return result if layout.make is list else f"tuple({result})"
 
-    def read_scalars(self, layout: Items, item: Layout) -> str:
+    def read_scalars(self, layout: ItemsLayout, item: Layout) -> str:
         code, expression = self.scalar(item, "item")
         count = self.count()
         result = self.name()
@@ -352,7 +352,7 @@ class _Decoder(_Source):
         self.names = []
 
 
-def _is_plain_record(layout: Struct) -> bool:
+def _is_plain_record(layout: StructLayout) -> bool:
     """Whether the class is a frozen dataclass with slots whose constructor only sets fields."""
     cls: Any = layout.cls
     made = cls.__dataclass_params__
@@ -368,7 +368,7 @@ def _is_plain_record(layout: Struct) -> bool:
     )
 
 
-def _maker(layout: Struct) -> Callable[..., Any]:
+def _maker(layout: StructLayout) -> Callable[..., Any]:
     """Return a function that makes such a record in half the time of its constructor.
 
     The constructor of a frozen dataclass looks up and checks each field by its name.
@@ -387,13 +387,13 @@ def _maker(layout: Struct) -> Callable[..., Any]:
 
 def _least(layout: Layout) -> int:
     """Return the least number of bytes that a value takes, to bound counts by what is there."""
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         return sum(_least(item) for _, item in layout.fields)
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         return sum(_least(item) for item in layout.items) or 1
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return _size(layout.code)
-    return 1 if isinstance(layout, (Bool, Char)) else 4
+    return 1 if isinstance(layout, (BoolLayout, CharLayout)) else 4
 
 
 def _fits(data: bytes, at: int, count: int, size: int) -> None:

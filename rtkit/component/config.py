@@ -11,8 +11,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, cast
 
-from rtkit.component.fit import misfits
-from rtkit.component.kinds import Kind, Value, kind_of
+from rtkit.component.constraint_check import misfits
+from rtkit.component.kinds import ParameterKind, Value, kind_of
 from rtkit.errors import Malformed, NotFound, Refused
 
 DEFAULT = "default"
@@ -43,7 +43,7 @@ class Configuration:
     def __init__(self, report: Callable[[str], None]) -> None:
         self._sets: dict[str, dict[str, str]] = {DEFAULT: {}}
         self._added: set[str] = set()
-        self._kinds: dict[str, tuple[Kind, Value]] = {}
+        self._kinds: dict[str, tuple[ParameterKind, Value]] = {}
         self._pending: deque[tuple[str, dict[str, str]]] = deque(maxlen=1)
         self._active_set = DEFAULT
         self.values: dict[str, Any] = {}

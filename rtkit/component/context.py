@@ -22,7 +22,7 @@ from rtkit.component.lifecycle import (
     CALLBACK,
     ERROR,
     TARGET,
-    Event,
+    LifeCycleEvent,
     next_state,
     refusal,
 )
@@ -304,7 +304,7 @@ class ExecutionContext:
             self._is_stirred = False
             reads = self._read_count()
             self._cycle()
-            if self._read_count() > reads and any(p.component.has_news for p in self._active()):
+            if self._read_count() > reads and any(p.component.has_changes for p in self._active()):
                 self._is_stirred = True
         else:
             self._take_settings_over()
@@ -388,22 +388,22 @@ class ExecutionContext:
     def _apply(self, each: Participant, transition: Transition) -> tuple[ReturnCode, str]:
         if each.state is TARGET[transition]:
             return _OK
-        event = Event(transition.value)
+        event = LifeCycleEvent(transition.value)
         target = next_state(each.state, event)
         if target is None:
             return ReturnCode.PRECONDITION_NOT_MET, refusal(each.state)
         name = CALLBACK[event]
         failure = self._call(each, name)
-        if failure and event is Event.ACTIVATE:
+        if failure and event is LifeCycleEvent.ACTIVATE:
             self._abort(each, name, failure)
             return ReturnCode.ERROR, f"{name} failed: {failure}"
-        if failure and event is Event.RESET:
+        if failure and event is LifeCycleEvent.RESET:
             each.component.keep_failure(name, failure)
             self.changed(each.component)
             return ReturnCode.ERROR, f"{name} failed: {failure}"
         if failure:
             each.component.report(f"{name} failed: {failure}")
-        if event is Event.RESET:
+        if event is LifeCycleEvent.RESET:
             each.component.cause = ""
             each.reported = ""
         each.state = target
@@ -420,7 +420,7 @@ class ExecutionContext:
     def _abort(self, each: Participant, callback: str, failure: Failure) -> None:
         each.state = ERROR
         each.component.keep_failure(callback, failure)
-        self._report(each, CALLBACK[Event.FAIL])
+        self._report(each, CALLBACK[LifeCycleEvent.FAIL])
         self.changed(each.component)
 
     def _endure(self, each: Participant) -> None:

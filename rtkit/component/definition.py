@@ -6,16 +6,16 @@ import re
 from collections.abc import Iterator
 
 from rtkit.component.layout import (
-    Array,
-    Bool,
-    Char,
-    Enumeration,
-    Items,
+    ArrayLayout,
+    BoolLayout,
+    CharLayout,
+    EnumLayout,
+    ItemsLayout,
     Layout,
-    Number,
-    Octets,
-    Struct,
-    Text,
+    NumberLayout,
+    OctetsLayout,
+    StructLayout,
+    TextLayout,
     layout_of,
 )
 from rtkit.component.typenames import is_standard, type_name
@@ -78,25 +78,27 @@ def has_octets(cls: type) -> bool:
 
 
 def _has_octets(layout: Layout) -> bool:
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         return any(_has_octets(item) for _, item in layout.fields)
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         return any(map(_has_octets, layout.items))
-    return isinstance(layout, Octets) or (isinstance(layout, Items) and _has_octets(layout.item))
+    return isinstance(layout, OctetsLayout) or (
+        isinstance(layout, ItemsLayout) and _has_octets(layout.item)
+    )
 
 
 def _definitions(layout: Layout, known: set[str]) -> Iterator[str]:
-    if isinstance(layout, Items):
+    if isinstance(layout, ItemsLayout):
         yield from _definitions(layout.item, known)
-    elif isinstance(layout, Array):
+    elif isinstance(layout, ArrayLayout):
         for item in layout.items:
             yield from _definitions(item, known)
-    elif isinstance(layout, (Struct, Enumeration)):
+    elif isinstance(layout, (StructLayout, EnumLayout)):
         name = name_of(layout.cls)
         if name in known:
             return
         known.add(name)
-        if isinstance(layout, Enumeration):
+        if isinstance(layout, EnumLayout):
             yield _in_module(name, f"enum {_last(name)} {{ {', '.join(_members(layout))} }};")
             return
         for _, item in layout.fields:
@@ -105,7 +107,7 @@ def _definitions(layout: Layout, known: set[str]) -> Iterator[str]:
         yield _in_module(name, f"struct {_last(name)} {{\n{fields}  }};")
 
 
-def _members(layout: Enumeration) -> Iterator[str]:
+def _members(layout: EnumLayout) -> Iterator[str]:
     expected = 0
     for member, number in layout.numbers.items():
         if number < 0:
@@ -117,7 +119,7 @@ def _members(layout: Enumeration) -> Iterator[str]:
 
 def _field(layout: Layout, name: str) -> str:
     sizes = ""
-    while isinstance(layout, Array):
+    while isinstance(layout, ArrayLayout):
         if any(item != layout.items[0] for item in layout.items):
             raise Malformed(f"{name} is of several types, which IDL has no words for")
         sizes += f"[{len(layout.items)}]"
@@ -126,14 +128,14 @@ def _field(layout: Layout, name: str) -> str:
 
 
 def _type(layout: Layout) -> str:
-    if isinstance(layout, (Struct, Enumeration)):
+    if isinstance(layout, (StructLayout, EnumLayout)):
         return "::".join(map(_word, name_of(layout.cls).split("::")))
-    if isinstance(layout, Items):
+    if isinstance(layout, ItemsLayout):
         item = _type(layout.item)
         return f"sequence<{item}{' ' * item.endswith('>')}>"  # >> would shift
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return _NUMBERS[layout.name]
-    if isinstance(layout, (Bool, Char, Text, Octets)):
+    if isinstance(layout, (BoolLayout, CharLayout, TextLayout, OctetsLayout)):
         return layout.name
     raise Malformed("a sequence of arrays, which IDL has no words for")
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from rtkit.component.base import Component
 from rtkit.component.typenames import type_name
-from rtkit.records import replace
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.data_types import scoped_name
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile
 

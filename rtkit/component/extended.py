@@ -18,7 +18,7 @@ from rtkit.component.geometry import (
 )
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -38,7 +38,7 @@ from typing import Any, ClassVar, TypeVar
 
 from rtkit.component.base import Component
 from rtkit.component.buffer import Sink, Source
-from rtkit.component.machine import Machine, Move, Table, lineage
+from rtkit.component.machine import StateMachine, StateTransition, Table, lineage
 from rtkit.component.options import PortStatus
 from rtkit.component.port import InPort, Listener, Renew
 from rtkit.component.typenames import type_by_name, type_name
@@ -246,7 +246,7 @@ class FsmComponent(Component):
     state_classes: ClassVar[Mapping[str, type[State]]] = {}
 
     def __init__(self, instance: str, options: Mapping[str, str] | None = None) -> None:
-        self.machine = Machine(self.states)
+        self.machine = StateMachine(self.states)
         self.state = ""
         self.ignored = 0
         super().__init__(instance, options)
@@ -326,7 +326,7 @@ class FsmComponent(Component):
         Raises:
             Malformed: The table is none.
         """
-        machine = Machine(table)
+        machine = StateMachine(table)
         self.machine = machine
         if self.state and self.state not in machine.table:
             self.state = machine.initial
@@ -364,7 +364,7 @@ class FsmComponent(Component):
             raise Refused(f"on_action returned {code}")
         return True
 
-    def _carry_out(self, move: Move) -> None:
+    def _carry_out(self, move: StateTransition) -> None:
         for state in move.exited:
             self.on_exit(state)
         self.state = move.target

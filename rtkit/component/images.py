@@ -11,7 +11,7 @@ from enum import Enum
 
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Long, Short, Time
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 Elements = tuple[Double, Double, Double, Double, Double]
 Row = tuple[Double, Double, Double, Double]

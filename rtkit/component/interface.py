@@ -15,7 +15,7 @@ from typing import Any, Protocol, TypeVar, get_type_hints
 
 from rtkit.component.carried import Test, compile_test
 from rtkit.component.codec import Codec, codec_for
-from rtkit.component.layout import Array, Layout, layout_of_hint
+from rtkit.component.layout import ArrayLayout, Layout, layout_of_hint
 from rtkit.errors import Malformed, Refused
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -53,7 +53,7 @@ class Raised(Refused):
         self.data = data
 
 
-class Method:
+class InterfaceMethod:
     """One method of an interface.
 
     Attributes:
@@ -64,7 +64,7 @@ class Method:
     def __init__(self, owner: str, name: str, function: Callable[..., Any]) -> None:
         self.name = name
         self.label = f"{owner}.{name}"
-        self._likes: dict[Method, bool] = {}
+        self._likes: dict[InterfaceMethod, bool] = {}
         self._raises = {
             cls.__name__: _Exception(cls, self.label) for cls in getattr(function, "__raises__", ())
         }
@@ -155,7 +155,7 @@ class Method:
             return None
 
     def pass_arguments(
-        self, arguments: Sequence[Any], named: Mapping[str, Any], other: Method
+        self, arguments: Sequence[Any], named: Mapping[str, Any], other: InterfaceMethod
     ) -> tuple[Any, ...]:
         """Return what a method of a provider in this process gets of arguments.
 
@@ -167,7 +167,7 @@ class Method:
             return bound
         return other.decode_arguments(self._encode(bound))
 
-    def pass_result(self, value: Any, other: Method) -> Any:
+    def pass_result(self, value: Any, other: InterfaceMethod) -> Any:
         """Return what a method of a caller in this process gets of a result.
 
         Raises:
@@ -177,7 +177,7 @@ class Method:
             return value
         return other.decode_result(self.encode_result(value))
 
-    def _is_like(self, other: Method) -> bool:
+    def _is_like(self, other: InterfaceMethod) -> bool:
         """Whether it has the very classes of another one of the same signature."""
         if other not in self._likes:
             self._likes[other] = self._hints == other._hints
@@ -186,7 +186,7 @@ class Method:
     @cached_property
     def _may_pass(self) -> Test:
         items = tuple(self._layout(name) for name in self._shape.parameters)
-        return compile_test(Array(items, "arguments"))
+        return compile_test(ArrayLayout(items, "arguments"))
 
     @cached_property
     def _may_return(self) -> Test:
@@ -229,12 +229,12 @@ class Method:
         return layout_of_hint(self._hints[name], f"{self.label}: {name}")
 
 
-class Caller(Protocol):
+class ServiceCaller(Protocol):
     """What a client calls through."""
 
     def call(
         self,
-        method: Method,
+        method: InterfaceMethod,
         type_name: str,
         arguments: tuple[Any, ...],
         named: Mapping[str, Any],
@@ -248,12 +248,12 @@ class _Client:
 
     __slots__ = ("_port", "_timeout_s")
 
-    def __init__(self, port: Caller, timeout_s: float | None) -> None:
+    def __init__(self, port: ServiceCaller, timeout_s: float | None) -> None:
         self._port = port
         self._timeout_s = timeout_s
 
 
-def _calling(type_name: str, method: Method) -> Callable[..., Any]:
+def _calling(type_name: str, method: InterfaceMethod) -> Callable[..., Any]:
     def call(client: Any, *arguments: Any, **named: Any) -> Any:
         port, timeout_s = client._port, client._timeout_s  # noqa: SLF001 - it is its method
         return port.call(method, type_name, arguments, named, timeout_s)
@@ -284,8 +284,8 @@ class Interface:
             if ancestor.__name__ not in _BUILT_IN:
                 found.update(vars(ancestor))
         public = {key: value for key, value in found.items() if not key.startswith("_")}
-        self.methods: Mapping[str, Method] = {
-            key: Method(self.name, key, value)
+        self.methods: Mapping[str, InterfaceMethod] = {
+            key: InterfaceMethod(self.name, key, value)
             for key, value in public.items()
             if inspect.isfunction(value)
         }
@@ -298,7 +298,7 @@ class Interface:
         calls = {name: _calling(self.name, each) for name, each in self.methods.items()}
         self._client = type(f"{cls.__name__}Client", (_Client,), {"__slots__": (), **calls})
 
-    def client(self, port: Caller, timeout_s: float | None) -> object:
+    def client(self, port: ServiceCaller, timeout_s: float | None) -> object:
         """Return an object with the methods of the interface, which calls through `port`."""
         return self._client(port, timeout_s)
 

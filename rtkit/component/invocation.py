@@ -12,9 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from rtkit.component.callbacks import describe_failure
-from rtkit.component.crossing import Crossings, Run
 from rtkit.component.current import current
-from rtkit.component.interface import Interface, Method, Raised
+from rtkit.component.interface import Interface, InterfaceMethod, Raised
+from rtkit.component.reentrancy import Reentrancy, Run
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable, from_kind
 
 NANOSECONDS = 1_000_000_000
@@ -24,12 +24,12 @@ _OK = "ok"
 _RAISED = "raised\t"
 
 
-class Target(Protocol):
+class CallTarget(Protocol):
     """What a client calls."""
 
     def call(
         self,
-        method: Method,
+        method: InterfaceMethod,
         arguments: Sequence[Any],
         named: Mapping[str, Any],
         timeout_s: float,
@@ -43,7 +43,7 @@ class Target(Protocol):
         """
 
 
-class Served(NamedTuple):
+class ProvidedInterface(NamedTuple):
     """One interface that is provided, and by what.
 
     Attributes:
@@ -56,7 +56,7 @@ class Served(NamedTuple):
     label: str
     called: Callable[[], object]
 
-    def invoke(self, method: Method, arguments: Sequence[Any]) -> Any:
+    def invoke(self, method: InterfaceMethod, arguments: Sequence[Any]) -> Any:
         """Call the implementation on this thread; nothing but an `RtkitError` gets out.
 
         Raises:
@@ -76,7 +76,7 @@ class Served(NamedTuple):
             self.called()
 
 
-class Passage(NamedTuple):
+class CallRouting(NamedTuple):
     """Between which components of a process calls pass, and how one is bounded that might hang.
 
     Attributes:
@@ -86,7 +86,7 @@ class Passage(NamedTuple):
     caller: str
     provider: str
     label: str
-    crossings: Crossings
+    crossings: Reentrancy
     run: Run
 
 
@@ -97,18 +97,18 @@ class Direct:
     and its caller waits no longer than for a provider in another process.
     """
 
-    def __init__(self, served: Served, passage: Passage | None = None) -> None:
+    def __init__(self, served: ProvidedInterface, passage: CallRouting | None = None) -> None:
         self._served = served
         self._passage = passage
 
     def call(
         self,
-        method: Method,
+        method: InterfaceMethod,
         arguments: Sequence[Any],
         named: Mapping[str, Any],
         timeout_s: float,
     ) -> Any:
-        """See `Target.call`; the time-out bounds only calls that close a circle."""
+        """See `CallTarget.call`; the time-out bounds only calls that close a circle."""
         own = self._served.interface.by_signature.get(method.signature)
         if own is None:
             raise _differs(self._served, method.signature)
@@ -123,7 +123,11 @@ class Direct:
             raise Malformed(f"{self._served.label}: {malformed}") from None
 
     def _invoke(
-        self, method: Method, own: Method, arguments: tuple[Any, ...], timeout_s: float
+        self,
+        method: InterfaceMethod,
+        own: InterfaceMethod,
+        arguments: tuple[Any, ...],
+        timeout_s: float,
     ) -> Any:
         passage = self._passage
         if passage is None:
@@ -154,12 +158,12 @@ class Remote:
 
     def call(
         self,
-        method: Method,
+        method: InterfaceMethod,
         arguments: Sequence[Any],
         named: Mapping[str, Any],
         timeout_s: float,
     ) -> Any:
-        """See `Target.call`."""
+        """See `CallTarget.call`."""
         body = method.encode_arguments(arguments, named)
         deadline = self._clock() + int(timeout_s * NANOSECONDS)
         call = f"{deadline}\t{self._type_name}\t{method.signature}\n"
@@ -177,13 +181,13 @@ class Remote:
         return method.decode_result(tail)
 
 
-def _rebuilt(method: Method, raised: Raised) -> BaseException:
+def _rebuilt(method: InterfaceMethod, raised: Raised) -> BaseException:
     """Return what the caller catches: its own exception, or a refusal where it declares none."""
     error = method.decode_exception(raised.name, raised.data)
     return Refused(str(raised)) if error is None else error
 
 
-def answer(request: bytes, served: Sequence[Served], now_ns: int) -> bytes:
+def answer(request: bytes, served: Sequence[ProvidedInterface], now_ns: int) -> bytes:
     """Serve one request and return the reply, whatever arrived."""
     try:
         return _OK.encode() + b"\n" + _serve(request, served, now_ns)
@@ -194,7 +198,7 @@ def answer(request: bytes, served: Sequence[Served], now_ns: int) -> bytes:
         return f"{error.kind}\n{error}".encode()
 
 
-def _serve(request: bytes, served: Sequence[Served], now_ns: int) -> bytes:
+def _serve(request: bytes, served: Sequence[ProvidedInterface], now_ns: int) -> bytes:
     head, newline, body = request.partition(b"\n")
     parts = head.decode(errors="replace").split("\t")
     if not newline or len(parts) != 3 or not parts[0].isdecimal():
@@ -215,7 +219,7 @@ def _serve(request: bytes, served: Sequence[Served], now_ns: int) -> bytes:
     raise NotFound(f"interface {type_name} is not provided here")
 
 
-def _differs(served: Served, signature: str) -> Refused:
+def _differs(served: ProvidedInterface, signature: str) -> Refused:
     name = signature.partition("(")[0]
     own = served.interface.methods.get(name)
     known = f"{name} is {own.signature}" if own else f"there is no {name}"

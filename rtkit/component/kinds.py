@@ -16,7 +16,7 @@ _INTEGER = r"[+-]?[0-9]{1,400}"
 _BRACKETS = {"(": ")", "[": "]", "{": "}"}
 
 
-class Kind(NamedTuple):
+class ParameterKind(NamedTuple):
     """How values of one kind are read from text and written as text."""
 
     name: str
@@ -89,16 +89,16 @@ def _write_vector(value: tuple[float, ...]) -> str:
 
 
 _KINDS = {
-    bool: Kind("bool", read_bool, _write_bool),
-    int: Kind("int", read_int, str),
-    float: Kind("double", read_float, repr),
-    str: Kind("string", read_text, str),
+    bool: ParameterKind("bool", read_bool, _write_bool),
+    int: ParameterKind("int", read_int, str),
+    float: ParameterKind("double", read_float, repr),
+    str: ParameterKind("string", read_text, str),
 }
-_INTEGERS = Kind("vector<int>", _vector(read_int), _write_vector)
-_NUMBERS = Kind("vector<double>", _vector(read_float), _write_vector)
+_INTEGERS = ParameterKind("vector<int>", _vector(read_int), _write_vector)
+_NUMBERS = ParameterKind("vector<double>", _vector(read_float), _write_vector)
 
 
-def kind_of(default: Value) -> Kind:
+def kind_of(default: Value) -> ParameterKind:
     """Return the kind of a parameter by its default value.
 
     Raises:

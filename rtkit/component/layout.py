@@ -26,7 +26,7 @@ _WIDTHS = {
 }
 
 
-class Number(NamedTuple):
+class NumberLayout(NamedTuple):
     """An integer or float; `code` is its format character in the struct module."""
 
     code: str
@@ -46,33 +46,33 @@ class Number(NamedTuple):
         )
 
 
-class Bool(NamedTuple):
+class BoolLayout(NamedTuple):
     """A truth value, one byte."""
 
     name: str = "boolean"
 
 
-class Char(NamedTuple):
+class CharLayout(NamedTuple):
     """One character: of ISO 8859-1, one byte, or, wide, one unit of UTF-16."""
 
     is_wide: bool = False
     name: str = "char"
 
 
-class Text(NamedTuple):
+class TextLayout(NamedTuple):
     """Characters: UTF-8 with a closing NUL, or, wide, UTF-16 without."""
 
     is_wide: bool = False
     name: str = "string"
 
 
-class Octets(NamedTuple):
+class OctetsLayout(NamedTuple):
     """A sequence of bytes."""
 
     name: str = "sequence<octet>"
 
 
-class Enumeration(NamedTuple):
+class EnumLayout(NamedTuple):
     """A member of an enum, 32 bits: its value where all values are integers, else its ordinal."""
 
     cls: type[Enum]
@@ -80,7 +80,7 @@ class Enumeration(NamedTuple):
     name: str
 
 
-class Items(NamedTuple):
+class ItemsLayout(NamedTuple):
     """Any number of one kind; `make` builds the tuple or list."""
 
     item: Layout
@@ -88,14 +88,14 @@ class Items(NamedTuple):
     name: str
 
 
-class Array(NamedTuple):
+class ArrayLayout(NamedTuple):
     """A fixed number of items, each of its own kind."""
 
     items: tuple[Layout, ...]
     name: str
 
 
-class Struct(NamedTuple):
+class StructLayout(NamedTuple):
     """A dataclass."""
 
     cls: type
@@ -103,12 +103,22 @@ class Struct(NamedTuple):
     name: str
 
 
-Layout = Number | Bool | Char | Text | Octets | Enumeration | Items | Array | Struct
+Layout = (
+    NumberLayout
+    | BoolLayout
+    | CharLayout
+    | TextLayout
+    | OctetsLayout
+    | EnumLayout
+    | ItemsLayout
+    | ArrayLayout
+    | StructLayout
+)
 
-_layouts: dict[type, Struct] = {}
+_layouts: dict[type, StructLayout] = {}
 
 
-def layout_of(cls: type) -> Struct:
+def layout_of(cls: type) -> StructLayout:
     """Return the layout of a dataclass.
 
     Raises:
@@ -129,7 +139,7 @@ def layout_of_hint(hint: Any, where: str) -> Layout:
     return _read(hint, where, ())
 
 
-def _struct(cls: type, outer: tuple[type, ...]) -> Struct:
+def _struct(cls: type, outer: tuple[type, ...]) -> StructLayout:
     if not is_dataclass(cls):
         raise Malformed(f"{cls.__name__} is not a dataclass")
     if cls in outer:
@@ -142,7 +152,7 @@ def _struct(cls: type, outer: tuple[type, ...]) -> Struct:
     if not members or len(members) != len(fields(cls)):
         raise Malformed(f"{cls.__name__} needs fields, all of them arguments of its constructor")
     inner = (*outer, cls)
-    return Struct(
+    return StructLayout(
         cls,
         tuple(
             (member.name, _read(hints[member.name], f"{cls.__name__}.{member.name}", inner))
@@ -157,15 +167,15 @@ def _read(hint: Any, where: str, outer: tuple[type, ...]) -> Layout:
     if origin is Annotated:
         return _annotated(args, where, outer)
     if hint is bool:
-        return Bool()
+        return BoolLayout()
     if hint is int:
-        return Number("q", "int64")
+        return NumberLayout("q", "int64")
     if hint is float:
-        return Number("d", "float64")
+        return NumberLayout("d", "float64")
     if hint is str:
-        return Text()
+        return TextLayout()
     if hint in (bytes, bytearray):
-        return Octets()
+        return OctetsLayout()
     if origin in (tuple, list) or origin is Sequence:
         return _collection(origin, args, where, outer)
     if isinstance(hint, type) and issubclass(hint, Enum):
@@ -180,29 +190,29 @@ def _annotated(args: tuple[Any, ...], where: str, outer: tuple[type, ...]) -> La
     base, *notes = args
     for note in notes:
         if isinstance(note, str) and note in _WIDTHS:
-            return Number(_WIDTHS[note], note)
+            return NumberLayout(_WIDTHS[note], note)
         if note == "char":
-            return Char()
+            return CharLayout()
         if note == "wchar":
-            return Char(is_wide=True, name="wchar")
+            return CharLayout(is_wide=True, name="wchar")
         if note == "wstring":
-            return Text(is_wide=True, name="wstring")
+            return TextLayout(is_wide=True, name="wstring")
     return _read(base, where, outer)
 
 
 def _collection(
     origin: Any, args: tuple[Any, ...], where: str, outer: tuple[type, ...]
-) -> Items | Array:
+) -> ItemsLayout | ArrayLayout:
     if origin is tuple and args and args[-1] is not Ellipsis:
         items = tuple(_read(arg, where, outer) for arg in args)
-        return Array(items, f"array of {len(items)}")
+        return ArrayLayout(items, f"array of {len(items)}")
     if not args:
         raise Malformed(f"{where} cannot be carried: it does not say what it is a sequence of")
     item = _read(args[0], where, outer)
-    return Items(item, list if origin is list else tuple, f"sequence<{item.name}>")
+    return ItemsLayout(item, list if origin is list else tuple, f"sequence<{item.name}>")
 
 
-def _enumeration(cls: type[Enum], where: str) -> Enumeration:
+def _enumeration(cls: type[Enum], where: str) -> EnumLayout:
     members = list(cls)
     if not members:
         raise Malformed(f"{where} cannot be carried: {cls.__name__} has no members")
@@ -212,26 +222,26 @@ def _enumeration(cls: type[Enum], where: str) -> Enumeration:
     }
     if not all(-(2**31) <= number < 2**31 for number in numbers.values()):
         raise Malformed(f"{where} cannot be carried: {cls.__name__} exceeds 32 bits")
-    return Enumeration(cls, numbers, cls.__name__)
+    return EnumLayout(cls, numbers, cls.__name__)
 
 
 def zero(layout: Layout) -> Any:
     """Return the value with every number 0, every text and sequence empty."""
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         return layout.cls(**{name: zero(item) for name, item in layout.fields})
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         return tuple(zero(item) for item in layout.items)
-    if isinstance(layout, Items):
+    if isinstance(layout, ItemsLayout):
         return layout.make()
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return 0.0 if layout.is_float else 0
-    if isinstance(layout, Enumeration):
+    if isinstance(layout, EnumLayout):
         return next(iter(layout.cls))
-    if isinstance(layout, Text):
+    if isinstance(layout, TextLayout):
         return ""
-    if isinstance(layout, Octets):
+    if isinstance(layout, OctetsLayout):
         return b""
-    return False if isinstance(layout, Bool) else "\0"
+    return False if isinstance(layout, BoolLayout) else "\0"
 
 
 def as_items(value: Any) -> Sequence[Any]:
@@ -276,7 +286,7 @@ def as_truth(value: Any) -> bool:
 
 def complaint(layout: Layout, value: Any, where: str) -> str:
     """Return what keeps `value` from being carried, naming the field; "" when nothing does."""
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         for name, item in layout.fields:
             if not hasattr(value, name):
                 return f"{where}: {type(value).__name__} has no field {name}"
@@ -284,20 +294,20 @@ def complaint(layout: Layout, value: Any, where: str) -> str:
             if found:
                 return found
         return ""
-    if isinstance(layout, (Items, Array)):
+    if isinstance(layout, (ItemsLayout, ArrayLayout)):
         return _complaint_of_items(layout, value, where)
     if _is_carried(layout, value):
         return ""
     return f"{where}: {_short(value)} is not a value of type {layout.name}"
 
 
-def _complaint_of_items(layout: Items | Array, value: Any, where: str) -> str:
+def _complaint_of_items(layout: ItemsLayout | ArrayLayout, value: Any, where: str) -> str:
     wrong = f"{where}: {_short(value)} is not a value of type {layout.name}"
     try:
         found = as_items(value)
     except TypeError:
         return wrong
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         if len(found) != len(layout.items):
             return f"{where}: {len(found)} items, wanted {len(layout.items)}"
         items = layout.items
@@ -311,15 +321,15 @@ def _complaint_of_items(layout: Items | Array, value: Any, where: str) -> str:
 
 
 def _is_carried(layout: Layout, value: Any) -> bool:
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return _fits(layout, value)
-    if isinstance(layout, Enumeration):
+    if isinstance(layout, EnumLayout):
         return isinstance(value, layout.cls)
-    if isinstance(layout, Char):
+    if isinstance(layout, CharLayout):
         return isinstance(value, str) and len(value) == 1 and _is_unit(ord(value), layout.is_wide)
-    if isinstance(layout, (Octets, Bool)):
-        return _can_be(as_octets if isinstance(layout, Octets) else as_truth, value)
-    if isinstance(layout, Text):
+    if isinstance(layout, (OctetsLayout, BoolLayout)):
+        return _can_be(as_octets if isinstance(layout, OctetsLayout) else as_truth, value)
+    if isinstance(layout, TextLayout):
         if not isinstance(value, str) or any("\ud800" <= char <= "\udfff" for char in value):
             return False
         return layout.is_wide or "\0" not in value
@@ -334,7 +344,7 @@ def _can_be(read: Callable[[Any], object], value: Any) -> bool:
     return True
 
 
-def _fits(layout: Number, value: Any) -> bool:
+def _fits(layout: NumberLayout, value: Any) -> bool:
     try:
         if layout.is_float:
             number = float(value)

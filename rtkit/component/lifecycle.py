@@ -16,7 +16,7 @@ ACTIVE = LifeCycleState.ACTIVE
 ERROR = LifeCycleState.ERROR
 
 
-class Event(StrEnum):
+class LifeCycleEvent(StrEnum):
     """What can happen to a component in one execution context."""
 
     INITIALIZE = "initialize"
@@ -27,19 +27,23 @@ class Event(StrEnum):
     FINALIZE = "finalize"
 
 
-TABLE: Mapping[LifeCycleState, Mapping[Event, LifeCycleState]] = {
-    CREATED: {Event.INITIALIZE: INACTIVE},
-    INACTIVE: {Event.ACTIVATE: ACTIVE, Event.FAIL: ERROR, Event.FINALIZE: CREATED},
-    ACTIVE: {Event.DEACTIVATE: INACTIVE, Event.FAIL: ERROR},
-    ERROR: {Event.RESET: INACTIVE, Event.FINALIZE: CREATED},
+TABLE: Mapping[LifeCycleState, Mapping[LifeCycleEvent, LifeCycleState]] = {
+    CREATED: {LifeCycleEvent.INITIALIZE: INACTIVE},
+    INACTIVE: {
+        LifeCycleEvent.ACTIVATE: ACTIVE,
+        LifeCycleEvent.FAIL: ERROR,
+        LifeCycleEvent.FINALIZE: CREATED,
+    },
+    ACTIVE: {LifeCycleEvent.DEACTIVATE: INACTIVE, LifeCycleEvent.FAIL: ERROR},
+    ERROR: {LifeCycleEvent.RESET: INACTIVE, LifeCycleEvent.FINALIZE: CREATED},
 }
 """The transitions that exist; an event that a state does not list is refused."""
 
-CALLBACK: Mapping[Event, str] = {
-    Event.ACTIVATE: "on_activated",
-    Event.DEACTIVATE: "on_deactivated",
-    Event.FAIL: "on_aborting",
-    Event.RESET: "on_reset",
+CALLBACK: Mapping[LifeCycleEvent, str] = {
+    LifeCycleEvent.ACTIVATE: "on_activated",
+    LifeCycleEvent.DEACTIVATE: "on_deactivated",
+    LifeCycleEvent.FAIL: "on_aborting",
+    LifeCycleEvent.RESET: "on_reset",
 }
 """The callback that a transition runs."""
 
@@ -51,7 +55,7 @@ TARGET: Mapping[Transition, LifeCycleState] = {
 """Where a request leads; a component already there has fulfilled it."""
 
 
-def next_state(state: LifeCycleState, event: Event) -> LifeCycleState | None:
+def next_state(state: LifeCycleState, event: LifeCycleEvent) -> LifeCycleState | None:
     """Return the state after `event`, None when it cannot happen in `state`."""
     return TABLE[state].get(event)
 

@@ -12,14 +12,14 @@ from collections.abc import Mapping
 from typing import Any, NoReturn
 
 from rtkit.component.layout import (
-    Array,
-    Bool,
-    Enumeration,
-    Items,
+    ArrayLayout,
+    BoolLayout,
+    EnumLayout,
+    ItemsLayout,
     Layout,
-    Number,
-    Octets,
-    Struct,
+    NumberLayout,
+    OctetsLayout,
+    StructLayout,
     complaint,
     layout_of,
     zero,
@@ -95,32 +95,34 @@ def zero_value(cls: type, now: Time) -> Any:
 
 def _is_whole(data: Any, inner: Layout) -> bool:
     """Whether a literal of a type of a stamp and data is of all of it, not of the data alone."""
-    return isinstance(data, dict) and (_DATA in data or not isinstance(inner, (Struct, Octets)))
+    return isinstance(data, dict) and (
+        _DATA in data or not isinstance(inner, (StructLayout, OctetsLayout))
+    )
 
 
-def _has_stamp(layout: Struct) -> bool:
+def _has_stamp(layout: StructLayout) -> bool:
     return any(
-        name == _STAMP and isinstance(item, Struct) and item.cls is Time
+        name == _STAMP and isinstance(item, StructLayout) and item.cls is Time
         for name, item in layout.fields
     )
 
 
 def _read(layout: Layout, data: Any, where: str) -> Any:
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         return _record(layout, data, where)
-    if isinstance(layout, (Items, Array)):
+    if isinstance(layout, (ItemsLayout, ArrayLayout)):
         return _sequence(layout, data, where)
-    if isinstance(layout, Octets):
+    if isinstance(layout, OctetsLayout):
         return _octets(data, where)
-    if isinstance(layout, Enumeration):
+    if isinstance(layout, EnumLayout):
         return _member(layout, data, where)
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         if layout.is_float and isinstance(data, str) and data in _NAMED:
             return float(data)
         if isinstance(data, bool) or not isinstance(data, (int, float) if layout.is_float else int):
             _wrong(where, data, layout.name)
         return _float(data, where) if layout.is_float else data
-    if not isinstance(data, bool if isinstance(layout, Bool) else str):
+    if not isinstance(data, bool if isinstance(layout, BoolLayout) else str):
         _wrong(where, data, layout.name)
     return data
 
@@ -132,7 +134,7 @@ def _float(data: float, where: str) -> float:
         _wrong(where, data, "float64")
 
 
-def _record(layout: Struct, data: Any, where: str) -> Any:
+def _record(layout: StructLayout, data: Any, where: str) -> Any:
     if not isinstance(data, Mapping):
         _wrong(where, data, layout.name)
     known = dict(layout.fields)
@@ -147,10 +149,10 @@ def _record(layout: Struct, data: Any, where: str) -> Any:
     return layout.cls(**values)
 
 
-def _sequence(layout: Items | Array, data: Any, where: str) -> Any:
+def _sequence(layout: ItemsLayout | ArrayLayout, data: Any, where: str) -> Any:
     if not isinstance(data, list):
         _wrong(where, data, layout.name)
-    if isinstance(layout, Items):
+    if isinstance(layout, ItemsLayout):
         return layout.make(
             _read(layout.item, item, f"{where}[{index}]") for index, item in enumerate(data)
         )
@@ -182,7 +184,7 @@ def _unpacked(text: Any, where: str) -> bytes:
         raise Malformed(f"{where}: not base64: {_short(str(text))}") from None
 
 
-def _member(layout: Enumeration, data: Any, where: str) -> Any:
+def _member(layout: EnumLayout, data: Any, where: str) -> Any:
     for member, number in layout.numbers.items():
         if data == member.name or (type(data) is int and data == number):
             return member

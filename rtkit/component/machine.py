@@ -15,7 +15,7 @@ Table = Mapping[str, Mapping[str, str]]
 """Target of each event in each state; the first state is the initial one."""
 
 
-class Move(NamedTuple):
+class StateTransition(NamedTuple):
     """A transition: the innermost states before and after, and what is left and entered."""
 
     source: str
@@ -25,7 +25,7 @@ class Move(NamedTuple):
     entered: tuple[str, ...]
 
 
-class Machine:
+class StateMachine:
     """The states of one machine; immutable.
 
     Attributes:
@@ -72,7 +72,7 @@ class Machine:
                 return self.table[each][event]
         return None
 
-    def move(self, source: str, event: str, target: str) -> Move:
+    def move(self, source: str, event: str, target: str) -> StateTransition:
         """Return what is left and entered on the way to `target`, innermost states last and first.
 
         A state that leads to itself is left and entered again.
@@ -87,11 +87,13 @@ class Machine:
             if one != other or one == target:
                 break
             shared += 1
-        return Move(source, event, end, tuple(reversed(before[shared:])), tuple(after[shared:]))
+        return StateTransition(
+            source, event, end, tuple(reversed(before[shared:])), tuple(after[shared:])
+        )
 
-    def beginning(self) -> Move:
+    def beginning(self) -> StateTransition:
         """Return what is entered in the beginning."""
-        return Move("", "", self.initial, (), tuple(_from_outside(self.initial)))
+        return StateTransition("", "", self.initial, (), tuple(_from_outside(self.initial)))
 
 
 def lineage(state: str) -> Iterator[str]:

@@ -12,7 +12,7 @@ from rtkit.component.extended import Covariance2D, Covariance3D, PointCovariance
 from rtkit.component.geometry import Point2D, Pose2D, Pose3D, Velocity2D, Velocity3D
 from rtkit.component.typenames import register_all
 from rtkit.component.types import EPOCH, Double, Time, ULong
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from rtkit.component.check import ANY_DATA_TYPE
 from rtkit.errors import Malformed
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.interface_types import (
     DATAFLOW_TYPE,
     DEFAULT_INTERFACE,

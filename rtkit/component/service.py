@@ -35,8 +35,8 @@ from threading import Lock
 from typing import Any, Generic, NamedTuple, Protocol, Self, TypeVar, cast
 
 from rtkit.component.callbacks import unfit_kind
-from rtkit.component.interface import Interface, Method
-from rtkit.component.invocation import Served, Target
+from rtkit.component.interface import Interface, InterfaceMethod
+from rtkit.component.invocation import CallTarget, ProvidedInterface
 from rtkit.component.kinds import read_float
 from rtkit.component.options import DEFAULT_TIMEOUT_S
 from rtkit.component.port import Port
@@ -49,7 +49,7 @@ TIMEOUT = "service.timeout"
 """Property of a port, or of a connector, which wins: bound on a call [s]."""
 
 
-class Owner(Protocol):
+class PortOwner(Protocol):
     """The component that a port belongs to."""
 
     instance: str
@@ -70,7 +70,7 @@ class _Link(NamedTuple):
     """Where an open connector leads to, by type name of the interface, and how long to wait."""
 
     timeout_s: float
-    targets: Mapping[str, Target]
+    targets: Mapping[str, CallTarget]
 
 
 class ServicePort(Port):
@@ -89,7 +89,7 @@ class ServicePort(Port):
         super().__init__(name, properties, doc=doc)
         self._described = tuple(interfaces)
         self._uses: tuple[_Use, ...] = ()
-        self._owner: Owner | None = None
+        self._owner: PortOwner | None = None
         self._links: dict[str, _Link] = {}
 
     @classmethod
@@ -185,7 +185,7 @@ class ServicePort(Port):
         made._lock = Lock()  # noqa: SLF001 - it is of this class
         return made
 
-    def belong_to(self, owner: Owner) -> None:
+    def belong_to(self, owner: PortOwner) -> None:
         """Take the component that the port is one of; it implements what nothing else does.
 
         Raises:
@@ -207,7 +207,7 @@ class ServicePort(Port):
 
     def call(
         self,
-        method: Method,
+        method: InterfaceMethod,
         type_name: str,
         arguments: tuple[Any, ...],
         named: Mapping[str, Any],
@@ -227,13 +227,13 @@ class ServicePort(Port):
         return found.targets[type_name].call(method, arguments, named, bound_s)
 
     @property
-    def served(self) -> tuple[Served, ...]:
+    def served(self) -> tuple[ProvidedInterface, ...]:
         """The interfaces that it offers, ready to be called."""
         owner = self._owner
         if owner is None:
             return ()
         return tuple(
-            Served(use.interface, use.implementation, self._label, owner.stir)
+            ProvidedInterface(use.interface, use.implementation, self._label, owner.stir)
             for use in self._uses
             if use.profile.polarity is Polarity.PROVIDED
         )
@@ -245,7 +245,7 @@ class ServicePort(Port):
         return tuple(use.interface for use in uses)
 
     def attach(
-        self, connector: ConnectorProfile, targets: Mapping[str, Target] | None = None
+        self, connector: ConnectorProfile, targets: Mapping[str, CallTarget] | None = None
     ) -> None:
         """Open a connector; `targets` are what it leads to, by type name of the interface.
 
@@ -297,7 +297,7 @@ class ServicePort(Port):
         self._uses = (*self._uses, _Use(read, profile, implementation))
         return self
 
-    def _implemented(self, use: _Use, owner: Owner) -> _Use:
+    def _implemented(self, use: _Use, owner: PortOwner) -> _Use:
         if use.profile.polarity is Polarity.REQUIRED:
             return use
         done_by = use.implementation

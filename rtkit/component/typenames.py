@@ -9,7 +9,7 @@ from typing import TypeVar, get_type_hints
 
 from rtkit.component.standard import HOMES
 from rtkit.errors import Malformed
-from rtkit.records import is_record
+from rtkit.fast_dataclass import is_record
 from rtkit.rtc.data_types import ANY, scoped_name
 
 C = TypeVar("C", bound=type)

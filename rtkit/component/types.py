@@ -11,7 +11,7 @@ import time
 from typing import Annotated
 
 from rtkit.component.typenames import register_all
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 Char = Annotated[str, "char"]
 Octet = Annotated[int, "uint8"]

@@ -63,10 +63,10 @@ def waiting(bound_s: float) -> Iterator[None]:
         driven.grant(time.monotonic_ns() - began_ns - granted_ns)
 
 
-def wait_for(bell: Lock, bound_s: float) -> float:
-    """Wait until somebody releases `bell`, at most `bound_s` [s]; return what is left of that."""
+def wait_for(wakeup: Lock, bound_s: float) -> float:
+    """Wait until somebody releases `wakeup`, at most `bound_s` [s]; return what is left of that."""
     began_ns = time.monotonic_ns()
-    is_rung = bell.acquire(timeout=min(bound_s, _BRIEF_S))
+    is_rung = wakeup.acquire(timeout=min(bound_s, _BRIEF_S))
     waited_ns = time.monotonic_ns() - began_ns
     driven = _driven.get(get_ident())
     if driven is not None:
@@ -78,5 +78,5 @@ def wait_for(bell: Lock, bound_s: float) -> float:
     if is_rung or left_s <= 0:
         return left_s
     with waiting(left_s):
-        bell.acquire(timeout=min(left_s, TIMEOUT_MAX))
+        wakeup.acquire(timeout=min(left_s, TIMEOUT_MAX))
     return bound_s - (time.monotonic_ns() - began_ns) / 1e9

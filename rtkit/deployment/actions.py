@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from rtkit import errors
-from rtkit.records import dataclass, field, replace
+from rtkit.fast_dataclass import dataclass, field, replace
 from rtkit.rtc.enums import ReturnCode, Transition
 
 if TYPE_CHECKING:
@@ -260,6 +260,8 @@ class Result:
         why: One line for the user; empty on success.
         value: What was made: the instance name of a created component.
         note: What the user may not expect though it was done; mostly empty.
+        left_out: What a component that died had and the one in its place has not; a plan of its
+            system makes that again, so only commands without a plan tell it.
         took_s: How long it took [s]; 0 where nobody measured it.
     """
 
@@ -268,6 +270,7 @@ class Result:
     why: str = ""
     value: str = ""
     note: str = ""
+    left_out: str = ""
     took_s: float = field(default=0.0, compare=False)
 
     @property
@@ -282,7 +285,7 @@ class Result:
 
 
 def __getattr__(name: str) -> Any:
-    # Most commands send neither, so only who reads the annotations (`rtkit.rtc.plain`) loads them.
+    # Most commands send neither, so only who reads the annotations (`rtkit.rtc.serde`) loads them.
     if name not in _ON_DEMAND:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = found = getattr(import_module(_ON_DEMAND[name]), name)

@@ -12,21 +12,21 @@ from functools import partial
 
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.goal import Goal
-from rtkit.deployment.joint import homes_in
-from rtkit.deployment.live import Live
-from rtkit.deployment.plan import Layer, Plan
-from rtkit.deployment.planning.back import WayBack
-from rtkit.deployment.planning.doing import Doing
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.multi_manager import homes_in
+from rtkit.deployment.plan import Layer, LayeredPlan
 from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.model import Model
-from rtkit.deployment.planning.moves import Move
+from rtkit.deployment.planning.model_builder import BuiltModel
+from rtkit.deployment.planning.operators import Operator
 from rtkit.deployment.planning.plan import DeploymentPlan, make_plan
-from rtkit.deployment.planning.survey import Survey
-from rtkit.deployment.planning.telling import lines
-from rtkit.deployment.runner import Runner, Talk
+from rtkit.deployment.planning.rendering import lines
+from rtkit.deployment.planning.rollback import Rollback
+from rtkit.deployment.planning.to_actions import ActionBuilder
+from rtkit.deployment.runner import PlanRunner, Talk
 from rtkit.deployment.site import Careful, Site, at_once
-from rtkit.deployment.system import System
+from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Refused, RtkitError, Unreachable, from_kind
 
 _MOST_PLANS = 10
@@ -45,11 +45,11 @@ class Applier:
     def __init__(
         self,
         site: Site,
-        goal: Goal,
+        goal: DeploymentGoal,
         report: Talk,
         progress: Talk,
         taken: list[tuple[Action, float]] | None = None,
-        seen: Survey | None = None,
+        seen: BuiltModel | None = None,
         careful: Careful = at_once,
     ) -> None:
         """Prepare to reach `goal`.
@@ -70,9 +70,11 @@ class Applier:
         self._goal = goal
         self._report = report
         self._progress = progress
-        self._runner = Runner(site, report, taken=taken, careful=careful, is_strict=goal.is_strict)
+        self._runner = PlanRunner(
+            site, report, taken=taken, careful=careful, is_strict=goal.is_strict
+        )
         self._look: Callable[[], Snapshot] = lambda: careful(site.snapshot)
-        self._moves: Sequence[Move] = ()
+        self._moves: Sequence[Operator] = ()
         self._is_exact = False
 
     def run(
@@ -96,7 +98,7 @@ class Applier:
         try:
             self._is_exact = is_exact
             plan, before = self._with_managers(plan, before)
-            doing = Doing(system, Live(before, system))
+            doing = ActionBuilder(system, LiveIndex(before, system))
             self._reach(plan, doing, partial(self._see, before), system)
         except RtkitError as error:
             raise from_kind(error.kind, f"{error}; {self._after(before, rolls_back)}") from error
@@ -137,7 +139,9 @@ class Applier:
         self._differs("a manager came back with what it kept")
         return self._goal.plan(before), before
 
-    def _reach(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> None:
+    def _reach(
+        self, plan: DeploymentPlan, doing: ActionBuilder, see: See, system: WantedSystem
+    ) -> None:
         for _ in range(_MOST_PLANS):
             if not plan.moves:
                 return
@@ -159,7 +163,9 @@ class Applier:
             raise Refused(f"not as planned: {why}; the rest of the saved plan is left")
         self._report(f"not as planned: {why}; planning anew from what is")
 
-    def _carry_out(self, plan: DeploymentPlan, doing: Doing, see: See, system: System) -> str:
+    def _carry_out(
+        self, plan: DeploymentPlan, doing: ActionBuilder, see: See, system: WantedSystem
+    ) -> str:
         """Carry a plan out; return what made it worthless, if anything did."""
         self._moves, count = plan.moves, len(plan.layers)
         for number, layer in enumerate(plan.layers, 1):
@@ -169,20 +175,22 @@ class Applier:
             why = next(filter(None, (_obstacle(move, model) for move in todo)), "")
             if why:
                 return why
-            rounds = list(doing.layers(f"{number} of {count}", todo, model, Live(snapshot, system)))
+            rounds = list(
+                doing.layers(f"{number} of {count}", todo, model, LiveIndex(snapshot, system))
+            )
             awaited = Counter(step.text for each in rounds for step in each.steps)
             todo = self._tell(todo, awaited, f"[{number}/{count}]")
             for part in (part for each in rounds for part in self._parts(each)):
                 begun = len(self._runner.done)
                 try:
-                    self._runner.run(Plan(layers=(part,)))
+                    self._runner.run(LayeredPlan(layers=(part,)))
                 finally:
                     # Also of a batch that failed: who reads it wants to know what was done.
                     awaited.subtract(step.text for step in self._runner.done[begun:])
                     todo = self._tell(todo, awaited, f"[{number}/{count}]")
         return ""
 
-    def _tell(self, moves: Iterable[Move], awaited: Counter[str], where: str) -> list[Move]:
+    def _tell(self, moves: Iterable[Operator], awaited: Counter[str], where: str) -> list[Operator]:
         """Tell the steps of which no action is awaited any more; return the others."""
         left = []
         for move in moves:
@@ -213,10 +221,10 @@ class Applier:
     def _go_back(self, before: Snapshot) -> str:
         """Lead back to what was; what fails on the way is told, and the rest goes on."""
         self._is_exact = False
-        way = WayBack(lambda now: self._goal.survey(now, before, is_back=True).model, before)
+        way = Rollback(lambda now: self._goal.survey(now, before, is_back=True).model, before)
         self._look = lambda: self._careful(self._site.remains)
-        nothing = System()
-        doing = Doing(nothing, Live(before, nothing))
+        nothing = WantedSystem()
+        doing = ActionBuilder(nothing, LiveIndex(before, nothing))
         ended: list[str] | None = None
         is_over = False
         while not is_over:
@@ -240,14 +248,14 @@ class Applier:
                     raise
         return self._outcome(way, self._look(), self._careful(self._site.end_started))
 
-    def _give_up(self, way: WayBack, variables: Iterable[str], error: RtkitError) -> None:
+    def _give_up(self, way: Rollback, variables: Iterable[str], error: RtkitError) -> None:
         given_up = list(variables)
         if not given_up:
             raise error
         way.give_up(given_up)
         self._report(f"way back: {error}; going on with the rest")
 
-    def _outcome(self, way: WayBack, left: Snapshot, started: Sequence[str]) -> str:
+    def _outcome(self, way: Rollback, left: Snapshot, started: Sequence[str]) -> str:
         runs_on = (f"manager {name} runs" for name in started)
         unlike = ", ".join([*way.unlike(left), *runs_on])
         but = f", but {unlike}" if unlike else ""
@@ -256,7 +264,7 @@ class Applier:
         return f"everything is as it was before{but}{ended}"
 
 
-def _is_done(move: Move, model: Model) -> bool:
+def _is_done(move: Operator, model: Model) -> bool:
     """Whether what a step leads to holds already, or cannot hold as there is no such thing."""
     variable, value = move.changes[0]
     if variable.startswith("cfg:") and variable[4:] not in model.keys:
@@ -265,7 +273,7 @@ def _is_done(move: Move, model: Model) -> bool:
     return now == value or (value.endswith(":slave") and now.startswith(f"{value}/"))
 
 
-def _obstacle(move: Move, model: Model) -> str:
+def _obstacle(move: Operator, model: Model) -> str:
     """Return why a step cannot be done as things are; nothing is activated before its time."""
     for need in move.needs:
         if not need.holds(model.now(need.variable)):

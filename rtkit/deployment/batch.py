@@ -9,8 +9,8 @@ from typing import Any, get_args
 
 from rtkit.deployment.actions import Action, Result
 from rtkit.errors import Malformed
-from rtkit.records import dataclass
-from rtkit.rtc.plain import decode, encode
+from rtkit.fast_dataclass import dataclass
+from rtkit.rtc.serde import decode, encode
 
 _NAMES: dict[type, str] = {cls: cls.__name__ for cls in get_args(Action)}
 _TYPES: dict[str, type] = {name: cls for cls, name in _NAMES.items()}

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from rtkit.deployment import extension
 from rtkit.deployment.described import interfaces_to_text, is_run_time
 from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.fast_dataclass import dataclass
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
-from rtkit.records import dataclass
+from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.interface_types import DEFAULT_INTERFACE, USUAL_NAMES
@@ -26,7 +26,7 @@ _PUSH_INTERVAL = "dataport.push_interval"
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
+class SystemHeading:
     """What a saved system is called; `date` is ``xs:dateTime`` text."""
 
     date: str
@@ -43,7 +43,7 @@ class Heading:
 
 def capture(
     snapshot: Snapshot,
-    heading: Heading,
+    heading: SystemHeading,
     *,
     takes_all: bool = False,
     hosts: Iterable[str] = (),
@@ -134,7 +134,7 @@ def _is_data(wire: ConnectorProfile, components: Mapping[str, ComponentFacts]) -
     return port is None or port.port_type is not PortType.SERVICE
 
 
-def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.Component:
+def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.ComponentInstance:
     options = extension.options_of(facts)
     unstated = options.get(extension.UNSTATED, "").split(",")
     data_ports = [port for port in facts.ports if port.port_type is not PortType.SERVICE]
@@ -145,7 +145,7 @@ def _component(facts: ComponentFacts, snapshot: Snapshot) -> rts.Component:
         if values or f"set:{name}" not in unstated
     }
     is_open = "active-set" in unstated and facts.active_set == "default"
-    return rts.Component(
+    return rts.ComponentInstance(
         id=extension.stated_id(facts),
         path_uri=_names(facts, snapshot)[0],
         instance_name=facts.instance,
@@ -174,22 +174,24 @@ def _refs(instances: Iterable[str], snapshot: Snapshot) -> Iterator[rts.Componen
             yield rts.ComponentRef(extension.stated_id(facts), name)
 
 
-def _port(port: PortProfile, facts: ComponentFacts) -> rts.Port:
+def _port(port: PortProfile, facts: ComponentFacts) -> rts.InstancePort:
     properties = {name: value for name, value in port.properties.items() if name != DEFINITION}
     stated = properties.pop(extension.STATED_TYPE, "")
     if stated:
         properties["dataport.data_type"] = stated
     if facts.is_stand_in and port.interfaces:
         properties[extension.INTERFACES] = interfaces_to_text(port.interfaces)
-    return rts.Port(f"{facts.instance}.{port.name}", True, properties=_properties(properties))
+    return rts.InstancePort(
+        f"{facts.instance}.{port.name}", True, properties=_properties(properties)
+    )
 
 
 def _contexts(
     facts: ComponentFacts, options: Mapping[str, str], snapshot: Snapshot
-) -> tuple[rts.ExecutionContext, ...]:
+) -> tuple[rts.OwnedContext, ...]:
     own = [context for context in facts.contexts if context.owner in ("", facts.instance)]
     return tuple(
-        rts.ExecutionContext(
+        rts.OwnedContext(
             context.id,
             options.get(f"{extension.STATED_KIND}{context.id}", "") or context.kind.value,
             context.rate,
@@ -200,7 +202,7 @@ def _contexts(
     )
 
 
-def _origin(facts: ComponentFacts, snapshot: Snapshot) -> tuple[Property, ...]:
+def _origin(facts: ComponentFacts, snapshot: Snapshot) -> tuple[ExtensionProperty, ...]:
     """Return the properties that tell how the component is made again."""
     properties = {}
     if facts.is_stand_in:
@@ -214,7 +216,7 @@ def _origin(facts: ComponentFacts, snapshot: Snapshot) -> tuple[Property, ...]:
     module = "" if facts.is_stand_in else facts.module or _module(facts, snapshot)
     if module:
         properties[extension.MODULE] = module
-    return tuple(Property(name, value) for name, value in properties.items())
+    return tuple(ExtensionProperty(name, value) for name, value in properties.items())
 
 
 def _create(facts: ComponentFacts, snapshot: Snapshot) -> CreateString | None:
@@ -276,7 +278,7 @@ def _service_connector(
 def _target(end: PortRef, components: Mapping[str, ComponentFacts]) -> rts.TargetPort:
     facts = components[end.instance]
     path = facts.names[0] if facts.names else ""
-    known = (Property("COMPONENT_PATH_ID", path),) if path else ()
+    known = (ExtensionProperty("COMPONENT_PATH_ID", path),) if path else ()
     return rts.TargetPort(
         extension.stated_id(facts), end.instance, f"{end.instance}.{end.port}", known
     )
@@ -286,5 +288,5 @@ def _lasting(properties: Mapping[str, str]) -> dict[str, str]:
     return {key: value for key, value in properties.items() if not is_run_time(key, value)}
 
 
-def _properties(properties: Mapping[str, str]) -> tuple[Property, ...]:
-    return tuple(Property(name, value) for name, value in sorted(properties.items()))
+def _properties(properties: Mapping[str, str]) -> tuple[ExtensionProperty, ...]:
+    return tuple(ExtensionProperty(name, value) for name, value in sorted(properties.items()))

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from rtkit.deployment import drift
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import Live, absence, context_of
-from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector, address
-from rtkit.records import dataclass
+from rtkit.deployment.live import LiveIndex, absence, context_of
+from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
+from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.enums import UNKNOWN_STATE, LifeCycleState
 from rtkit.rtc.interface_types import differing
 from rtkit.rtc.profiles import PortRef
@@ -49,8 +49,8 @@ class Deviation:
 
 
 def deviations(
-    system: System,
-    live: Live,
+    system: WantedSystem,
+    live: LiveIndex,
     state: LifeCycleState | None,
     present_code: Mapping[str, str] = NO_FILES,
 ) -> Iterator[Deviation]:
@@ -108,7 +108,7 @@ def diff_lines(deviations: Iterable[Deviation]) -> Iterator[str]:
             yield f"+{where}  {each.found}"
 
 
-def surplus(system: System, live: Live) -> Iterator[Deviation]:
+def surplus(system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
     """Yield what lives and is not in the profile: components, and connections of its components.
 
     Ports and parameters of its components, too, where it lists any of them.
@@ -150,12 +150,12 @@ def _path(facts: ComponentFacts) -> str:
     return f"/{facts.names[0]}" if facts.names else facts.instance
 
 
-def _port_path(live: Live, end: PortRef) -> str:
+def _port_path(live: LiveIndex, end: PortRef) -> str:
     facts = live.namesake(end.instance)
     return str(end) if facts is None else f"{_path(facts)}:{end.port}"
 
 
-def check_lines(system: System, state: str) -> Iterator[str]:
+def check_lines(system: WantedSystem, state: str) -> Iterator[str]:
     """Yield what is compared, for a dry run."""
     for component in system.components:
         word, mark = ("required ", " (Required)") if component.is_required else ("", "")
@@ -208,11 +208,11 @@ def _manner_lines(component: WantedComponent) -> Iterator[str]:
         yield f'Check create string of {at} is "{drift.essence(component.create)}"'
 
 
-def _living(component: WantedComponent, live: Live) -> ComponentFacts | None:
+def _living(component: WantedComponent, live: LiveIndex) -> ComponentFacts | None:
     return None if absence(component, live) else live.at(component.instance)
 
 
-def _wire(wanted: WantedConnector, system: System, live: Live) -> Iterator[Deviation]:
+def _wire(wanted: WantedConnector, system: WantedSystem, live: LiveIndex) -> Iterator[Deviation]:
     wire = wanted.profile
     source, target = (address(system, end) for end in wire.ports)
     path = f"{source} {target}"
@@ -264,7 +264,7 @@ def _manner(component: WantedComponent, facts: ComponentFacts) -> Iterator[Devia
         wanted, found = drift.rate_text(rate.wanted), drift.rate_text(rate.found)
         if wanted != found:
             item = f"rate of execution context {rate.context}"
-            yield _deviation("rate", component, drift.Difference(item, wanted, found))
+            yield _deviation("rate", component, drift.Drift(item, wanted, found))
     policy = drift.policy_difference(component, facts)
     if policy is not None and policy.wanted != policy.found:
         yield _deviation("policy", component, policy)
@@ -272,7 +272,7 @@ def _manner(component: WantedComponent, facts: ComponentFacts) -> Iterator[Devia
         yield _deviation("create", component, each)
 
 
-def _deviation(kind: str, component: WantedComponent, each: drift.Difference) -> Deviation:
+def _deviation(kind: str, component: WantedComponent, each: drift.Drift) -> Deviation:
     item = each.item[0].upper() + each.item[1:]
     text = f"{item} of component {component.path} is incorrect (value: {each.found})"
     return Deviation(kind, component.path, text, component.is_required, *each)

@@ -10,14 +10,14 @@ from typing import NamedTuple
 
 from rtkit.deployment.described import contexts_of
 from rtkit.errors import InvalidDocument
+from rtkit.fast_dataclass import dataclass
 from rtkit.profile import rts_model as rts
-from rtkit.records import dataclass
 
 UNORDERED = -1
 """Place of an action of which an order says nothing: before all others."""
 
 
-class Target(NamedTuple):
+class OrderTarget(NamedTuple):
     """A component in one of its execution contexts, by that one's number in the profile."""
 
     instance: str
@@ -25,7 +25,7 @@ class Target(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
+class StartCondition:
     """One entry of an order: a place, and at most one thing to wait for.
 
     Attributes:
@@ -38,7 +38,7 @@ class Condition:
 
     sequence: int
     wait_ms: int = 0
-    preceding: Target | None = None
+    preceding: OrderTarget | None = None
     is_sync: bool = True
     timeout_ms: int = 0
 
@@ -48,11 +48,11 @@ class Condition:
         return self.wait_ms > 0 or self.preceding is not None
 
 
-Orders = Mapping[Target, tuple[Condition, ...]]
+Orders = Mapping[OrderTarget, tuple[StartCondition, ...]]
 NO_ORDERS: Orders = {}
 
 
-def sequence_of(conditions: Sequence[Condition]) -> int:
+def sequence_of(conditions: Sequence[StartCondition]) -> int:
     """Return the place of an action that has these conditions."""
     return min((condition.sequence for condition in conditions), default=UNORDERED)
 
@@ -80,7 +80,7 @@ def _orders(order: rts.Order | None, name: str, profile: rts.RtsProfile) -> Orde
         component.instance_name: tuple(c.id for c in contexts_of(component.execution_contexts))
         for component in profile.components
     }
-    found: dict[Target, tuple[Condition, ...]] = {}
+    found: dict[OrderTarget, tuple[StartCondition, ...]] = {}
     try:
         for entry in order.targets if order is not None else ():
             target = target_of(entry.target_component, contexts)
@@ -94,7 +94,7 @@ def _orders(order: rts.Order | None, name: str, profile: rts.RtsProfile) -> Orde
     return found
 
 
-def target_of(entry: rts.TargetComponent, contexts: Mapping[str, Sequence[str]]) -> Target:
+def target_of(entry: rts.TargetComponent, contexts: Mapping[str, Sequence[str]]) -> OrderTarget:
     """Find what an entry names: a context by its id, else by its number.
 
     Args:
@@ -109,17 +109,17 @@ def target_of(entry: rts.TargetComponent, contexts: Mapping[str, Sequence[str]])
     if ids is None:
         raise InvalidDocument(f"unknown target: component {name} is not listed")
     if id in ids:
-        return Target(name, ids.index(id))
+        return OrderTarget(name, ids.index(id))
     is_number = id.isascii() and id.isdigit() and len(id) < 9
     if is_number and int(id) < len(ids):
-        return Target(name, int(id))
+        return OrderTarget(name, int(id))
     known = f"it has {', '.join(ids)}" if ids else "it has none"
     raise InvalidDocument(f"unknown target: execution context {id} of component {name} ({known})")
 
 
 def conditions_of(
-    entry: rts.Condition, contexts: Mapping[str, Sequence[str]]
-) -> Iterator[Condition]:
+    entry: rts.OrderStep, contexts: Mapping[str, Sequence[str]]
+) -> Iterator[StartCondition]:
     """Yield what the target of an entry waits for.
 
     Raises:
@@ -135,17 +135,17 @@ def conditions_of(
     is_sync = preceding.sending_timing in (None, "SYNC")
     for component in preceding.preceding_components:
         first = target_of(component, contexts)
-        yield Condition(entry.sequence, 0, first, is_sync, timeout_ms)
+        yield StartCondition(entry.sequence, 0, first, is_sync, timeout_ms)
     if wait_ms or not preceding.preceding_components:
-        yield Condition(entry.sequence, wait_ms)
+        yield StartCondition(entry.sequence, wait_ms)
 
 
-def ring(orders: Orders) -> list[Target]:
+def ring(orders: Orders) -> list[OrderTarget]:
     """Return targets each of which waits for the next, the last one for the first; else none."""
-    done: set[Target] = set()
+    done: set[OrderTarget] = set()
     for root in orders:
-        path: dict[Target, None] = {}
-        ways: list[Iterator[Target]] = [iter((root,))]
+        path: dict[OrderTarget, None] = {}
+        ways: list[Iterator[OrderTarget]] = [iter((root,))]
         while ways:
             target = next(ways[-1], None)
             if target is None:
@@ -161,11 +161,11 @@ def ring(orders: Orders) -> list[Target]:
     return []
 
 
-def _before(orders: Orders, target: Target) -> Iterator[Target]:
+def _before(orders: Orders, target: OrderTarget) -> Iterator[OrderTarget]:
     return (c.preceding for c in orders.get(target, ()) if c.preceding is not None)
 
 
-def named(target: Target, contexts: Mapping[str, Sequence[str]]) -> str:
+def named(target: OrderTarget, contexts: Mapping[str, Sequence[str]]) -> str:
     """Return a target in words."""
     ids = contexts[target.instance]
     return target.instance if len(ids) == 1 else f"{target.instance} in {ids[target.number]}"

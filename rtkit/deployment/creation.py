@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from rtkit.deployment.actions import Attach, Create, Load
-from rtkit.deployment.live import Live, absence
-from rtkit.deployment.plan import Check, Layer, Plan, Step, layer
-from rtkit.deployment.system import BadComponent, System, WantedComponent
+from rtkit.deployment.live import LiveIndex, absence
+from rtkit.deployment.plan import Check, Layer, LayeredPlan, PlannedAction, layer
+from rtkit.deployment.system import BadComponent, WantedComponent, WantedSystem
 from rtkit.deployment.wiring import parting
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.create import FRESH_SLAVE, parse_create
@@ -18,12 +18,12 @@ NOTHING_LACKS: Mapping[str, str] = {}
 
 
 def creation_plan(
-    system: System,
-    live: Live,
+    system: WantedSystem,
+    live: LiveIndex,
     *,
     may_create: bool = True,
     lacks: Mapping[str, str] = NOTHING_LACKS,
-) -> Plan:
+) -> LayeredPlan:
     """Return the checks of what must be there, and the creation of what is not.
 
     `lacks` says of components, by name, why they cannot be made.
@@ -40,7 +40,7 @@ def creation_plan(
             raise BadComponent(system.components.index(component), str(error)) from error
     pending = {c.instance for c in missing}
     unmakable = {c.instance for c in system.components if may_create and not _how(c, live)}
-    return Plan(
+    return LayeredPlan(
         (*checks(system, live, pending, unmakable), *_lacking(missing, lacks)),
         (
             *layer("load", _loads([c for c in missing if c.instance not in lacks], live)),
@@ -60,7 +60,7 @@ def _lacking(missing: Iterable[WantedComponent], lacks: Mapping[str, str]) -> It
 
 
 def _creations(
-    missing: Iterable[WantedComponent], live: Live, lacks: Mapping[str, str]
+    missing: Iterable[WantedComponent], live: LiveIndex, lacks: Mapping[str, str]
 ) -> Iterator[Layer]:
     """Yield the creation of all at once, then that of composites, inner ones first."""
     members = {c.instance: _members(_how(c, live)) for c in missing}
@@ -74,7 +74,7 @@ def _creations(
         name = "compose"
 
 
-def _attachments(system: System, live: Live) -> Iterator[Step]:
+def _attachments(system: WantedSystem, live: LiveIndex) -> Iterator[PlannedAction]:
     """Yield who is to be driven by a context of another; needed by none, as they need not be."""
     for component in system.components:
         facts = live.at(component.instance)
@@ -82,10 +82,10 @@ def _attachments(system: System, live: Live) -> Iterator[Step]:
         for context, guest in component.guests:
             text = f"Attach {guest} to execution context {context} of component {component.path}"
             if guest in driven.get(context, ()):
-                yield Step(text, None, holds=True)
+                yield PlannedAction(text, None, holds=True)
             else:
                 attach = Attach(component.instance, context, guest)
-                yield Step(text, attach, where=component.path)
+                yield PlannedAction(text, attach, where=component.path)
 
 
 def _members(create: str) -> list[str]:
@@ -94,7 +94,10 @@ def _members(create: str) -> list[str]:
 
 
 def checks(
-    system: System, live: Live, pending: Collection[str] = (), unmakable: Collection[str] = ()
+    system: WantedSystem,
+    live: LiveIndex,
+    pending: Collection[str] = (),
+    unmakable: Collection[str] = (),
 ) -> Iterator[Check]:
     """Yield what must hold before connections are made; `pending` are components to be made."""
     yield from component_checks(system, live, pending, unmakable)
@@ -119,7 +122,10 @@ def checks(
 
 
 def component_checks(
-    system: System, live: Live, pending: Collection[str] = (), unmakable: Collection[str] = ()
+    system: WantedSystem,
+    live: LiveIndex,
+    pending: Collection[str] = (),
+    unmakable: Collection[str] = (),
 ) -> Iterator[Check]:
     """Yield the checks of required components; of the `unmakable` nobody knows how to make one."""
     for component in system.components:
@@ -135,7 +141,7 @@ def component_checks(
         )
 
 
-def _is_to_be_made(component: WantedComponent, live: Live) -> bool:
+def _is_to_be_made(component: WantedComponent, live: LiveIndex) -> bool:
     entry = live.entry(component.instance)
     if entry is not None and (not entry.zombie or entry.instance != component.instance):
         return False
@@ -152,7 +158,7 @@ def _is_to_be_made(component: WantedComponent, live: Live) -> bool:
     return True
 
 
-def _loads(missing: list[WantedComponent], live: Live) -> Iterator[Step]:
+def _loads(missing: list[WantedComponent], live: LiveIndex) -> Iterator[PlannedAction]:
     required: dict[tuple[str, str], bool] = {}
     for component in missing:
         if component.module and component.pattern is None:
@@ -164,7 +170,7 @@ def _loads(missing: list[WantedComponent], live: Live) -> Iterator[Step]:
         holds = any(is_loaded(known, path, init) for known in loaded)
         action = None if holds else Load(path, init, manager)
         where = f" on {manager}" if manager else ""
-        yield Step(f'Load module "{module}"{where}', action, is_required, holds=holds)
+        yield PlannedAction(f'Load module "{module}"{where}', action, is_required, holds=holds)
 
 
 def is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
@@ -178,7 +184,7 @@ def split_module(module: str) -> tuple[str, str]:
     return (path, init) if colon and "/" not in init else (module, "")
 
 
-def _how(component: WantedComponent, live: Live) -> str:
+def _how(component: WantedComponent, live: LiveIndex) -> str:
     """Return the create string of a component: the profile's, else that of its zombie."""
     entry = live.entry(component.instance)
     if component.create or entry is None or entry.is_stand_in:
@@ -186,7 +192,7 @@ def _how(component: WantedComponent, live: Live) -> str:
     return entry.create
 
 
-def _creation(component: WantedComponent, live: Live, lack: str | None) -> Step:
+def _creation(component: WantedComponent, live: LiveIndex, lack: str | None) -> PlannedAction:
     create = _how(component, live)
     place = parse_create(create).place
     manager = f"manager {component.manager}" if component.manager else "the manager"
@@ -198,4 +204,6 @@ def _creation(component: WantedComponent, live: Live, lack: str | None) -> Step:
     text = f'Create component "{component.id}", "{component.instance}" at path {component.path}'
     action = None if lack else Create(create, (component.name,), component.pattern)
     blocked = f"{component.path}: {lack}" if lack else ""
-    return Step(f"{text} {where}", action, component.is_required, blocked, where=component.path)
+    return PlannedAction(
+        f"{text} {where}", action, component.is_required, blocked, where=component.path
+    )

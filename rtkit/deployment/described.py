@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 
 from rtkit.deployment import extension
 from rtkit.errors import Malformed
-from rtkit.profile.common import Property
-from rtkit.profile.rts_model import Component, ConfigurationSet, ExecutionContext, Port
+from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.rts_model import ComponentInstance, ConfigurationSet, InstancePort, OwnedContext
 from rtkit.profile.words import strip_instance
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.pattern import ContextPattern
@@ -24,7 +24,7 @@ _TYPES = {
 _INTERFACE_KEY = r"(.+)\.port\.(.+)\.(provided|required)\.(.+)\.([^.]+)"
 
 
-def properties_of(items: Iterable[Property]) -> dict[str, str]:
+def properties_of(items: Iterable[ExtensionProperty]) -> dict[str, str]:
     """Return properties as a table; a later one of the same name wins."""
     return {item.name: item.value or "" for item in items}
 
@@ -34,7 +34,9 @@ def is_run_time(key: str, value: str) -> bool:
     return key.endswith(("_ior", "_ref")) or value.startswith("IOR:")
 
 
-def data_port(port: Port, instance: str, wired_as: PortType | None, wired_type: str) -> PortProfile:
+def data_port(
+    port: InstancePort, instance: str, wired_as: PortType | None, wired_type: str
+) -> PortProfile:
     """Return a data port; what the profile leaves open comes from its connections, or its name."""
     name = strip_instance(port.name, instance)
     properties = _live_properties(port)
@@ -48,7 +50,9 @@ def data_port(port: Port, instance: str, wired_as: PortType | None, wired_type: 
     return PortProfile(name, kind, properties)
 
 
-def service_port(port: Port, instance: str, wired: tuple[PortInterfaceProfile, ...]) -> PortProfile:
+def service_port(
+    port: InstancePort, instance: str, wired: tuple[PortInterfaceProfile, ...]
+) -> PortProfile:
     """Return a service port; `wired` are the interfaces that its connections tell of."""
     properties = _live_properties(port)
     properties["port.port_type"] = PortType.SERVICE.value
@@ -102,7 +106,7 @@ def sets_of(sets: Iterable[ConfigurationSet]) -> dict[str, dict[str, str]]:
     return made
 
 
-def contexts_of(contexts: Iterable[ExecutionContext]) -> tuple[ContextPattern, ...]:
+def contexts_of(contexts: Iterable[OwnedContext]) -> tuple[ContextPattern, ...]:
     """Return execution contexts; one without an id is known by its number."""
     made = []
     for number, context in enumerate(contexts):
@@ -114,7 +118,7 @@ def contexts_of(contexts: Iterable[ExecutionContext]) -> tuple[ContextPattern, .
     return tuple(made)
 
 
-def rates_of(contexts: Iterable[ExecutionContext]) -> tuple[float, ...]:
+def rates_of(contexts: Iterable[OwnedContext]) -> tuple[float, ...]:
     """Return the rates of periodic contexts [Hz]; 0 where none is stated."""
     return tuple(
         (each.rate or 0.0) if kind_of(each.kind) is ExecutionKind.PERIODIC else 0.0
@@ -122,7 +126,7 @@ def rates_of(contexts: Iterable[ExecutionContext]) -> tuple[float, ...]:
     )
 
 
-def guests_of(component: Component) -> tuple[tuple[str, str], ...]:
+def guests_of(component: ComponentInstance) -> tuple[tuple[str, str], ...]:
     """Return context id and instance name of each other component that its contexts drive."""
     return tuple(
         (context.id or str(number), ref.instance_name)
@@ -142,7 +146,7 @@ def kind_of(text: str) -> ExecutionKind:
     return ExecutionKind.OTHER
 
 
-def script_of(component: Component) -> dict[str, tuple[str, ...]]:
+def script_of(component: ComponentInstance) -> dict[str, tuple[str, ...]]:
     """Return the values that the stand-in's ports transmit: a JSON list each.
 
     Raises:
@@ -156,7 +160,7 @@ def script_of(component: Component) -> dict[str, tuple[str, ...]]:
     return script
 
 
-def _values(instance: str, item: Property) -> tuple[str, ...]:
+def _values(instance: str, item: ExtensionProperty) -> tuple[str, ...]:
     import json
 
     try:
@@ -168,7 +172,7 @@ def _values(instance: str, item: Property) -> tuple[str, ...]:
     return tuple(json.dumps(value) for value in values)
 
 
-def _live_properties(port: Port) -> dict[str, str]:
+def _live_properties(port: InstancePort) -> dict[str, str]:
     return {
         key: value
         for key, value in properties_of(port.properties).items()

@@ -34,7 +34,7 @@ _VALUES = "conf."
 _OWN = "rtkit."
 
 
-class Difference(NamedTuple):
+class Drift(NamedTuple):
     """One thing in which a component differs from its profile."""
 
     item: str
@@ -66,7 +66,7 @@ def rate_text(rate: float) -> str:
     return f"{rate:.10g}"
 
 
-def policy_difference(component: WantedComponent, facts: ComponentFacts) -> Difference | None:
+def policy_difference(component: WantedComponent, facts: ComponentFacts) -> Drift | None:
     """Return in what the policy of a component differs; None where the profile says nothing of it.
 
     Where it is the same in other words, both sides are.
@@ -76,7 +76,7 @@ def policy_difference(component: WantedComponent, facts: ComponentFacts) -> Diff
     found = policy_in(facts.create)
     wanted = policy_text(component.policy)
     is_same = _is_same_policy(component.policy, found)
-    return Difference("policy", wanted, wanted if is_same else policy_text(found))
+    return Drift("policy", wanted, wanted if is_same else policy_text(found))
 
 
 def policy_text(policy: Mapping[str, str]) -> str:
@@ -89,20 +89,20 @@ def _is_same_policy(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
         return True
     from rtkit.deployment.health import read_rules
     from rtkit.deployment.limits import read_limits
-    from rtkit.deployment.supervision import Restart, read_policy
+    from rtkit.deployment.supervision import RestartRule, read_policy
 
     try:
         if read_limits(one) != read_limits(other):
             return False
         # What is not said is what the manager says, so it must be the same whatever that is.
         return set(read_rules(one)) == set(read_rules(other)) and all(
-            read_policy(one, default) == read_policy(other, default) for default in Restart
+            read_policy(one, default) == read_policy(other, default) for default in RestartRule
         )
     except Malformed:
         return False
 
 
-def otherwise_made(component: WantedComponent, facts: ComponentFacts) -> Iterator[Difference]:
+def otherwise_made(component: WantedComponent, facts: ComponentFacts) -> Iterator[Drift]:
     """Yield what nothing but making a component again can change.
 
     Of one with code of its own that is its create string; a stand-in is all that its profile says.
@@ -112,7 +112,7 @@ def otherwise_made(component: WantedComponent, facts: ComponentFacts) -> Iterato
     elif component.is_create_stated and component.pattern is None and not facts.is_stand_in:
         wanted, found = essence(component.create), essence(facts.create)
         if found and wanted != found:
-            yield Difference(CREATE_STRING, wanted, found)
+            yield Drift(CREATE_STRING, wanted, found)
 
 
 def essence(text: str) -> str:
@@ -129,24 +129,24 @@ def essence(text: str) -> str:
     return str(CreateString(create.implementation_id, options=left))
 
 
-def _as_stand_in(component: WantedComponent, facts: ComponentFacts) -> Iterator[Difference]:
+def _as_stand_in(component: WantedComponent, facts: ComponentFacts) -> Iterator[Drift]:
     wanted = {port.name: port.port_type for port in component.ports}
     found = {port.name: port.port_type for port in facts.ports}
     if wanted != found:
         ports = [", ".join(f"{n} ({kind})" for n, kind in each.items()) for each in (wanted, found)]
-        yield Difference("list of ports", *ports)
+        yield Drift("list of ports", *ports)
     yield from data_types(component, facts)
     for number, pattern in enumerate(component.contexts):
         context = own_context_of(facts, component, number)
         if context is None or context.kind is not pattern.kind:
             kind = "" if context is None else context.kind.value
-            yield Difference(f"execution context {pattern.id}", pattern.kind.value, kind)
+            yield Drift(f"execution context {pattern.id}", pattern.kind.value, kind)
     for set_id, values in component.sets.items():
         present = facts.sets.get(set_id)
         lacking = [name for name in values if name not in (present or {})]
         if present is None or lacking:
             there = "missing" if present is None else ", ".join(present)
-            yield Difference(f"set {set_id}", ", ".join(values) or "empty", there)
+            yield Drift(f"set {set_id}", ", ".join(values) or "empty", there)
 
 
 def changed_code(facts: ComponentFacts, present: Mapping[str, str]) -> str:
@@ -159,12 +159,12 @@ def changed_code(facts: ComponentFacts, present: Mapping[str, str]) -> str:
     return next(changed, "")
 
 
-def data_types(component: WantedComponent, facts: ComponentFacts) -> Iterator[Difference]:
+def data_types(component: WantedComponent, facts: ComponentFacts) -> Iterator[Drift]:
     """Yield the data types of ports that are others than a profile says."""
     for port in component.ports:
         found = facts.port(port.name)
         if found is not None and not is_same_type(port.data_type, found.data_type):
-            yield Difference(f"data type of port {port.name}", port.data_type, found.data_type)
+            yield Drift(f"data type of port {port.name}", port.data_type, found.data_type)
 
 
 def lacking_ports(component: WantedComponent, facts: ComponentFacts) -> list[str]:
@@ -192,19 +192,17 @@ def unnamed_parameters(
                 yield set_id, name, value
 
 
-def constraint_differences(
-    component: WantedComponent, facts: ComponentFacts
-) -> Iterator[Difference]:
+def constraint_differences(component: WantedComponent, facts: ComponentFacts) -> Iterator[Drift]:
     """Yield constraints of parameters that a component declares otherwise than its profile."""
     if not any(set_id.startswith(HIDDEN) for set_id in component.sets):
         return
-    from rtkit.component.fit import CONSTRAINT_SET
+    from rtkit.component.constraint_check import CONSTRAINT_SET
 
     declared = facts.sets.get(CONSTRAINT_SET, {})
     for name, wanted in component.sets.get(CONSTRAINT_SET, {}).items():
         found = declared.get(name)
         if found is not None and not _is_same_constraint(wanted, found):
-            yield Difference(f"constraint of {name}", wanted, found)
+            yield Drift(f"constraint of {name}", wanted, found)
 
 
 def _is_same_constraint(one: str, other: str) -> bool:

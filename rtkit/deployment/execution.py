@@ -11,14 +11,14 @@ from collections import deque
 from collections.abc import Iterator, Mapping
 
 from rtkit.deployment.actions import Result
-from rtkit.deployment.conditions import Condition, Target
-from rtkit.deployment.turns import StartPlan, Turn, words
+from rtkit.deployment.conditions import OrderTarget, StartCondition
+from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, words
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 _MOST_TOLD = 3
 
 
-class Execution:
+class StartExecution:
     """A start or stop under way.
 
     Attributes:
@@ -44,13 +44,13 @@ class Execution:
         self._names = plan.names
         self._queue = deque(plan.immediate)
         self._waiting = {turn.id: turn for turn in plan.delayed}
-        self._running: dict[int, Turn] = {}
-        self._begun: set[Target] = set()
-        self._over: set[Target] = set()
-        self._states: Mapping[Target, str] = {}
+        self._running: dict[int, ScheduledAction] = {}
+        self._begun: set[OrderTarget] = set()
+        self._over: set[OrderTarget] = set()
+        self._states: Mapping[OrderTarget, str] = {}
         self._armed_at: float | None = None
         self._asked_at = self._moved_at = now
-        self._unmet_since: dict[tuple[int, Condition], float] = {}
+        self._unmet_since: dict[tuple[int, StartCondition], float] = {}
         self._reports: list[str] = []
         self._timeout_s = timeout_s
         self._patience_s = patience_s
@@ -62,17 +62,17 @@ class Execution:
         return not self._running and (bool(self.failure) or not self.waiting)
 
     @property
-    def running(self) -> tuple[Turn, ...]:
+    def running(self) -> tuple[ScheduledAction, ...]:
         """The actions that were begun and not answered."""
         return tuple(self._running.values())
 
     @property
-    def waiting(self) -> tuple[Turn, ...]:
+    def waiting(self) -> tuple[ScheduledAction, ...]:
         """The actions that were not begun."""
         return (*self._queue, *self._waiting.values())
 
     @property
-    def watched(self) -> tuple[Turn, ...]:
+    def watched(self) -> tuple[ScheduledAction, ...]:
         """The actions whose state counts at present: to be looked at before `ready`."""
         if self.failure or self._queue or (self._armed_at is None and self._running):
             return ()
@@ -85,13 +85,13 @@ class Execution:
         """Whether an action waits for a state that is not reached."""
         return any(condition.is_sync for _, condition in self._unmet_since)
 
-    def saw(self, states: Mapping[Target, str]) -> None:
+    def saw(self, states: Mapping[OrderTarget, str]) -> None:
         """Take what is seen of all that is `watched`."""
         self._states = states
 
-    def ready(self, now: float) -> list[Turn]:
+    def ready(self, now: float) -> list[ScheduledAction]:
         """Return what is to be sent now, in this order; from now on it counts as sent."""
-        begun: list[Turn] = []
+        begun: list[ScheduledAction] = []
         self._asked_at = now
         if self._deadline is not None and now >= self._deadline and not self.is_over:
             self._too_late(f"not finished within {self._timeout_s:g} s")
@@ -103,7 +103,7 @@ class Execution:
             self._judge(now)
         return begun
 
-    def answered(self, turn: Turn, result: Result, now: float) -> None:
+    def answered(self, turn: ScheduledAction, result: Result, now: float) -> None:
         """Take the outcome of an action that was begun."""
         del self._running[turn.id]
         self._over.add(turn.target)
@@ -138,15 +138,15 @@ class Execution:
             moments.append(self._asked_at)
         return min(moments, default=None)
 
-    def _next_immediate(self, now: float) -> list[Turn]:
+    def _next_immediate(self, now: float) -> list[ScheduledAction]:
         while self._queue and not self._running and not self.failure:
             turn = self._queue.popleft()
             if self._begin(turn, now):
                 return [turn]
         return []
 
-    def _next_delayed(self, now: float) -> list[Turn]:
-        begun: list[Turn] = []
+    def _next_delayed(self, now: float) -> list[ScheduledAction]:
+        begun: list[ScheduledAction] = []
         is_moving = True
         while is_moving and not self.failure:
             is_moving = False
@@ -164,7 +164,7 @@ class Execution:
                     begun.append(turn)
         return begun
 
-    def _begin(self, turn: Turn, now: float) -> bool:
+    def _begin(self, turn: ScheduledAction, now: float) -> bool:
         self._moved_at = now
         if turn.step.action is None:
             self._over.add(turn.target)
@@ -174,7 +174,7 @@ class Execution:
         self._begun.add(turn.target)
         return True
 
-    def _failed(self, turn: Turn, why: str) -> None:
+    def _failed(self, turn: ScheduledAction, why: str) -> None:
         if turn.step.is_required:
             self.cancel(f"Required action failed: {why}")
         else:
@@ -182,17 +182,17 @@ class Execution:
 
     # conditions
 
-    def _entries(self) -> Iterator[tuple[int, Condition]]:
+    def _entries(self) -> Iterator[tuple[int, StartCondition]]:
         """Yield what the actions that were not begun wait for, other than a time."""
         for turn in self._waiting.values():
             for condition in turn.conditions:
                 if condition.preceding is not None:
                     yield turn.id, condition
 
-    def _is_due(self, turn: Turn, now: float) -> bool:
+    def _is_due(self, turn: ScheduledAction, now: float) -> bool:
         return all(now >= self._moment(c) and self._is_met(c) for c in turn.conditions)
 
-    def _is_met(self, condition: Condition) -> bool:
+    def _is_met(self, condition: StartCondition) -> bool:
         first = condition.preceding
         if first is None:
             return True
@@ -204,7 +204,7 @@ class Execution:
         # One that failed or died is at rest too; the others must not run on because of it.
         return state is not None and not state.startswith(LifeCycleState.ACTIVE)
 
-    def _is_vain(self, condition: Condition) -> bool:
+    def _is_vain(self, condition: StartCondition) -> bool:
         """Whether a condition waits for an action that was found impossible."""
         first = condition.preceding
         is_asking = first is not None and not condition.is_sync and self._is_start
@@ -232,11 +232,11 @@ class Execution:
         if any(now >= moment for moment in self._end_of_patience()):
             self._too_late(f"nothing has happened for {self._patience_s:g} s")
 
-    def _moment(self, condition: Condition) -> float:
+    def _moment(self, condition: StartCondition) -> float:
         assert self._armed_at is not None
         return self._armed_at + condition.wait_ms / 1000
 
-    def _limit(self, entry: tuple[int, Condition]) -> float:
+    def _limit(self, entry: tuple[int, StartCondition]) -> float:
         return self._unmet_since[entry] + entry[1].timeout_ms / 1000
 
     def _end_of_patience(self) -> list[float]:
@@ -257,7 +257,7 @@ class Execution:
         details = ", ".join([*told[:_MOST_TOLD], *more])
         self.cancel(f"Error executing plan: {how}" + (f"; {details}" if details else ""))
 
-    def _told(self, condition: Condition) -> str:
+    def _told(self, condition: StartCondition) -> str:
         assert condition.preceding is not None
         state = self._states.get(condition.preceding, "not seen")
         how = f"it is {state}" if condition.is_sync else "not sent"

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rtkit.deployment.restart_status import RestartStatus
 from rtkit.deployment.states.followed import Followed
-from rtkit.deployment.upkeep import Upkeep
-from rtkit.records import dataclass, field
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.enums import merged_state
 from rtkit.rtc.profiles import (
     ConnectorProfile,
@@ -42,7 +42,7 @@ class ComponentFacts:
         fsm_states: The machine's table: state to event to next state, the initial one first.
         fsm_events: Data type of each event that its event port takes.
         trouble: Why it does not answer though it lives (``stopped``); empty when it answers.
-        upkeep: What has been done about its ends and its health.
+        restart_status: What has been done about its ends and its health.
         code: CRC-32 of the file of its module when that was loaded, eight hexadecimal digits, and
             where that file is; a line for each file beside it that it imports, too. Empty for one
             that comes from no module.
@@ -69,7 +69,7 @@ class ComponentFacts:
     fsm_state: str = ""
     fsm_states: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     fsm_events: Mapping[str, str] = field(default_factory=dict)
-    upkeep: Upkeep = field(default_factory=Upkeep)
+    restart_status: RestartStatus = field(default_factory=RestartStatus)
     code: str = ""
 
     @property

@@ -6,25 +6,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.live import Live
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.planning.costs import Costs
-from rtkit.deployment.planning.outlook import NOTHING_KNOWN, Outlook
+from rtkit.deployment.planning.feasibility import NOTHING_KNOWN, Feasibility
+from rtkit.deployment.planning.model_builder import NO_STATES, BuiltModel, build_model
 from rtkit.deployment.planning.plan import NO_RANKS, DeploymentPlan, make_plan
-from rtkit.deployment.planning.survey import NO_STATES, Survey, survey
-from rtkit.deployment.system import System
+from rtkit.deployment.system import WantedSystem
 from rtkit.errors import Impossible
 from rtkit.rtc.enums import LifeCycleState
 
 
 @dataclass(frozen=True)
-class Goal:
+class DeploymentGoal:
     """What is wanted, and how it is to be reached.
 
     Attributes:
         state: In which every component is to be; None for as it is.
         ranks: Components of lower numbers are activated before those of higher ones.
         parallel: Most actions that are under way at once; 0 for no bound.
-        outlook: What is known of components that do not live yet.
+        feasibility: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there.
         replaces: What cannot be changed in place is made again.
@@ -32,12 +32,12 @@ class Goal:
         is_strict: What would be made with a note on it is to fail instead.
     """
 
-    system: System
+    system: WantedSystem
     state: LifeCycleState | None = LifeCycleState.ACTIVE
     ranks: Mapping[str, int] = field(default_factory=lambda: NO_RANKS)
     costs: Costs = field(default_factory=Costs)
     parallel: int = 0
-    outlook: Outlook = NOTHING_KNOWN
+    feasibility: Feasibility = NOTHING_KNOWN
     states: Mapping[str, LifeCycleState | None] = field(default_factory=lambda: NO_STATES)
     absent: frozenset[str] = frozenset()
     replaces: bool = False
@@ -46,20 +46,20 @@ class Goal:
 
     def survey(
         self, snapshot: Snapshot, began: Snapshot | None = None, *, is_back: bool = False
-    ) -> Survey:
+    ) -> BuiltModel:
         """Return what is wanted over what lives, with what lived when it `began`.
 
         Raises:
             Impossible: Something else lives where a required component belongs.
         """
-        live = Live(snapshot, self.system, takes_namesakes=True)
-        return survey(
+        live = LiveIndex(snapshot, self.system, takes_namesakes=True)
+        return build_model(
             self.system,
             live,
             self.state,
             self.costs.values,
             began,
-            self.outlook,
+            self.feasibility,
             self.states,
             self.absent,
             replaces=self.replaces,

@@ -17,9 +17,9 @@ from math import inf, isfinite
 from typing import NamedTuple
 
 from rtkit.deployment.extension import HEALTH
-from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.errors import Malformed
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 STUCK = f"{HEALTH}stuck"
 
@@ -40,7 +40,7 @@ class Reaction(StrEnum):
     STOP = "stop"
 
 
-class Rule(NamedTuple):
+class HealthRule(NamedTuple):
     """One rule.
 
     Attributes:
@@ -72,12 +72,12 @@ class Sample:
 
     at_s: float
     is_active: bool
-    figures: ComponentFigures
+    metrics: ComponentMetrics
     values: Mapping[str, str]
     stuck: str = ""
 
 
-def read_rules(options: Mapping[str, str]) -> tuple[Rule, ...]:
+def read_rules(options: Mapping[str, str]) -> tuple[HealthRule, ...]:
     """Return the rules that the properties of a component say.
 
     Raises:
@@ -88,7 +88,7 @@ def read_rules(options: Mapping[str, str]) -> tuple[Rule, ...]:
 
 
 @lru_cache(maxsize=256)
-def _read(told: tuple[tuple[str, str], ...]) -> tuple[Rule, ...]:
+def _read(told: tuple[tuple[str, str], ...]) -> tuple[HealthRule, ...]:
     return tuple(_rule(key, *_parts(key, text)) for key, text in told)
 
 
@@ -103,20 +103,24 @@ def _parts(key: str, text: str) -> tuple[str, Reaction]:
         raise Malformed(f"{key}: not one of {', '.join(Reaction)}: {word.strip()}") from None
 
 
-def _rule(key: str, said: str, reaction: Reaction) -> Rule:
+def _rule(key: str, said: str, reaction: Reaction) -> HealthRule:
     kind, _, name = key.removeprefix(HEALTH).partition(".")
     if key == STUCK:
-        rule = Rule(kind, reaction, most=_number(key, said, "s")) if said else Rule(kind, reaction)
+        rule = (
+            HealthRule(kind, reaction, most=_number(key, said, "s"))
+            if said
+            else HealthRule(kind, reaction)
+        )
         if not rule.most:
             raise Malformed(f"{key}: a callback cannot come back within 0 s")
         return rule
     if kind == "overrun" and not name:
-        return Rule(kind, reaction, most=_number(key, said, "s"))
+        return HealthRule(kind, reaction, most=_number(key, said, "s"))
     if kind == "rate" and name:
         least, dash, most = said.partition("-")
         if not dash:
             raise Malformed(f"{key}: not MIN-MAX [Hz]: {said}")
-        rule = Rule(kind, reaction, name, _number(key, least, "Hz"), _number(key, most, "Hz"))
+        rule = HealthRule(kind, reaction, name, _number(key, least, "Hz"), _number(key, most, "Hz"))
         if rule.least > rule.most:
             raise Malformed(f"{key}: the lowest rate is above the highest: {said}")
         return rule
@@ -125,7 +129,7 @@ def _rule(key: str, said: str, reaction: Reaction) -> Rule:
         value = said.removeprefix(sign).strip()
         if not sign or (sign != "=" and not _is_number(value)):
             raise Malformed(f"{key}: not <, <=, >, >= and a number, or = and a value: {said}")
-        return Rule(kind, reaction, name, condition=(sign, value))
+        return HealthRule(kind, reaction, name, condition=(sign, value))
     known = "stuck, overrun, rate.PORT, value.PARAMETER"
     raise Malformed(f"unknown rule of health: {key} (one of {known})")
 
@@ -144,8 +148,8 @@ def _is_number(text: str) -> bool:
 
 
 def broken(
-    rules: tuple[Rule, ...], before: Sample | None, now: Sample
-) -> Iterator[tuple[Rule, str]]:
+    rules: tuple[HealthRule, ...], before: Sample | None, now: Sample
+) -> Iterator[tuple[HealthRule, str]]:
     """Yield the rules that a component breaks, and how."""
     for rule in rules:
         why = _JUDGES[rule.kind](rule, before, now)
@@ -153,21 +157,21 @@ def broken(
             yield rule, why
 
 
-def _stuck(_rule: Rule, _before: Sample | None, now: Sample) -> str:
+def _stuck(_rule: HealthRule, _before: Sample | None, now: Sample) -> str:
     return now.stuck
 
 
-def _overrun(rule: Rule, _before: Sample | None, now: Sample) -> str:
-    longest_s = max((each.longest_s for each in now.figures.contexts), default=0.0)
+def _overrun(rule: HealthRule, _before: Sample | None, now: Sample) -> str:
+    longest_s = max((each.longest_s for each in now.metrics.contexts), default=0.0)
     if not now.is_active or longest_s <= rule.most:
         return ""
     return f"a cycle took {longest_s:.3g} s, more than {rule.most:g} s"
 
 
-def _rate(rule: Rule, before: Sample | None, now: Sample) -> str:
+def _rate(rule: HealthRule, before: Sample | None, now: Sample) -> str:
     if before is None or not (before.is_active and now.is_active) or now.at_s <= before.at_s:
         return ""
-    counts = [{**each.figures.read, **each.figures.written} for each in (before, now)]
+    counts = [{**each.metrics.read, **each.metrics.written} for each in (before, now)]
     if any(rule.name not in each for each in counts):
         return f"no port {rule.name}"
     rate = (counts[1][rule.name] - counts[0][rule.name]) / (now.at_s - before.at_s)
@@ -177,7 +181,7 @@ def _rate(rule: Rule, before: Sample | None, now: Sample) -> str:
     return f"{rule.name} carries {rate:.3g} values a second, {side}"
 
 
-def _value(rule: Rule, _before: Sample | None, now: Sample) -> str:
+def _value(rule: HealthRule, _before: Sample | None, now: Sample) -> str:
     sign, wanted = rule.condition
     value = now.values.get(rule.name)
     if value is None:
@@ -189,7 +193,7 @@ def _value(rule: Rule, _before: Sample | None, now: Sample) -> str:
     return "" if is_so else f"{rule.name} is {value}, not {sign}{wanted}"
 
 
-_JUDGES: Mapping[str, Callable[[Rule, Sample | None, Sample], str]] = {
+_JUDGES: Mapping[str, Callable[[HealthRule, Sample | None, Sample], str]] = {
     "stuck": _stuck,
     "overrun": _overrun,
     "rate": _rate,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from rtkit.deployment import extension as ext
 from rtkit.deployment.described import properties_of
 from rtkit.errors import Malformed
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.nearest import CLOSE, did_you_mean
@@ -91,7 +91,7 @@ def odd_options(
 
 
 def _among(
-    properties: Sequence[Property],
+    properties: Sequence[ExtensionProperty],
     known: Sequence[str],
     place: tuple[tuple[str, int], ...],
     name: str,

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from rtkit.errors import Malformed, Refused
-from rtkit.records import dataclass
-from rtkit.rtc.plain import decode, encode
+from rtkit.fast_dataclass import dataclass
+from rtkit.rtc.serde import decode, encode
 
 
-class Life(Protocol):
+class HolderLife(Protocol):
     """A process that is watched."""
 
     @property
@@ -35,7 +35,7 @@ class Immortal:
 
 
 @dataclass(frozen=True, slots=True)
-class Holder:
+class LeaseHolder:
     """A command that carries a plan out.
 
     Attributes:
@@ -58,14 +58,14 @@ class Holder:
 class Lease:
     """Who carries a plan out at one manager; it ends with the process that took it."""
 
-    def __init__(self, watch: Callable[[int], Life]) -> None:
+    def __init__(self, watch: Callable[[int], HolderLife]) -> None:
         """Begin without holder; `watch` begins to watch a process by its id, or raises OSError."""
         self._watch = watch
-        self._holder: Holder | None = None
-        self._life: Life | None = None
+        self._holder: LeaseHolder | None = None
+        self._life: HolderLife | None = None
 
     @property
-    def holder(self) -> Holder | None:
+    def holder(self) -> LeaseHolder | None:
         """Who has it at present, if his process lives."""
         if self._life is not None and self._life.is_over:
             self._end()
@@ -82,7 +82,7 @@ class Lease:
             return json.dumps(encode(self.holder)) if self.holder is not None else ""
         try:
             asked: dict[str, Any] = json.loads(text)
-            wanted = decode(Holder, asked["take"]) if "take" in asked else None
+            wanted = decode(LeaseHolder, asked["take"]) if "take" in asked else None
             given = str(asked["give"]) if wanted is None else ""
         except (KeyError, TypeError, ValueError) as error:
             raise Malformed(f"neither the wish for a lease nor its end: {error}") from error
@@ -92,7 +92,7 @@ class Lease:
             self._end()
         return ""
 
-    def _take(self, wanted: Holder) -> None:
+    def _take(self, wanted: LeaseHolder) -> None:
         holder = self.holder
         if holder is not None:
             raise Refused(str(holder))
@@ -108,13 +108,13 @@ class Lease:
         self._holder = self._life = None
 
 
-def holder_from_text(text: str) -> Holder | None:
+def holder_from_text(text: str) -> LeaseHolder | None:
     """Return who has a lease, from what its manager answers; None for nobody.
 
     Raises:
         Malformed: It cannot be read.
     """
     try:
-        return decode(Holder, json.loads(text)) if text else None
+        return decode(LeaseHolder, json.loads(text)) if text else None
     except (TypeError, ValueError) as error:
         raise Malformed(f"who has the lease cannot be read: {error}") from error

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from rtkit.deployment.extension import LIMIT
 from rtkit.errors import Malformed
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.nearest import did_you_mean
 
@@ -27,7 +27,7 @@ _MOST_PROCESSORS = 4096.0
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class SlaveLimits:
     """The most that a slave may use; 0 for as much as there is.
 
     Attributes:
@@ -42,8 +42,8 @@ class Limits:
     descriptors: int = 0
     processor: float = 0.0
 
-    def __add__(self, other: Limits) -> Limits:
-        return Limits(
+    def __add__(self, other: SlaveLimits) -> SlaveLimits:
+        return SlaveLimits(
             self.memory + other.memory,
             self.processes + other.processes,
             self.descriptors + other.descriptors,
@@ -63,7 +63,7 @@ class Limits:
         return ", ".join(told)
 
 
-NO_LIMITS = Limits()
+NO_LIMITS = SlaveLimits()
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class Capacity(NamedTuple):
     processors: float = inf
 
 
-def read_limits(options: Mapping[str, str]) -> Limits:
+def read_limits(options: Mapping[str, str]) -> SlaveLimits:
     """Return the limits that the properties of a component say.
 
     Raises:
@@ -93,7 +93,7 @@ def read_limits(options: Mapping[str, str]) -> Limits:
     return _read(said) if said else NO_LIMITS
 
 
-def limits_in(create: str) -> Limits:
+def limits_in(create: str) -> SlaveLimits:
     """Return the limits in a create string; none in one that cannot be read."""
     if LIMIT not in create:
         return NO_LIMITS
@@ -104,7 +104,7 @@ def limits_in(create: str) -> Limits:
 
 
 @lru_cache(maxsize=256)
-def _read(said: tuple[tuple[str, str], ...]) -> Limits:
+def _read(said: tuple[tuple[str, str], ...]) -> SlaveLimits:
     values: dict[str, float] = {}
     for key, text in said:
         kind = key.removeprefix(LIMIT)
@@ -113,7 +113,7 @@ def _read(said: tuple[tuple[str, str], ...]) -> Limits:
             raise Malformed(f"unknown limit: {key}{hint or f' (one of {_KNOWN})'}")
         if text.strip():
             values[kind] = _READERS[kind](key, text.strip())
-    return Limits(
+    return SlaveLimits(
         int(values.get("memory", 0)),
         int(values.get("processes", 0)),
         int(values.get("descriptors", 0)),
@@ -173,7 +173,7 @@ def bytes_text(amount: float) -> str:
     return f"{amount:.0f} B"
 
 
-def reached(limits: Limits, used: TreeUsage) -> str:
+def reached(limits: SlaveLimits, used: TreeUsage) -> str:
     """Return which limit is reached, with what is used; empty for none."""
     if limits.memory and used.memory >= limits.memory:
         return memory_reached(limits, bytes_text(used.memory))
@@ -187,17 +187,17 @@ def reached(limits: Limits, used: TreeUsage) -> str:
     return ""
 
 
-def memory_reached(limits: Limits, how: str) -> str:
+def memory_reached(limits: SlaveLimits, how: str) -> str:
     """Return the reason of an end for too much memory."""
     return f"memory limit of {bytes_text(limits.memory)} reached ({how})"
 
 
-def descriptors_reached(limits: Limits, how: str) -> str:
+def descriptors_reached(limits: SlaveLimits, how: str) -> str:
     """Return the reason of an end for too many descriptors."""
     return f"limit of {limits.descriptors} descriptors reached ({how})"
 
 
-def exhausted(limits: Limits, cause: str) -> str:
+def exhausted(limits: SlaveLimits, cause: str) -> str:
     """Return which limit made a callback fail for that cause; empty where none did."""
     if limits.memory and "MemoryError" in cause:
         return memory_reached(limits, cause)
@@ -214,7 +214,7 @@ def needs_slave(instance: str) -> str:
     )
 
 
-def overbooked(reserved: Mapping[str, Limits], capacity: Capacity) -> str:
+def overbooked(reserved: Mapping[str, SlaveLimits], capacity: Capacity) -> str:
     """Return of what components may use more together than there is; empty for nothing."""
     for kind, have, text in (
         ("memory", capacity.memory, bytes_text),

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import ComponentFacts, Snapshot
 
 
-class Row(NamedTuple):
+class ListingRow(NamedTuple):
     """One component in short.
 
     Attributes:
@@ -80,7 +80,7 @@ class Listing(NamedTuple):
     manager: str
     pid: int
     slaves: tuple[tuple[str, str, str], ...]
-    rows: tuple[Row, ...]
+    rows: tuple[ListingRow, ...]
     names: tuple[str, ...] = ()
     trouble: str = ""
 
@@ -113,14 +113,14 @@ def connected_ports(snapshot: Snapshot) -> Counter[tuple[str, str]]:
     return counts
 
 
-def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Row:
+def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> ListingRow:
     """Return one component's row."""
     made = dict.fromkeys(PortType, 0)
     wired = dict.fromkeys(PortType, 0)
     for port in component.ports:
         made[port.port_type] += 1
         wired[port.port_type] += (component.instance, port.name) in connected
-    return Row(
+    return ListingRow(
         component.instance,
         component.state,
         made[PortType.IN],
@@ -131,16 +131,16 @@ def row_of(component: ComponentFacts, connected: Counter[tuple[str, str]]) -> Ro
         wired[PortType.SERVICE],
         component.process,
         component.zombie,
-        component.trouble or component.upkeep.trouble,
+        component.trouble or component.restart_status.trouble,
         component.is_stand_in,
         component.names,
         component.contexts[0].id if component.contexts else "",
         component.cause,
-        component.upkeep.history,
-        component.upkeep.restarts,
-        component.upkeep.why,
-        component.upkeep.due_s,
-        component.upkeep.given_up,
+        component.restart_status.history,
+        component.restart_status.restarts,
+        component.restart_status.why,
+        component.restart_status.due_s,
+        component.restart_status.given_up,
     )
 
 
@@ -163,7 +163,7 @@ def listing_from_text(text: str) -> Listing:
             int(pid),
             tuple((str(name), str(state), str(why)) for name, state, why in slaves),
             tuple(
-                Row._make(
+                ListingRow._make(
                     [
                         *row,
                         tuple(names),

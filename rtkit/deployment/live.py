@@ -7,17 +7,17 @@ from collections.abc import Iterator, Mapping
 from rtkit.deployment.extension import stated_id
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.identity import is_same_id
-from rtkit.deployment.system import System, WantedComponent
+from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.rtc.enums import LifeCycleState
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile, PortRef
 
 
-class Live:
+class LiveIndex:
     """One snapshot, indexed for questions about one wanted system."""
 
     def __init__(
-        self, snapshot: Snapshot, system: System, *, takes_namesakes: bool = False
+        self, snapshot: Snapshot, system: WantedSystem, *, takes_namesakes: bool = False
     ) -> None:
         """Index a snapshot.
 
@@ -35,7 +35,7 @@ class Live:
         self._lives: dict[str, str] = {}
         self._belongs: dict[str, str] = {}
         if snapshot.others:
-            from rtkit.deployment.joint import homes_in
+            from rtkit.deployment.multi_manager import homes_in
 
             self._lives = homes_in(snapshot)
             self._belongs = {c.instance: c.manager or snapshot.manager for c in system.components}
@@ -78,7 +78,7 @@ class Live:
         """Return why a connector cannot be, as its ends are in two managers; empty if not so."""
         if not self.snapshot.others:
             return ""
-        from rtkit.deployment.joint import parted
+        from rtkit.deployment.multi_manager import parted
 
         return parted(wire, {**self._lives, **self._belongs}, self.snapshot.manager)
 
@@ -176,7 +176,7 @@ def own_context_of(
     return left[place] if place < len(left) else None
 
 
-def absence(component: WantedComponent, live: Live) -> str:
+def absence(component: WantedComponent, live: LiveIndex) -> str:
     """Return why a component is not there as wanted; empty when it is."""
     entry = live.entry(component.instance)
     word = "Required component missing" if component.is_required else "Component missing"

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
 from rtkit.deployment.shown_ports import OwnEnds
-from rtkit.records import replace
+from rtkit.fast_dataclass import replace
 
 
 def part_of(snapshot: Snapshot, instances: Iterable[str]) -> Snapshot:

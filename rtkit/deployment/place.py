@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 
 from rtkit.errors import Malformed
-from rtkit.profile.rts_model import Component
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
+from rtkit.profile.rts_model import ComponentInstance
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_host
 
 
@@ -32,7 +32,7 @@ class Hosts:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class RegisteredName:
     """A registered name, the path that users know, and the host when nobody knows it.
 
     Attributes:
@@ -57,7 +57,7 @@ def check_map(hosts: Hosts) -> None:
             raise Malformed(f"cannot map {host} to {other}: no manager is known on {other}")
 
 
-def place(component: Component, hosts: Hosts, taken: Collection[str]) -> Place:
+def place(component: ComponentInstance, hosts: Hosts, taken: Collection[str]) -> RegisteredName:
     """Return where `component` belongs; names in `taken` are in use by the same profile."""
     uri = (component.path_uri or "").strip().lstrip("/")
     elements = uri.split("/")
@@ -71,7 +71,7 @@ def place(component: Component, hosts: Hosts, taken: Collection[str]) -> Place:
     is_known = local or hosts.any_is_local or hosts.is_local(host)
     below = manager_in(uri, hosts) if local else ""
     manager = below if below in hosts.managers else ""
-    return Place(name, f"/{uri}", "" if is_known else host, manager=manager)
+    return RegisteredName(name, f"/{uri}", "" if is_known else host, manager=manager)
 
 
 def manager_in(uri: str, hosts: Hosts) -> str:
@@ -91,6 +91,8 @@ def _is_name(elements: list[str]) -> bool:
     return all(e not in ("", ".", "..") and e.isprintable() for e in elements)
 
 
-def _default(component: Component, why: str) -> Place:
+def _default(component: ComponentInstance, why: str) -> RegisteredName:
     name = f"{LOCAL}/{component.instance_name}{COMPONENT_SUFFIX}"
-    return Place(name, f"/{name}", note=f"{component.instance_name}: {why}: taken as /{name}")
+    return RegisteredName(
+        name, f"/{name}", note=f"{component.instance_name}: {why}: taken as /{name}"
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rtkit.deployment.actions import Action, Create, SetParameters
-from rtkit.records import dataclass, replace
+from rtkit.fast_dataclass import dataclass, replace
 from rtkit.rtc.create import parse_create
 
 
@@ -24,7 +24,7 @@ class Check:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class PlannedAction:
     """One action of a plan, with its words.
 
     Attributes:
@@ -62,19 +62,19 @@ class Layer:
     """
 
     name: str
-    steps: tuple[Step, ...]
+    steps: tuple[PlannedAction, ...]
     is_ordered: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class LayeredPlan:
     """Checks, then layers, each of which is begun when the one before is done."""
 
     checks: tuple[Check, ...] = ()
     layers: tuple[Layer, ...] = ()
 
     @property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> tuple[PlannedAction, ...]:
         """Every step, in order."""
         return tuple(step for layer in self.layers for step in layer.steps)
 
@@ -98,18 +98,18 @@ class Plan:
                 yield step.line
 
 
-def layer(name: str, steps: Iterable[Step], **how: bool) -> tuple[Layer, ...]:
+def layer(name: str, steps: Iterable[PlannedAction], **how: bool) -> tuple[Layer, ...]:
     """Return one layer of these steps, or none when there are none."""
     made = tuple(steps)
     return (Layer(name, made, **how),) if made else ()
 
 
-def merged(steps: Iterable[Step]) -> list[tuple[Action, list[Step]]]:
+def merged(steps: Iterable[PlannedAction]) -> list[tuple[Action, list[PlannedAction]]]:
     """Return the actions to be sent, each with the steps that it carries out.
 
     Parameters of one configuration set are written at once.
     """
-    found: list[tuple[Action, list[Step]]] = []
+    found: list[tuple[Action, list[PlannedAction]]] = []
     places: dict[tuple[str, str], int] = {}
     for step in steps:
         action = step.action

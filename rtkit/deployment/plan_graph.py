@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.deployment.conditions import Condition, Target
-from rtkit.deployment.turns import StartPlan, Turn
+from rtkit.deployment.conditions import OrderTarget, StartCondition
+from rtkit.deployment.start_schedule import ScheduledAction, StartPlan
 from rtkit.rtc.enums import Transition
 
 _BEGIN = "begin"
@@ -40,11 +40,13 @@ def to_dot(plan: StartPlan) -> Iterator[str]:
     yield "}"
 
 
-def _label(plan: StartPlan, turn: Turn) -> str:
+def _label(plan: StartPlan, turn: ScheduledAction) -> str:
     return f"{{{turn.id}}} {plan.transition.value.capitalize()}\n{turn.name}"
 
 
-def _condition(condition: Condition, turn: Turn, ids: dict[Target, int]) -> str:
+def _condition(
+    condition: StartCondition, turn: ScheduledAction, ids: dict[OrderTarget, int]
+) -> str:
     told = f"Order {condition.sequence}"
     if condition.preceding is None:
         told += f"/Wait {condition.wait_ms}ms" if condition.wait_ms else ""

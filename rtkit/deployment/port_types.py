@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 
 from rtkit.deployment.extension import STATED_TYPE
 from rtkit.deployment.system import WantedComponent, WantedConnector
-from rtkit.records import replace
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.data_types import ANY, is_same_type, scoped_name
 from rtkit.rtc.profiles import PortProfile
 

@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import segment_of
-from rtkit.property.spec import Spec
+from rtkit.property.spec import PropertySpec
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.rtc.enums import PortType, Transition
@@ -33,7 +33,7 @@ class Shown(NamedTuple):
 
     name: str
     value: Content
-    spec: Spec
+    spec: PropertySpec
     change: Change | None = None
 
 
@@ -48,7 +48,7 @@ _TRANSITIONS: Mapping[tuple[str, str], Transition] = {
 def of_component(
     facts: ComponentFacts,
     wires: Sequence[ConnectorProfile],
-    figures: ComponentFigures | None = None,
+    metrics: ComponentMetrics | None = None,
     ends: Mapping[str, PortRef] | None = None,
 ) -> list[Shown]:
     """Return what is shown of a component; counters only if its figures are known.
@@ -75,12 +75,12 @@ def of_component(
         shown.append(_text("fsm_state", facts.fsm_state))
     shown += _sets(facts)
     shown += _contexts(facts)
-    return shown + _ports(facts, wires, figures, ends or {})
+    return shown + _ports(facts, wires, metrics, ends or {})
 
 
-def _state_spec() -> Spec:
+def _state_spec() -> PropertySpec:
     doc = "Life-cycle state; set to Active or Inactive to change it"
-    return Spec(parse_type("word"), choices=_STATES, doc=doc)
+    return PropertySpec(parse_type("word"), choices=_STATES, doc=doc)
 
 
 def _state_change(facts: ComponentFacts) -> Change:
@@ -101,12 +101,12 @@ def _sets(facts: ComponentFacts) -> list[Shown]:
     if not facts.sets:
         return []
     choices = tuple(Word(name) for name in facts.sets)
-    spec = Spec(parse_type("any"), doc="The active configuration set")
+    spec = PropertySpec(parse_type("any"), doc="The active configuration set")
     shown = [Shown("active_set", _name(facts.active_set), spec, _activation(facts, choices))]
     for set_id, values in facts.sets.items():
         for name, text in values.items():
             path = parameter_path(set_id, name)
-            spec = Spec(parse_type("text"), doc=f"Parameter {name} of set {set_id}")
+            spec = PropertySpec(parse_type("text"), doc=f"Parameter {name} of set {set_id}")
             shown.append(Shown(path, text, spec, _parameter(facts, set_id, name)))
     return shown
 
@@ -143,7 +143,7 @@ def _contexts(facts: ComponentFacts) -> list[Shown]:
     shown = []
     for index, context in enumerate(facts.contexts):
         path = f"contexts.{index}"
-        spec = Spec(parse_type("number"), unit="Hz", minimum=0.0)
+        spec = PropertySpec(parse_type("number"), unit="Hz", minimum=0.0)
         shown += [
             _text(f"{path}.id", context.id),
             Shown(f"{path}.kind", Word(context.kind.name), _read_only("word")),
@@ -171,11 +171,11 @@ _DIRECTIONS = {PortType.IN: "in", PortType.OUT: "out", PortType.SERVICE: "servic
 def _ports(
     facts: ComponentFacts,
     wires: Sequence[ConnectorProfile],
-    figures: ComponentFigures | None,
+    metrics: ComponentMetrics | None,
     own: Mapping[str, PortRef],
 ) -> list[Shown]:
     shown = []
-    counts = {} if figures is None else {**figures.written, **figures.read}
+    counts = {} if metrics is None else {**metrics.written, **metrics.read}
     for port in facts.ports:
         path = f"ports.{segment_of(port.name)}"
         here = own.get(port.name) or PortRef(facts.instance, port.name)
@@ -189,7 +189,7 @@ def _ports(
         if port.port_type is not PortType.SERVICE:
             count = counts.get(port.name, -1)
             doc = "Values that passed, from the beginning of the process; -1 is not known yet"
-            spec = Spec(parse_type("integer"), "r", doc=doc)
+            spec = PropertySpec(parse_type("integer"), "r", doc=doc)
             shown.append(Shown(f"{path}.count", count, spec))
     return shown
 
@@ -210,7 +210,7 @@ def of_manager(snapshot: Snapshot, settings: Mapping[str, str]) -> list[Shown]:
     for key, text in settings.items():
         path = ".".join(map(segment_of, key.split(".")))
         # A key may have keys below it and a value of its own; both are properties.
-        shown.append(Shown(f"settings.{path}", text, Spec(parse_type("text"))))
+        shown.append(Shown(f"settings.{path}", text, PropertySpec(parse_type("text"))))
     return shown
 
 
@@ -229,11 +229,11 @@ def _name(text: str) -> Value:
     return str(text) if write(word).startswith('"') else word
 
 
-def _read_only(kind: str) -> Spec:
+def _read_only(kind: str) -> PropertySpec:
     known = _READ_ONLY.get(kind)
     if known is None:
-        known = _READ_ONLY[kind] = Spec(parse_type(kind), "r")
+        known = _READ_ONLY[kind] = PropertySpec(parse_type(kind), "r")
     return known
 
 
-_READ_ONLY: dict[str, Spec] = {}
+_READ_ONLY: dict[str, PropertySpec] = {}

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.limits import Limits, limits_in, read_limits
-from rtkit.deployment.system import System
+from rtkit.deployment.limits import SlaveLimits, limits_in, read_limits
+from rtkit.deployment.system import WantedSystem
 
 
-def wanted_limits(system: System) -> dict[str, Limits]:
+def wanted_limits(system: WantedSystem) -> dict[str, SlaveLimits]:
     """Return the limits that a system says of its components, by instance; empty ones too."""
     said = {c.instance: c.policy for c in system.components if c.policy is not None}
     return {instance: read_limits(policy) for instance, policy in said.items()}
 
 
 def reserved(
-    system: System,
+    system: WantedSystem,
     living: Iterable[ComponentFacts],
     elsewhere: Mapping[str, Iterable[ComponentFacts]],
-) -> dict[str, Limits]:
+) -> dict[str, SlaveLimits]:
     """Return what each component of a host may use when the system is up, by its name.
 
     Args:

@@ -7,16 +7,16 @@ from collections.abc import Callable, Iterable, Sequence
 
 from rtkit.deployment.actions import Action, Result, strict
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.plan import Check, Layer, Plan, Step, merged
+from rtkit.deployment.plan import Check, Layer, LayeredPlan, PlannedAction, merged
+from rtkit.deployment.rollback import traces
 from rtkit.deployment.site import UNFINISHED, Careful, Site, at_once
-from rtkit.deployment.undo import traces
 from rtkit.errors import Refused, RtkitError, Unreachable
 
 Talk = Callable[[str], None]
 Count = Callable[[int, int], None]
 
 
-class Runner:
+class PlanRunner:
     """Carries plans out at one site.
 
     Attributes:
@@ -56,8 +56,8 @@ class Runner:
         self._passed = self._known = 0
         self._told: set[str] = set()
         self.attempted: list[Action] = []
-        self.done: list[Step] = []
-        self.failed: list[Step] = []
+        self.done: list[PlannedAction] = []
+        self.failed: list[PlannedAction] = []
         self._taken = [] if taken is None else taken
 
     def check(self, checks: Iterable[Check]) -> None:
@@ -80,7 +80,7 @@ class Runner:
         if failures:
             raise Refused(f"Required action failed: {failures[-1]}")
 
-    def run(self, plan: Plan) -> None:
+    def run(self, plan: LayeredPlan) -> None:
         """Carry out a plan whose checks hold.
 
         Raises:
@@ -99,7 +99,7 @@ class Runner:
             self._passed += len(layer.steps)
         self._count(self._passed, self._known)
 
-    def _run_at_once(self, steps: Sequence[Step]) -> None:
+    def _run_at_once(self, steps: Sequence[PlannedAction]) -> None:
         for step in steps:
             if step.blocked:
                 self._failed([step], step.blocked)
@@ -130,7 +130,7 @@ class Runner:
             else:
                 self._failed([step], step.told(result.why))
 
-    def _failed(self, steps: Sequence[Step], why: str) -> None:
+    def _failed(self, steps: Sequence[PlannedAction], why: str) -> None:
         if any(step.is_required for step in steps):
             self.failed += steps
             raise Refused(f"Required action failed: {why}")
@@ -185,7 +185,7 @@ def _has_note(result: Result) -> bool:
     return bool(result.note)
 
 
-def regret(runner: Runner, before: Snapshot, error: BaseException) -> str:
+def roll_back(runner: PlanRunner, before: Snapshot, error: BaseException) -> str:
     """Take back what a failed run did and tell it in a few words; empty when it did nothing."""
     if not runner.attempted:
         return ""

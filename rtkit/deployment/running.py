@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from rtkit.deployment.actions import ChangeState, Delete, Disconnect
-from rtkit.deployment.conditions import NO_ORDERS, Orders, Target
+from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget
 from rtkit.deployment.creation import component_checks
-from rtkit.deployment.live import Live, absence, context_of, mismatch
-from rtkit.deployment.plan import Plan, Step, layer
-from rtkit.deployment.system import System, WantedComponent, WantedConnector, address
-from rtkit.deployment.turns import StartPlan, Turn, arrange, expected_order
-from rtkit.deployment.watch import Watched
+from rtkit.deployment.live import LiveIndex, absence, context_of, mismatch
+from rtkit.deployment.plan import LayeredPlan, PlannedAction, layer
+from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, arrange, expected_order
+from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem, address
+from rtkit.deployment.watch import WatchedComponent
 from rtkit.deployment.wiring import missing_end
-from rtkit.records import replace
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 
 def start_plan(
-    system: System, live: Live, orders: Orders = NO_ORDERS, *, wait: bool = True
+    system: WantedSystem, live: LiveIndex, orders: Orders = NO_ORDERS, *, wait: bool = True
 ) -> StartPlan:
     """Return the activation of every component in each context of its profile, as ordered."""
     turns = _turns(system, live, Transition.ACTIVATE, wait)
@@ -24,8 +24,8 @@ def start_plan(
 
 
 def stop_plan(
-    system: System,
-    live: Live,
+    system: WantedSystem,
+    live: LiveIndex,
     orders: Orders = NO_ORDERS,
     *,
     started: Orders = NO_ORDERS,
@@ -44,7 +44,9 @@ def stop_plan(
     return arrange(Transition.DEACTIVATE, turns)
 
 
-def teardown_plan(system: System, live: Live, *, ends_components: bool = False) -> Plan:
+def teardown_plan(
+    system: WantedSystem, live: LiveIndex, *, ends_components: bool = False
+) -> LayeredPlan:
     """Return the removal of every connection, and of the components in reverse order.
 
     Where the components end, that something is gone already is just what is wanted.
@@ -53,7 +55,7 @@ def teardown_plan(system: System, live: Live, *, ends_components: bool = False) 
     removals = [_removal(wire, system, live) for wire in system.connectors]
     if ends_components:
         removals = [replace(step, blocked="", holds=step.action is None) for step in removals]
-    return Plan(
+    return LayeredPlan(
         layers=(
             *layer("disconnect", removals),
             *layer("exit", (_end(component, live) for component in ends), is_ordered=True),
@@ -61,7 +63,7 @@ def teardown_plan(system: System, live: Live, *, ends_components: bool = False) 
     )
 
 
-def active_now(system: System, live: Live) -> str:
+def active_now(system: WantedSystem, live: LiveIndex) -> str:
     """Tell which components are active, for a user whose start or stop broke off."""
     active = [
         component.path
@@ -72,7 +74,7 @@ def active_now(system: System, live: Live) -> str:
     return f"active now: {', '.join(active) or 'none'}"
 
 
-def left_now(system: System, live: Live) -> str:
+def left_now(system: WantedSystem, live: LiveIndex) -> str:
     """Tell what of a system is still there, for a user whose teardown broke off."""
     ids = [wire.profile.connector_id for wire in system.connectors]
     left = [f"connection {id}" for id in ids if live.wire(id) is not None]
@@ -80,7 +82,9 @@ def left_now(system: System, live: Live) -> str:
     return f"left now: {', '.join(left) or 'none'}"
 
 
-def _turns(system: System, live: Live, transition: Transition, wait: bool) -> list[Turn]:
+def _turns(
+    system: WantedSystem, live: LiveIndex, transition: Transition, wait: bool
+) -> list[ScheduledAction]:
     return [
         _turn(component, number, live, transition, wait)
         for component in system.components
@@ -89,15 +93,15 @@ def _turns(system: System, live: Live, transition: Transition, wait: bool) -> li
 
 
 def _turn(
-    component: WantedComponent, number: int, live: Live, transition: Transition, wait: bool
-) -> Turn:
+    component: WantedComponent, number: int, live: LiveIndex, transition: Transition, wait: bool
+) -> ScheduledAction:
     id = component.contexts[number].id
     facts = live.at(component.instance)
     context = context_of(facts, component, number) if facts is not None else None
     name = component.path
     if len(component.contexts) > 1:
         name += f" in execution context {id}"
-    watched = Watched(
+    watched = WatchedComponent(
         facts.instance if facts is not None else component.instance,
         context.id if context is not None else id,
     )
@@ -111,11 +115,11 @@ def _turn(
     action = None
     if not blocked:
         action = ChangeState(watched.instance, watched.context, transition, wait)
-    step = Step(text, action, is_required, blocked, where=component.path)
-    return Turn(Target(component.instance, number), name, watched, step)
+    step = PlannedAction(text, action, is_required, blocked, where=component.path)
+    return ScheduledAction(OrderTarget(component.instance, number), name, watched, step)
 
 
-def _removal(wanted: WantedConnector, system: System, live: Live) -> Step:
+def _removal(wanted: WantedConnector, system: WantedSystem, live: LiveIndex) -> PlannedAction:
     wire = wanted.profile
     source, target = (address(system, end) for end in wire.ports)
     text = f"Disconnect {source} from {target} with ID {wire.connector_id}"
@@ -123,13 +127,13 @@ def _removal(wanted: WantedConnector, system: System, live: Live) -> Step:
     known = live.wire(wire.connector_id)
     if not blocked and (known is None or set(known.ports) != set(wire.ports)):
         blocked = f"No connection from {source} with ID {wire.connector_id}"
-    return Step(text, None if blocked else Disconnect(wire.connector_id), blocked=blocked)
+    return PlannedAction(text, None if blocked else Disconnect(wire.connector_id), blocked=blocked)
 
 
-def _end(component: WantedComponent, live: Live) -> Step:
+def _end(component: WantedComponent, live: LiveIndex) -> PlannedAction:
     text = f'Exit component "{component.id}", "{component.instance}" at path {component.path}'
     entry = live.entry(component.instance)
     if entry is None:
-        return Step(text, None, holds=True)
+        return PlannedAction(text, None, holds=True)
     blocked = mismatch(component, entry)
-    return Step(text, None if blocked else Delete(entry.instance), blocked=blocked)
+    return PlannedAction(text, None if blocked else Delete(entry.instance), blocked=blocked)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.records import replace
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rtkit.deployment.described import properties_of, sets_of
-from rtkit.profile.rts_model import Component, RtsProfile, TargetPort
+from rtkit.profile.rts_model import ComponentInstance, RtsProfile, TargetPort
 from rtkit.profile.words import strip_instance
 
 
@@ -64,7 +64,7 @@ def stated(profile: RtsProfile) -> Stated:
     return Stated({c.instance_name: _component(c) for c in profile.components}, connectors)
 
 
-def _component(component: Component) -> StatedComponent:
+def _component(component: ComponentInstance) -> StatedComponent:
     instance = component.instance_name
     return StatedComponent(
         component.id,

@@ -20,7 +20,7 @@ from rtkit.deployment.extension import (
     is_policy,
 )
 from rtkit.errors import Malformed
-from rtkit.records import dataclass, replace
+from rtkit.fast_dataclass import dataclass, replace
 
 _KEYS = (RESTART, RESTART_DELAY, RESTART_LIMIT, CRITICAL)
 
@@ -37,7 +37,7 @@ JITTER = 0.1
 _YES, _NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0", "")
 
 
-class Restart(StrEnum):
+class RestartRule(StrEnum):
     """Which ends make something be made again."""
 
     NEVER = "never"
@@ -46,7 +46,7 @@ class Restart(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Policy:
+class RestartPolicy:
     """What is done about the end of a component, or of the slave that holds it.
 
     Attributes:
@@ -55,17 +55,21 @@ class Policy:
         is_critical: Its loss stops the system, in reverse order.
     """
 
-    restart: Restart = Restart.NEVER
+    restart: RestartRule = RestartRule.NEVER
     delay_s: float = 0.1
     limit: int = MOST
     is_critical: bool = False
 
     def wants(self, is_failure: bool) -> bool:
         """Whether such an end is answered by a restart."""
-        return self.restart is Restart.ALWAYS or (is_failure and self.restart is Restart.ON_FAILURE)
+        return self.restart is RestartRule.ALWAYS or (
+            is_failure and self.restart is RestartRule.ON_FAILURE
+        )
 
 
-def read_policy(options: Mapping[str, str], default: Restart = Restart.NEVER) -> Policy:
+def read_policy(
+    options: Mapping[str, str], default: RestartRule = RestartRule.NEVER
+) -> RestartPolicy:
     """Return the policy that the properties of a component say.
 
     Raises:
@@ -82,10 +86,10 @@ def read_policy(options: Mapping[str, str], default: Restart = Restart.NEVER) ->
     word = options.get(CRITICAL, "").strip().lower()
     if word not in _YES + _NO:
         raise Malformed(f"{CRITICAL}: neither yes nor no: {options[CRITICAL]}")
-    return Policy(restart, delay_s, int(limit), word in _YES)
+    return RestartPolicy(restart, delay_s, int(limit), word in _YES)
 
 
-def restart_of(key: str, text: str, default: Restart = Restart.NEVER) -> Restart:
+def restart_of(key: str, text: str, default: RestartRule = RestartRule.NEVER) -> RestartRule:
     """Return what a word says.
 
     Raises:
@@ -95,9 +99,9 @@ def restart_of(key: str, text: str, default: Restart = Restart.NEVER) -> Restart
     if not word:
         return default
     try:
-        return Restart(word)
+        return RestartRule(word)
     except ValueError:
-        raise Malformed(f"{key}: not one of {', '.join(Restart)}: {text}") from None
+        raise Malformed(f"{key}: not one of {', '.join(RestartRule)}: {text}") from None
 
 
 def _number(key: str, text: str, least: float, most: float, unit: str) -> float:
@@ -130,7 +134,7 @@ class Ledger:
 
 
 def at_end(
-    ledger: Ledger, policy: Policy, now: float, spread: float
+    ledger: Ledger, policy: RestartPolicy, now: float, spread: float
 ) -> tuple[Ledger, float | None]:
     """Return how long to wait for a restart [s], None if there is to be none, and the new ledger.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rtkit.errors import Malformed
-from rtkit.records import dataclass, field
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
 
@@ -104,7 +104,7 @@ class WantedConnector:
 
 
 @dataclass(frozen=True, slots=True)
-class System:
+class WantedSystem:
     """A wanted system, in the order of its profile.
 
     Attributes:
@@ -120,6 +120,6 @@ class System:
         return next(c for c in self.components if c.instance == instance)
 
 
-def address(system: System, end: PortRef) -> str:
+def address(system: WantedSystem, end: PortRef) -> str:
     """Return a port as users know it."""
     return f"{system.component(end.instance).path}:{end.port}"

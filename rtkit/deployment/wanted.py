@@ -28,21 +28,21 @@ from rtkit.deployment.shown_ports import own_wire
 from rtkit.deployment.system import (
     BadComponent,
     KnownType,
-    System,
     WantedComponent,
     WantedConnector,
+    WantedSystem,
 )
 from rtkit.errors import Malformed
-from rtkit.profile.common import Property
+from rtkit.fast_dataclass import dataclass, field, replace
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import (
-    Component,
+    ComponentInstance,
     DataPortConnector,
     RtsProfile,
     ServicePortConnector,
     TargetPort,
 )
 from rtkit.profile.words import strip_instance
-from rtkit.records import dataclass, field, replace
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern
@@ -81,7 +81,7 @@ def wanted(
     known_types: Mapping[str, KnownType] | None = None,
     stand_ins: Collection[str] = (),
     managers: Collection[str] = (),
-) -> System:
+) -> WantedSystem:
     """Return the system that a profile describes, as it is to be on the host `hostname`.
 
     Args:
@@ -110,7 +110,7 @@ def wanted(
     ]
     connectors = [_turned(_own(wire, components), components, is_data) for wire, is_data in wires]
     settled, type_notes = settle_types(components, connectors)
-    return System(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
+    return WantedSystem(tuple(settled.values()), tuple(connectors), (*notes, *type_notes))
 
 
 def _components(
@@ -130,7 +130,7 @@ def _components(
     return components, notes
 
 
-def _check_instances(components: Iterable[Component]) -> None:
+def _check_instances(components: Iterable[ComponentInstance]) -> None:
     seen: set[str] = set()
     for position, component in enumerate(components):
         if component.instance_name in seen:
@@ -178,7 +178,7 @@ def _tell_interfaces(service: ServicePortConnector, wiring: _Wiring) -> None:
 
 
 def _component(
-    component: Component, wiring: _Wiring, choices: _Choices, taken: set[str]
+    component: ComponentInstance, wiring: _Wiring, choices: _Choices, taken: set[str]
 ) -> tuple[WantedComponent, str]:
     own = properties_of(component.properties)
     is_marked = own.get(extension.STAND_IN, "").lower() in ("yes", "true", "1")
@@ -312,7 +312,11 @@ def _create(text: str, made: WantedComponent) -> CreateString:
 
 
 def _as_stand_in(
-    made: WantedComponent, component: Component, create: str, choices: _Choices, is_marked: bool
+    made: WantedComponent,
+    component: ComponentInstance,
+    create: str,
+    choices: _Choices,
+    is_marked: bool,
 ) -> WantedComponent:
     given = _create(create, made).options if create else {}
     options = {
@@ -341,7 +345,7 @@ def _as_stand_in(
     )
 
 
-def _scripts(component: Component) -> Iterable[Property]:
+def _scripts(component: ComponentInstance) -> Iterable[ExtensionProperty]:
     return (p for p in component.properties if p.name.startswith(f"{extension.STAND_IN}."))
 
 
@@ -351,7 +355,7 @@ def _pattern_sets(made: WantedComponent) -> dict[str, dict[str, str]]:
     return sets
 
 
-def _stated(component: Component, made: WantedComponent) -> dict[str, str]:
+def _stated(component: ComponentInstance, made: WantedComponent) -> dict[str, str]:
     """Return what the profile states in words that no live component keeps."""
     stated = {}
     if type_of(component.id).id != component.id:
@@ -366,7 +370,7 @@ def _stated(component: Component, made: WantedComponent) -> dict[str, str]:
     return stated
 
 
-def _ports(component: Component, wiring: _Wiring) -> tuple[PortProfile, ...]:
+def _ports(component: ComponentInstance, wiring: _Wiring) -> tuple[PortProfile, ...]:
     instance = component.instance_name
     ports: dict[str, PortProfile] = {}
     for port in component.data_ports:

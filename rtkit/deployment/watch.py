@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 MISSING = "missing"
 """What is seen of a component that is not there."""
 
 
 @dataclass(frozen=True, slots=True)
-class Watched:
+class WatchedComponent:
     """A component in one of its execution contexts, as its manager knows them."""
 
     instance: str
@@ -32,7 +32,7 @@ def seen(facts: ComponentFacts | None, context: str) -> str:
 
 
 def look(
-    targets: Sequence[Watched], component: Callable[[str], ComponentFacts | None]
+    targets: Sequence[WatchedComponent], component: Callable[[str], ComponentFacts | None]
 ) -> tuple[str, ...]:
     """Return what is to be seen of each target; `component` finds facts by instance name."""
     return tuple(seen(component(each.instance), each.context) for each in targets)

@@ -7,21 +7,23 @@ from collections.abc import Collection, Iterator
 from rtkit.deployment import drift
 from rtkit.deployment.actions import ActivateSet, Connect, SetParameters, SetPolicy, SetRate
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import Live, absence
-from rtkit.deployment.plan import Plan, Step, layer
-from rtkit.deployment.system import HIDDEN, System, WantedComponent, WantedConnector, address
+from rtkit.deployment.live import LiveIndex, absence
+from rtkit.deployment.plan import LayeredPlan, PlannedAction, layer
+from rtkit.deployment.system import HIDDEN, WantedComponent, WantedConnector, WantedSystem, address
 from rtkit.rtc.interface_types import differing
 from rtkit.rtc.profiles import ConnectorProfile
 
 
-def wiring_plan(system: System, live: Live, pending: Collection[str] = ()) -> Plan:
+def wiring_plan(
+    system: WantedSystem, live: LiveIndex, pending: Collection[str] = ()
+) -> LayeredPlan:
     """Return what makes living components the wanted system; `pending` are those to be made."""
     data = [wire for wire in system.connectors if wire.is_data]
     service = [wire for wire in system.connectors if not wire.is_data]
     settings = [s for c in system.components for s in _parameters(c, live, pending)]
     settings += [s for c in system.components for s in _supervision(c, live, pending)]
     active = [s for c in system.components for s in _active_set(c, live, pending)]
-    return Plan(
+    return LayeredPlan(
         layers=(
             *layer("connect", (_connection(wire, system, live, pending) for wire in data)),
             *layer("connect", (_connection(wire, system, live, pending) for wire in service)),
@@ -32,7 +34,7 @@ def wiring_plan(system: System, live: Live, pending: Collection[str] = ()) -> Pl
 
 
 def missing_end(
-    system: System, live: Live, wire: ConnectorProfile, pending: Collection[str]
+    system: WantedSystem, live: LiveIndex, wire: ConnectorProfile, pending: Collection[str]
 ) -> str:
     """Return which end of a connection is not there; empty when both are."""
     for word, end in zip(("Source", "Destination"), wire.ports, strict=True):
@@ -49,7 +51,7 @@ def missing_end(
     return ""
 
 
-def parting(system: System, live: Live, wire: ConnectorProfile) -> str:
+def parting(system: WantedSystem, live: LiveIndex, wire: ConnectorProfile) -> str:
     """Return why a connection cannot be, as its ends are in two managers; empty if not so."""
     why = live.parted(wire)
     return f"{' to '.join(address(system, end) for end in wire.ports)}: {why}" if why else ""
@@ -63,8 +65,8 @@ def is_same_wire(known: ConnectorProfile | None, wire: ConnectorProfile) -> bool
 
 
 def _connection(
-    wanted: WantedConnector, system: System, live: Live, pending: Collection[str]
-) -> Step:
+    wanted: WantedConnector, system: WantedSystem, live: LiveIndex, pending: Collection[str]
+) -> PlannedAction:
     wire = wanted.profile
     source, target = (address(system, end) for end in wire.ports)
     text = (
@@ -75,10 +77,12 @@ def _connection(
     is_free = not {end.instance for end in wire.ports} & set(pending)
     holds = not blocked and is_free and is_same_wire(live.wire(wire.connector_id), wire)
     action = None if blocked or holds else Connect(wire)
-    return Step(text, action, wanted.is_required, blocked, holds, f"{source} to {target}")
+    return PlannedAction(text, action, wanted.is_required, blocked, holds, f"{source} to {target}")
 
 
-def _parameters(component: WantedComponent, live: Live, pending: Collection[str]) -> Iterator[Step]:
+def _parameters(
+    component: WantedComponent, live: LiveIndex, pending: Collection[str]
+) -> Iterator[PlannedAction]:
     facts = live.at(component.instance)
     away = "" if component.instance in pending else absence(component, live)
     for set_id, values in component.sets.items():
@@ -89,34 +93,34 @@ def _parameters(component: WantedComponent, live: Live, pending: Collection[str]
             )
             if set_id.startswith(HIDDEN):
                 # Hints that the component gives of itself: a profile keeps them, and no more.
-                yield Step(text, None, holds=True)
+                yield PlannedAction(text, None, holds=True)
             elif component.instance in pending:
                 made_so = component.pattern is not None
                 action = (
                     None if made_so else SetParameters(component.instance, set_id, {name: value})
                 )
-                yield Step(text, action, holds=made_so, where=component.path)
+                yield PlannedAction(text, action, holds=made_so, where=component.path)
             elif away or facts is None:
-                yield Step(text, None, blocked=away)
+                yield PlannedAction(text, None, blocked=away)
             else:
                 wanted = SetParameters(facts.instance, set_id, {name: value})
                 yield _parameter(text, facts, wanted, component.path)
 
 
-def _parameter(text: str, facts: ComponentFacts, wanted: SetParameters, path: str) -> Step:
+def _parameter(text: str, facts: ComponentFacts, wanted: SetParameters, path: str) -> PlannedAction:
     ((name, value),) = wanted.values.items()
     present = facts.sets.get(wanted.set_id)
     if present is None or name not in present:
         what = f"parameter: {name}" if present is not None else f"set: {wanted.set_id}"
-        return Step(text, None, blocked=f"No such configuration {what} (on {path})")
+        return PlannedAction(text, None, blocked=f"No such configuration {what} (on {path})")
     if present[name] == value:
-        return Step(text, None, holds=True)
-    return Step(text, wanted, where=path)
+        return PlannedAction(text, None, holds=True)
+    return PlannedAction(text, wanted, where=path)
 
 
 def _supervision(
-    component: WantedComponent, live: Live, pending: Collection[str]
-) -> Iterator[Step]:
+    component: WantedComponent, live: LiveIndex, pending: Collection[str]
+) -> Iterator[PlannedAction]:
     """Yield rates of contexts and the policy, where they are other or not known yet."""
     facts = live.at(component.instance)
     if component.instance in pending:
@@ -132,13 +136,15 @@ def _supervision(
     at = f"component at path {component.path}"
     for context, rate in left:
         text = f"Set rate of execution context {context} on {at} to {drift.rate_text(rate)}"
-        yield Step(text, SetRate(component.instance, context, rate), where=component.path)
+        yield PlannedAction(text, SetRate(component.instance, context, rate), where=component.path)
     if policy is not None and policy.wanted != policy.found:
         action = SetPolicy(component.instance, component.policy or {})
-        yield Step(f"Set policy on {at} to {policy.wanted}", action, where=component.path)
+        yield PlannedAction(f"Set policy on {at} to {policy.wanted}", action, where=component.path)
 
 
-def _active_set(component: WantedComponent, live: Live, pending: Collection[str]) -> Iterator[Step]:
+def _active_set(
+    component: WantedComponent, live: LiveIndex, pending: Collection[str]
+) -> Iterator[PlannedAction]:
     if not component.active_set:
         return
     text = (
@@ -148,10 +154,10 @@ def _active_set(component: WantedComponent, live: Live, pending: Collection[str]
     action = ActivateSet(component.instance, component.active_set)
     if component.instance in pending:
         made_so = component.pattern is not None
-        yield Step(text, None if made_so else action, holds=made_so, where=component.path)
+        yield PlannedAction(text, None if made_so else action, holds=made_so, where=component.path)
         return
     away = absence(component, live)
     facts = live.at(component.instance)
     holds = facts is not None and not away and facts.active_set == component.active_set
     todo = None if away or holds else action
-    yield Step(text, todo, blocked=away, holds=holds, where=component.path)
+    yield PlannedAction(text, todo, blocked=away, holds=holds, where=component.path)

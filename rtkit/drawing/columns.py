@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from rtkit.drawing.channels import Net, Route, joints, routes
 from rtkit.drawing.heights import Chain, Pull, heights, slide
-from rtkit.drawing.order import Link, ordered
+from rtkit.drawing.order import EdgePiece, ordered
 from rtkit.drawing.ranks import backward_edges, ranks
-from rtkit.drawing.scene import LEFT, RIGHT, Box, End, Size, Wire, box_size, port_offset
+from rtkit.drawing.scene import LEFT, RIGHT, Box, Size, Wire, WireEnd, box_size, port_offset
 
 _TRACK = 10
 _MARGIN = 22
@@ -80,7 +80,7 @@ class _Columns:
             coming[hops[-1].channel, wire.target] += 1
         for wire, hops in self._ways():
             last = hops[-1]
-            from_one = going[last.channel, last.net] if isinstance(last.net, End) else 1
+            from_one = going[last.channel, last.net] if isinstance(last.net, WireEnd) else 1
             if coming[last.channel, wire.target] > from_one:
                 hops[-1] = last._replace(net=wire.target)
 
@@ -144,11 +144,11 @@ class _Columns:
         hops.append(Hop(at, stop, self._stop(wire.target), net))
         return hops
 
-    def _channel(self, end: End) -> int:
+    def _channel(self, end: WireEnd) -> int:
         port = self._boxes[end.box].ports[end.port]
         return self._rank[end.box] + (port.side == RIGHT)
 
-    def _stop(self, end: End) -> Stop:
+    def _stop(self, end: WireEnd) -> Stop:
         box = self._boxes[end.box]
         # What is at the right side of a box is at the left side of the channel there.
         side = LEFT if box.ports[end.port].side == RIGHT else RIGHT
@@ -260,7 +260,7 @@ class _Columns:
         (bend,) = route[0].net.rights
         return [(x, y), (x, bend), (u, bend), (u, z)]
 
-    def _port(self, end: End, places: Sequence[Point]) -> Point:
+    def _port(self, end: WireEnd, places: Sequence[Point]) -> Point:
         box = self._boxes[end.box]
         x, y = places[end.box]
         right = self._sizes[end.box].width if box.ports[end.port].side == RIGHT else 0
@@ -271,15 +271,15 @@ def _x_of(start: int, track: int) -> int:
     return start + _MARGIN + track * _TRACK
 
 
-def _link(hop: Hop, heights: Sequence[int]) -> Link:
+def _link(hop: Hop, heights: Sequence[int]) -> EdgePiece:
     def at(stop: Stop) -> float:
         return stop.offset / heights[stop.node] if heights[stop.node] else 0.5
 
     start, end = hop.start, hop.end
     if start.side == end.side:
-        return Link(start.node, end.node, at(start), at(end), 1 if start.side == LEFT else -1)
+        return EdgePiece(start.node, end.node, at(start), at(end), 1 if start.side == LEFT else -1)
     left, right = (start, end) if start.side == LEFT else (end, start)
-    return Link(left.node, right.node, at(left), at(right))
+    return EdgePiece(left.node, right.node, at(left), at(right))
 
 
 def _simplified(points: Sequence[Point]) -> list[Point]:

@@ -11,7 +11,7 @@ from rtkit.drawing.scene import (
     RIGHT,
     ROW,
     TITLE_SIZE,
-    Port,
+    PortPin,
     Size,
 )
 from rtkit.drawing.svg import escaped, opening, port_shape
@@ -31,7 +31,7 @@ STYLE = """
 """
 
 
-class Interface(NamedTuple):
+class InterfaceSymbol(NamedTuple):
     """An interface of a service port."""
 
     name: str
@@ -47,9 +47,9 @@ class Pin(NamedTuple):
         interfaces: Of a service port; each takes a row.
     """
 
-    port: Port
+    port: PortPin
     outside: str = ""
-    interfaces: tuple[Interface, ...] = ()
+    interfaces: tuple[InterfaceSymbol, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -100,7 +100,7 @@ def _outside_width(pins: Sequence[Pin]) -> float:
     return max(widths, default=0)
 
 
-def _label(interface: Interface) -> str:
+def _label(interface: InterfaceSymbol) -> str:
     same = interface.name == interface.type or not interface.type
     told = interface.name if same else f"{interface.name}: {interface.type}"
     return shortened(told, 10, _MOST_OUTSIDE)
@@ -128,7 +128,7 @@ def _outside(text: str, x: int, y: int, sign: int) -> str:
     return f'<text class="rt-type{side}" x="{x}" y="{y + 4}">{escaped(text)}</text>'
 
 
-def _interface(each: Interface, x: int, y: int, at: int, sign: int) -> Iterator[str]:
+def _interface(each: InterfaceSymbol, x: int, y: int, at: int, sign: int) -> Iterator[str]:
     """Yield a stem with a ball (provided) or an open socket (required) at its end."""
     end = x + sign * _STEM
     bend = "" if at == y else f"h{sign * 12}V{at}"

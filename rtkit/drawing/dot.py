@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, End, Scene
+from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, Scene, WireEnd
 
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 _RECORD = str.maketrans({c: f"\\{c}" for c in "{}|<> \\"})
@@ -29,7 +29,7 @@ def dot_lines(scene: Scene, title: str = "") -> Iterator[str]:
     yield "}"
 
 
-def _end(scene: Scene, end: End) -> str:
+def _end(scene: Scene, end: WireEnd) -> str:
     side = scene.boxes[end.box].ports[end.port].side
     return f"c{end.box}:p{end.port}:{'e' if side == RIGHT else 'w'}"
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.drawing.layout import laid_out
-from rtkit.drawing.scene import Box, End, Inside, Port, Scene, Wire
+from rtkit.drawing.scene import Box, Inside, PortPin, Scene, Wire, WireEnd
 from rtkit.drawing.sides import with_sides
 
 
@@ -25,10 +25,10 @@ class _Nesting:
         self._flat = scene
         self._parents = _parents(scene)
         self._wires: dict[int | None, list[Wire]] = {}
-        self._links: dict[int, dict[End, int]] = {}
+        self._links: dict[int, dict[WireEnd, int]] = {}
         for box, parent in self._parents.items():
             for place, port in enumerate(scene.boxes[box].ports):
-                self._link_shown(parent, End(box, place), port)
+                self._link_shown(parent, WireEnd(box, place), port)
         for wire in scene.wires:
             self._route(wire)
 
@@ -47,17 +47,17 @@ class _Nesting:
         places = {box: place for place, box in enumerate(members)}
         links = self._links.get(index, {}).items()
         inner = self.scene(index)
-        ends = tuple((port, End(places[end.box], end.port)) for end, port in links)
+        ends = tuple((port, WireEnd(places[end.box], end.port)) for end, port in links)
         return box._replace(inside=Inside(inner, laid_out(inner), ends))
 
-    def _link_shown(self, frame: int, end: End, port: Port) -> None:
+    def _link_shown(self, frame: int, end: WireEnd, port: PortPin) -> None:
         """Link a port of a member to the one by which its composite shows it."""
         name = self._name(end, port)
         for place, shown in enumerate(self._boxes[frame]):
             if shown.name == name:
                 self._links.setdefault(frame, {})[end] = place
 
-    def _name(self, end: End, port: Port) -> str:
+    def _name(self, end: WireEnd, port: PortPin) -> str:
         return f"{self._flat.boxes[end.box].title}.{port.name}"
 
     def _route(self, wire: Wire) -> None:
@@ -80,14 +80,14 @@ class _Nesting:
             parent = self._parents.get(parent)
         yield None
 
-    def _led_out(self, end: End) -> End:
+    def _led_out(self, end: WireEnd) -> WireEnd:
         frame = self._parents[end.box]
         links = self._links.setdefault(frame, {})
         if end not in links:
             port = self._boxes[end.box][end.port]
             links[end] = len(self._boxes[frame])
             self._boxes[frame].append(port._replace(name=self._name(end, port)))
-        return End(frame, links[end])
+        return WireEnd(frame, links[end])
 
 
 def _parents(scene: Scene) -> dict[int, int]:

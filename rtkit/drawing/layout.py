@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rtkit.drawing.columns import arranged
-from rtkit.drawing.scene import Box, End, Scene, Size, Wire
+from rtkit.drawing.scene import Box, Scene, Size, Wire, WireEnd
 
 _BETWEEN = 40
 _ASPECT = 1.7
@@ -79,7 +79,7 @@ def _islands(scene: Scene) -> Iterator[_Island]:
 def _part(scene: Scene, island: _Island) -> tuple[list[Box], list[Wire]]:
     index = {box: place for place, box in enumerate(island.boxes)}
 
-    def moved(end: End) -> End:
+    def moved(end: WireEnd) -> WireEnd:
         return end._replace(box=index[end.box])
 
     wires = [scene.wires[wire] for wire in island.wires]

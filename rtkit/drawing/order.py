@@ -11,7 +11,7 @@ _MANY = 1500
 """Beyond so many links the order is only improved roughly."""
 
 
-class Link(NamedTuple):
+class EdgePiece(NamedTuple):
     """A piece of a wire between two nodes of neighbouring columns, or of one column.
 
     Attributes:
@@ -31,7 +31,7 @@ class Link(NamedTuple):
 
 def ordered(
     columns: Sequence[Sequence[int]],
-    links: Sequence[Link],
+    links: Sequence[EdgePiece],
     chains: Sequence[Sequence[int]] = (),
 ) -> list[list[int]]:
     """Return the columns with their nodes in an order in which few links cross.
@@ -46,22 +46,22 @@ def ordered(
 
 
 class _Ordering:
-    def __init__(self, columns: Sequence[Sequence[int]], links: Sequence[Link]) -> None:
+    def __init__(self, columns: Sequence[Sequence[int]], links: Sequence[EdgePiece]) -> None:
         self._columns = [list(column) for column in columns]
         self._column = {node: i for i, column in enumerate(columns) for node in column}
         self._place: dict[int, int] = {}
         self._lefts: dict[int, list[tuple[int, float, float]]] = {}
         self._rights: dict[int, list[tuple[int, float, float]]] = {}
         self._turns: dict[int, list[int]] = {}
-        self._between: list[list[Link]] = [[] for _ in columns]
-        self._turning: list[list[Link]] = [[] for _ in columns]
+        self._between: list[list[EdgePiece]] = [[] for _ in columns]
+        self._turning: list[list[EdgePiece]] = [[] for _ in columns]
         self._ends: list[dict[int, list[tuple[int, float]]]] = [{1: [], -1: []} for _ in columns]
         self._is_large = len(links) > _MANY
         for link in links:
             self._add(link)
         self._number()
 
-    def _add(self, link: Link) -> None:
+    def _add(self, link: EdgePiece) -> None:
         if link.turn:
             self._turns.setdefault(link.left, []).append(link.right)
             self._turns.setdefault(link.right, []).append(link.left)
@@ -198,7 +198,7 @@ class _Ordering:
                     count += (low < least < high) != (low < most < high)
         return count
 
-    def _span(self, link: Link) -> tuple[float, float]:
+    def _span(self, link: EdgePiece) -> tuple[float, float]:
         one = self._place[link.left] + link.left_at
         other = self._place[link.right] + link.right_at
         return min(one, other), max(one, other)

@@ -22,7 +22,7 @@ _BETWEEN_NAMES = 28
 _LEAST_WIDTH = 90
 
 
-class Port(NamedTuple):
+class PortPin(NamedTuple):
     """A port at the left or right side of a box.
 
     Attributes:
@@ -48,14 +48,14 @@ class Box(NamedTuple):
 
     title: str
     subtitle: str
-    ports: tuple[Port, ...] = ()
+    ports: tuple[PortPin, ...] = ()
     tip: str = ""
     is_dashed: bool = False
     inside: Inside | None = None
     fill: str = ""
 
 
-class End(NamedTuple):
+class WireEnd(NamedTuple):
     """An end of a wire: indices of a box and of a port of it."""
 
     box: int
@@ -65,8 +65,8 @@ class End(NamedTuple):
 class Wire(NamedTuple):
     """A connector; data flows from `source` to `target`."""
 
-    source: End
-    target: End
+    source: WireEnd
+    target: WireEnd
     kind: str = DATA
     tip: str = ""
 
@@ -91,7 +91,7 @@ class Inside(NamedTuple):
 
     scene: Scene
     layout: Layout
-    links: tuple[tuple[int, End], ...] = ()
+    links: tuple[tuple[int, WireEnd], ...] = ()
 
 
 class Size(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rtkit.drawing.ranks import backward_edges, ranks
-from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, End, Scene, Wire
+from rtkit.drawing.scene import LEFT, RIGHT, SERVICE, Box, Scene, Wire, WireEnd
 
 
 def with_sides(scene: Scene) -> Scene:
@@ -14,7 +14,7 @@ def with_sides(scene: Scene) -> Scene:
     order = _order(count, [wire for wire in scene.wires if wire.kind != SERVICE])
     wires = tuple(_turned(wire, order) for wire in scene.wires)
     order = _order(count, wires)
-    votes: dict[End, int] = {}
+    votes: dict[WireEnd, int] = {}
     for wire in wires:
         if wire.kind == SERVICE:
             leads_right = order[wire.source.box] < order[wire.target.box]
@@ -38,10 +38,10 @@ def _turned(wire: Wire, order: Sequence[int]) -> Wire:
     return wire
 
 
-def _with_votes(index: int, box: Box, votes: dict[End, int]) -> Box:
+def _with_votes(index: int, box: Box, votes: dict[WireEnd, int]) -> Box:
     ports = [
-        port._replace(side=RIGHT if votes[End(index, place)] > 0 else LEFT)
-        if End(index, place) in votes
+        port._replace(side=RIGHT if votes[WireEnd(index, place)] > 0 else LEFT)
+        if WireEnd(index, place) in votes
         else port
         for place, port in enumerate(box.ports)
     ]

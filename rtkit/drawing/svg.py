@@ -14,12 +14,12 @@ from rtkit.drawing.scene import (
     PORT_SIZE,
     SERVICE,
     Box,
-    End,
     Inside,
-    Port,
+    PortPin,
     Scene,
     Size,
     Wire,
+    WireEnd,
     box_size,
     header_height,
     inside_offset,
@@ -163,7 +163,7 @@ def _header(x: int, y: int, width: int, height: int) -> str:
     return f"M{x} {y + height}V{y + 3}q0 -3 3 -3h{width - 6}q3 0 3 3v{height - 3}z"
 
 
-def _port(port: Port, x: int, y: int) -> Iterator[str]:
+def _port(port: PortPin, x: int, y: int) -> Iterator[str]:
     yield "<g>"
     if port.tip:
         yield f"<title>{escaped(port.tip)}</title>"
@@ -186,7 +186,7 @@ def port_shape(kind: str, x: int, y: int) -> str:
 
 def _groups(scene: Scene) -> list[list[int]]:
     """Return wires that have a port in common, as far as that goes."""
-    groups: dict[End, list[int]] = {}
+    groups: dict[WireEnd, list[int]] = {}
     for index, wire in enumerate(scene.wires):
         one, other = groups.get(wire.source, []), groups.get(wire.target, [])
         merged = [*one, *(() if one is other else other), index]

@@ -5,8 +5,8 @@ Not for: what becomes of it in Python, which is the builder's.
 
 from __future__ import annotations
 
-from rtkit.idl.model import Definitions, Interface, Path
+from rtkit.idl.model import Definitions, InterfaceDeclaration, Path
 from rtkit.idl.read import read_idl
 from rtkit.idl.source import InvalidIdl
 
-__all__ = ["Definitions", "Interface", "InvalidIdl", "Path", "read_idl"]
+__all__ = ["Definitions", "InterfaceDeclaration", "InvalidIdl", "Path", "read_idl"]

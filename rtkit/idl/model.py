@@ -13,7 +13,7 @@ from typing import NamedTuple
 Path = tuple[str, ...]
 
 
-class Place(NamedTuple):
+class SourceLine(NamedTuple):
     """A line of a file."""
 
     file: str
@@ -31,7 +31,7 @@ class Direction(StrEnum):
     INOUT = "inout"
 
 
-class Kind(StrEnum):
+class BasicKind(StrEnum):
     """What a declaration without further facts is; none of these can be carried as a value."""
 
     UNION = "union"
@@ -98,7 +98,7 @@ class Declaration:
     """
 
     path: Path
-    place: Place
+    place: SourceLine
     doc: str = field(default="", kw_only=True)
 
     @property
@@ -108,7 +108,7 @@ class Declaration:
 
 
 @dataclass(frozen=True, slots=True)
-class Struct(Declaration):
+class StructDeclaration(Declaration):
     """A structure, or an exception."""
 
     fields: tuple[Field, ...]
@@ -116,7 +116,7 @@ class Struct(Declaration):
 
 
 @dataclass(frozen=True, slots=True)
-class Enumeration(Declaration):
+class EnumDeclaration(Declaration):
     """An enumeration.
 
     Attributes:
@@ -151,10 +151,10 @@ class Constant(Declaration):
 class Opaque(Declaration):
     """A declaration that is known by name only."""
 
-    kind: Kind
+    kind: BasicKind
 
 
-class Parameter(NamedTuple):
+class OperationParameter(NamedTuple):
     """A parameter of an operation."""
 
     direction: Direction
@@ -167,7 +167,7 @@ class Operation(NamedTuple):
 
     name: str
     result: Type | None
-    parameters: tuple[Parameter, ...] = ()
+    parameters: tuple[OperationParameter, ...] = ()
     raises: tuple[Path, ...] = ()
     doc: str = ""
 
@@ -182,7 +182,7 @@ class Attribute(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Interface(Declaration):
+class InterfaceDeclaration(Declaration):
     """An interface; what it inherits is in its bases only."""
 
     bases: tuple[Path, ...] = ()
@@ -206,7 +206,7 @@ class Definitions:
         """Return what is declared by that full name, ``SimpleService::MyService``."""
         return self.by_path.get(tuple(part for part in name.split("::") if part))
 
-    def interface(self, name: str) -> Interface | None:
+    def interface(self, name: str) -> InterfaceDeclaration | None:
         """Return the interface of that full name."""
         found = self.find(name)
-        return found if isinstance(found, Interface) else None
+        return found if isinstance(found, InterfaceDeclaration) else None

@@ -12,29 +12,29 @@ from rtkit.idl.model import (
     ArrayOf,
     Attribute,
     Basic,
+    BasicKind,
     Constant,
     Declaration,
     Definitions,
     Direction,
-    Enumeration,
+    EnumDeclaration,
     EnumValue,
     Field,
-    Interface,
-    Kind,
+    InterfaceDeclaration,
     Named,
     Opaque,
     Operation,
-    Parameter,
+    OperationParameter,
     Path,
-    Place,
     SequenceOf,
-    Struct,
+    SourceLine,
+    StructDeclaration,
     Type,
     Typedef,
     Value,
 )
-from rtkit.idl.scopes import Found, Scopes, is_forward
-from rtkit.idl.source import Find, InvalidIdl, Source
+from rtkit.idl.scopes import ResolvedName, Scopes, is_forward
+from rtkit.idl.source import Find, IdlSource, InvalidIdl
 
 if TYPE_CHECKING:
     from lark import Token, Tree
@@ -77,7 +77,7 @@ def read_idl(
     Raises:
         InvalidIdl: It is no IDL, or a name means nothing; tells file and line.
     """
-    source = Source(file, text, find)
+    source = IdlSource(file, text, find)
     tree, comments = _parse(source)
     reader = _Reader(source, comments, known)
     reader.definitions(tree.children, ())
@@ -110,7 +110,7 @@ def _keep(heard: list[Token]) -> Callable[[Token], Token]:
     return keep
 
 
-def _parse(source: Source) -> tuple[Tree[Token], Comments]:
+def _parse(source: IdlSource) -> tuple[Tree[Token], Comments]:
     from lark.exceptions import UnexpectedInput
 
     parser, heard = _parser()
@@ -123,7 +123,7 @@ def _parse(source: Source) -> tuple[Tree[Token], Comments]:
     return tree, Comments([line.text for line in source.lines], comments)
 
 
-def _explain(error: UnexpectedInput, source: Source) -> str:
+def _explain(error: UnexpectedInput, source: IdlSource) -> str:
     token = getattr(error, "token", None)
     place = source.place(error.line)
     if token is None:
@@ -140,7 +140,7 @@ def _explain(error: UnexpectedInput, source: Source) -> str:
 class _Reader:
     """Walks the tree of one text; knows what was declared so far."""
 
-    def __init__(self, source: Source, comments: Comments, known: Container[Path]) -> None:
+    def __init__(self, source: IdlSource, comments: Comments, known: Container[Path]) -> None:
         self._source = source
         self._comments = comments
         self.scopes = Scopes(known)
@@ -175,13 +175,15 @@ class _Reader:
             elif part.data not in ("inheritance", "annotation"):
                 self.definitions([part], path)
         self.scopes.declare(
-            Interface(path, place, bases, tuple(operations), tuple(attributes), doc=self._doc(node))
+            InterfaceDeclaration(
+                path, place, bases, tuple(operations), tuple(attributes), doc=self._doc(node)
+            )
         )
 
     def _base(self, node: Any, scope: Path) -> Path:
         path = self._look_up(node, scope).path
         known = self.scopes.declarations.get(path)
-        if not isinstance(known, Interface) and not _is_missing(known):
+        if not isinstance(known, InterfaceDeclaration) and not _is_missing(known):
             raise InvalidIdl(f"{self._place(node)}: {'::'.join(path)} is no complete interface")
         return path
 
@@ -199,9 +201,9 @@ class _Reader:
         kind = None if result.data == "void" else self._type(result, scope)
         return Operation(_name(name), kind, parameters, raises, self._doc(node))
 
-    def _parameter(self, node: Any, scope: Path) -> Parameter:
+    def _parameter(self, node: Any, scope: Path) -> OperationParameter:
         direction, kind, name = _bare(node)
-        return Parameter(Direction(str(direction)), _name(name), self._type(kind, scope))
+        return OperationParameter(Direction(str(direction)), _name(name), self._type(kind, scope))
 
     def _attribute(self, node: Any, scope: Path) -> Iterator[Attribute]:
         readonly, kind, *names = [part for part in node.children if not _is(part, "names")]
@@ -221,14 +223,16 @@ class _Reader:
         fields: list[Field] = []
         for part in _parts(node, "inheritance"):
             base = self.scopes.declarations.get(self._look_up(part.children[0], scope).path)
-            fields += base.fields if isinstance(base, Struct) else ()
+            fields += base.fields if isinstance(base, StructDeclaration) else ()
         for part in _parts(node, "member"):
             fields += self._member(part, path)
         names = [each.name for each in fields]
         for name in names:
             if names.count(name) > 1:
                 raise InvalidIdl(f"{place}: {'::'.join(path)} has two members {name}")
-        self.scopes.declare(Struct(path, place, tuple(fields), is_exception, doc=self._doc(node)))
+        self.scopes.declare(
+            StructDeclaration(path, place, tuple(fields), is_exception, doc=self._doc(node))
+        )
 
     def _member(self, node: Any, scope: Path) -> Iterator[Field]:
         kind, *declarators = _bare(node)
@@ -248,7 +252,7 @@ class _Reader:
         members = tuple(_name(each.children[-1]) for each in rest)
         values = self._numbers(rest, scope)
         given = values if values != tuple(range(len(values))) else ()
-        self.scopes.declare(Enumeration(path, place, members, given, doc=self._doc(node)))
+        self.scopes.declare(EnumDeclaration(path, place, members, given, doc=self._doc(node)))
         for member in members:
             self.scopes.define((*scope, member), EnumValue(path, member), place)
 
@@ -286,29 +290,29 @@ class _Reader:
         self.scopes.define(path, value, place)
 
     def _union(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, Kind.UNION)
+        self._opaque(node, scope, BasicKind.UNION)
 
     def _valuetype(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, Kind.VALUETYPE)
+        self._opaque(node, scope, BasicKind.VALUETYPE)
 
     def _native(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, Kind.NATIVE)
+        self._opaque(node, scope, BasicKind.NATIVE)
 
     def _forward(self, node: Any, scope: Path) -> None:
-        self._opaque(node, scope, Kind.FORWARD)
+        self._opaque(node, scope, BasicKind.FORWARD)
 
     _forward_interface = _forward_structure = _forward_union = _forward_value = _forward
 
-    def _opaque(self, node: Any, scope: Path, kind: Kind) -> None:
+    def _opaque(self, node: Any, scope: Path, kind: BasicKind) -> None:
         path, place = (*scope, _name(node.children[0])), self._place(node)
         self.scopes.declare(Opaque(path, place, kind, doc=self._doc(node)))
 
-    def _begin(self, node: Any, scope: Path) -> tuple[Path, Place]:
+    def _begin(self, node: Any, scope: Path) -> tuple[Path, SourceLine]:
         """Announce what may be named inside its own body."""
         path, place = (*scope, _name(node.children[0])), self._place(node)
         known = self.scopes.declarations.get(path)
         if known is None or is_forward(known):
-            self.scopes.declare(Opaque(path, place, Kind.FORWARD))
+            self.scopes.declare(Opaque(path, place, BasicKind.FORWARD))
         return path, place
 
     def _type(self, node: Any, scope: Path) -> Type:
@@ -354,7 +358,7 @@ class _Reader:
             raise InvalidIdl(f"{self._place(node)}: {'::'.join(found.path)} is no constant")
         return found.value
 
-    def _look_up(self, node: Any, scope: Path) -> Found:
+    def _look_up(self, node: Any, scope: Path) -> ResolvedName:
         root, *names = node.children
         name = tuple(_name(each) for each in names)
         found = self.scopes.find(name, scope, is_absolute=root is not None)
@@ -364,10 +368,12 @@ class _Reader:
         is_brokers = name[0] == _BROKER and len(name) > 1
         if not missing and not is_brokers:
             raise InvalidIdl(f"{place}: {'::'.join(name)} is not defined")
-        self.scopes.declare(Opaque(name, place, Kind.BROKER if is_brokers else Kind.MISSING))
-        return Found(name)
+        self.scopes.declare(
+            Opaque(name, place, BasicKind.BROKER if is_brokers else BasicKind.MISSING)
+        )
+        return ResolvedName(name)
 
-    def _place(self, node: Any) -> Place:
+    def _place(self, node: Any) -> SourceLine:
         return self._source.place(node.meta.line)
 
     def _doc(self, node: Any) -> str:
@@ -376,7 +382,7 @@ class _Reader:
 
 def _is_missing(declared: Declaration | None) -> bool:
     return declared is None or (
-        isinstance(declared, Opaque) and declared.kind in (Kind.MISSING, Kind.BROKER)
+        isinstance(declared, Opaque) and declared.kind in (BasicKind.MISSING, BasicKind.BROKER)
     )
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from typing import NamedTuple
 
-from rtkit.idl.model import Declaration, Kind, Opaque, Path, Place, Value
+from rtkit.idl.model import BasicKind, Declaration, Opaque, Path, SourceLine, Value
 from rtkit.idl.source import InvalidIdl
 
 
-class Found(NamedTuple):
+class ResolvedName(NamedTuple):
     """What a name means: a declaration's path, or the value of a constant."""
 
     path: Path
@@ -31,7 +31,7 @@ class Scopes:
         self.declarations: dict[Path, Declaration] = {}
         self.values: dict[Path, Value] = {}
 
-    def open_module(self, path: Path, place: Place) -> None:
+    def open_module(self, path: Path, place: SourceLine) -> None:
         """Begin a module, or go on with it."""
         if path in self.declarations:
             raise _twice(path, place, self.declarations[path])
@@ -59,7 +59,7 @@ class Scopes:
         self.declarations.pop(path, None)
         self.declarations[path] = declared
 
-    def define(self, path: Path, value: Value, place: Place) -> None:
+    def define(self, path: Path, value: Value, place: SourceLine) -> None:
         """Give a name a value.
 
         Raises:
@@ -69,26 +69,26 @@ class Scopes:
             raise InvalidIdl(f"{place}: {'::'.join(path)} is used already")
         self.values[path] = value
 
-    def find(self, name: Path, scope: Path, *, is_absolute: bool) -> Found | None:
+    def find(self, name: Path, scope: Path, *, is_absolute: bool) -> ResolvedName | None:
         """Return what a name means inside `scope`, None when nothing has it."""
         for outer in [()] if is_absolute else _outwards(scope):
             for place in self._inheritance(outer):
                 path = (*place, *name)
                 if path in self.values:
-                    return Found(path, self.values[path])
+                    return ResolvedName(path, self.values[path])
                 if path in self.declarations or path in self._known:
-                    return Found(path)
+                    return ResolvedName(path)
                 inherited = self._member(path)
                 if inherited is not None:
                     return inherited
         return None
 
-    def _member(self, path: Path) -> Found | None:
+    def _member(self, path: Path) -> ResolvedName | None:
         """Return what a qualified name means where a base of the interface defines it."""
         for base in list(self._inheritance(path[:-1]))[1:]:
             inner = (*base, path[-1])
             if inner in self.declarations or inner in self.values:
-                return Found(inner, self.values.get(inner))
+                return ResolvedName(inner, self.values.get(inner))
         return None
 
     def _inheritance(self, scope: Path) -> Iterator[Path]:
@@ -99,7 +99,7 @@ class Scopes:
 
 def is_forward(declared: Declaration) -> bool:
     """Whether it only announces a name."""
-    return isinstance(declared, Opaque) and declared.kind is Kind.FORWARD
+    return isinstance(declared, Opaque) and declared.kind is BasicKind.FORWARD
 
 
 def _outwards(scope: Path) -> Iterator[Path]:
@@ -107,5 +107,5 @@ def _outwards(scope: Path) -> Iterator[Path]:
         yield scope[:length]
 
 
-def _twice(path: Path, place: Place, known: Declaration) -> InvalidIdl:
+def _twice(path: Path, place: SourceLine, known: Declaration) -> InvalidIdl:
     return InvalidIdl(f"{place}: {'::'.join(path)} is declared already ({known.place})")

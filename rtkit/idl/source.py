@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from rtkit.errors import InvalidDocument
-from rtkit.idl.model import Place
+from rtkit.idl.model import SourceLine
 
 _COMMENT_OR_TEXT = re.compile(r'//[^\n]*|/\*.*?(?:\*/|\Z)|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 _DIRECTIVE = re.compile(r"\s*#\s*([a-z]*)\s*(.*?)\s*$", re.DOTALL)
@@ -29,18 +29,18 @@ class InvalidIdl(InvalidDocument):
     """An IDL file that cannot be read; the message names file and line."""
 
 
-class Line(NamedTuple):
+class IdlLine(NamedTuple):
     """A line of text and where it stands."""
 
     text: str
-    place: Place
+    place: SourceLine
 
 
 Find = Callable[[str, str], tuple[str, str] | None]
 """Takes an included name and the including file; returns file and text, None when not found."""
 
 
-class Source:
+class IdlSource:
     """One file and what it includes.
 
     Attributes:
@@ -60,13 +60,13 @@ class Source:
         """The lines as one text."""
         return "".join(f"{line.text}\n" for line in self.lines)
 
-    def place(self, line: int) -> Place:
+    def place(self, line: int) -> SourceLine:
         """Return where a line of the text stands; lines count from 1."""
         if not self.lines:
-            return Place("", 1)
+            return SourceLine("", 1)
         return self.lines[min(max(line, 1), len(self.lines)) - 1].place
 
-    def _read(self, file: str, text: str) -> Iterator[Line]:
+    def _read(self, file: str, text: str) -> Iterator[IdlLine]:
         if file in self._seen:
             return
         self._seen.add(file)
@@ -75,12 +75,12 @@ class Source:
         active = [True]
         end = 0
         for number, line in enumerate(text.split("\n"), 1):
-            place = Place(file, number)
+            place = SourceLine(file, number)
             if number <= end:
                 continue
             if not masked[number - 1].lstrip().startswith("#"):
                 if all(active):
-                    yield Line(self._replaced(line), place)
+                    yield IdlLine(self._replaced(line), place)
                 continue
             end = number
             while masked[end - 1].endswith("\\") and end < len(masked):
@@ -95,7 +95,7 @@ class Source:
         if len(active) > 1:
             raise InvalidIdl(f"{file}:{number}: #endif is missing")
 
-    def _perform(self, word: str, rest: str, place: Place) -> Iterator[Line]:
+    def _perform(self, word: str, rest: str, place: SourceLine) -> Iterator[IdlLine]:
         if word == "include":
             included = _INCLUDE.match(rest)
             if not included:
@@ -115,7 +115,7 @@ class Source:
         elif word not in _IGNORED:
             raise InvalidIdl(f"{place}: #{word} {rest}".rstrip())
 
-    def _branch(self, word: str, rest: str, active: list[bool], place: Place) -> None:
+    def _branch(self, word: str, rest: str, active: list[bool], place: SourceLine) -> None:
         if word in ("ifdef", "ifndef"):
             active.append((rest in self._defined) == (word == "ifdef"))
         elif word == "if":
@@ -128,7 +128,7 @@ class Source:
         else:
             active.pop()
 
-    def _condition(self, text: str, place: Place) -> bool:
+    def _condition(self, text: str, place: SourceLine) -> bool:
         if text in ("0", "1"):
             return text == "1"
         asked = _DEFINED.fullmatch(text)

@@ -12,8 +12,8 @@ import socket
 import sys
 
 from rtkit.errors import Unreachable
-from rtkit.link.door import open_door
 from rtkit.link.ports import SERVANT
+from rtkit.link.tcp_endpoint import open_endpoint
 
 READY = "ready"
 
@@ -29,7 +29,7 @@ def main() -> None:
     for line in manager.makefile("r", encoding="utf-8"):
         port, _, secret_file = line.rstrip("\n").partition(" ")
         try:
-            session = open_door(int(port), inner, secret_file)
+            session = open_endpoint(int(port), inner, secret_file)
         except Unreachable as error:
             manager.sendall(" ".join(str(error).split()).encode() + b"\n")
             continue

@@ -193,7 +193,7 @@ class Fetcher:
         self._release()
 
 
-class CallEnd:
+class ProviderEnd:
     """The end of a service connector that is called: answers one call after the other.
 
     It does so on a thread of its own, which may be inside a provider that never comes back:
@@ -227,7 +227,7 @@ class CallEnd:
             del query  # one that is kept lets its caller wait
 
 
-class Caller:
+class CallerEnd:
     """The end of a service connector that calls."""
 
     def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:

@@ -128,8 +128,8 @@ def output_file(manager: str, slave: str = "", folder: str = "") -> str:
 
 
 def store_file(manager: str) -> str:
-    """Return the path of the store in which a manager keeps what its users wished for."""
-    return f"{state_dir()}/{_of_process(manager, '')}.wishes"
+    """Return the path of the store in which a manager keeps the state that its users desire."""
+    return f"{state_dir()}/{_of_process(manager, '')}.desired"
 
 
 def _of_process(manager: str, slave: str) -> str:

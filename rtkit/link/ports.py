@@ -11,7 +11,7 @@ SERVANT = "rtkit TCP port"
 """Name of a process that serves a port for the manager that started it."""
 
 
-class Holder(NamedTuple):
+class PortHolder(NamedTuple):
     """Who listens; `pid` is 0 where the process is another user's."""
 
     uid: int
@@ -24,23 +24,23 @@ class Holder(NamedTuple):
         return f"a process of user {user_name(self.uid)}"
 
 
-def holder(port: int) -> Holder | None:
+def port_holder(port: int) -> PortHolder | None:
     """Return who listens on a port, a manager where its servant does; None for nobody."""
     found = listener(port)
     if found is None or found.name != SERVANT:
         return found
     parent = _parent(found.pid)
-    return Holder(found.uid, parent, _name(parent)) if parent > 1 else found
+    return PortHolder(found.uid, parent, _name(parent)) if parent > 1 else found
 
 
-def listener(port: int) -> Holder | None:
+def listener(port: int) -> PortHolder | None:
     """Return the process that listens on a port; None for none."""
     found = _listening(port)
     if found is None:
         return None
     uid, inode = found
     pid = _process_with(f"socket:[{inode}]")
-    return Holder(uid, pid, _name(pid)) if pid else Holder(uid)
+    return PortHolder(uid, pid, _name(pid)) if pid else PortHolder(uid)
 
 
 def _listening(port: int) -> tuple[int, str] | None:

@@ -18,7 +18,7 @@ import zenoh
 
 from rtkit.errors import Unreachable
 from rtkit.link import zenoh as control
-from rtkit.link.ends import CallEnd, Caller, Deliver, Fetcher, Inlet, Outlet
+from rtkit.link.ends import CallerEnd, Deliver, Fetcher, Inlet, Outlet, ProviderEnd
 
 
 class _Sender:
@@ -80,24 +80,24 @@ class Streams:
         session = self._sender(endpoint, timeout_s)
         return Fetcher(session, key, lambda: self._release(endpoint))
 
-    def serve(self, key: str, reply_to: Callable[[bytes], bytes]) -> tuple[str, CallEnd]:
+    def serve(self, key: str, reply_to: Callable[[bytes], bytes]) -> tuple[str, ProviderEnd]:
         """Answer calls on `key`; return the endpoint for who calls and the connector's end.
 
         Raises:
             Unreachable: The socket cannot be made.
         """
-        end = CallEnd(key, reply_to)
+        end = ProviderEnd(key, reply_to)
         end.declare(self._listening())
         return self._endpoint, end
 
-    def caller(self, endpoint: str, key: str, timeout_s: float) -> Caller:
+    def caller(self, endpoint: str, key: str, timeout_s: float) -> CallerEnd:
         """Open the end of a service connector that calls.
 
         Raises:
             Unreachable: Nobody listens at `endpoint`.
         """
         session = self._sender(endpoint, timeout_s)
-        return Caller(session, key, lambda: self._release(endpoint))
+        return CallerEnd(session, key, lambda: self._release(endpoint))
 
     def send(
         self,

@@ -16,47 +16,52 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rtkit import fault
+from rtkit.container.slave_checkpoint import SlaveCheckpoint
+from rtkit.container.subreaper import become_subreaper
+from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError
 from rtkit.link import keys, places
 from rtkit.link.deadline import boot_id
+from rtkit.logs.logs import open_log
 from rtkit.manager.claim import check_silence, remove_stale, take_lock
 from rtkit.manager.core import configuring
 from rtkit.manager.core.core import Core
 from rtkit.manager.core.events import (
     OWN_PROCESS,
-    HolderSaid,
-    OperationAsked,
-    Remembered,
+    ContainerReported,
+    OperationRequested,
     Row,
-    StopAsked,
+    StopRequested,
+    StoreRead,
 )
-from rtkit.manager.core.message import Message
 from rtkit.manager.core.startup import StartUp
-from rtkit.manager.core.state import Process, State
-from rtkit.manager.holding.estate import Estate
-from rtkit.manager.keeping.keeper import Keeper
-from rtkit.manager.logs.logs import open_log
-from rtkit.manager.processes.absent import estates_of_the_dead, living_slaves
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.processes.descendants import bear_mark, end_descendants
-from rtkit.manager.processes.newborns import end_lost
-from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.subreaper import become_subreaper
+from rtkit.manager.processes.slave_supervisor import SlaveSupervisor
+from rtkit.manager.processes.unregistered_forks import end_lost
+from rtkit.manager.processes.unreported import checkpoints_of_the_dead, living_slaves
+from rtkit.manager.reexec import execute_again
 from rtkit.manager.report import Report
-from rtkit.manager.restarting import execute_again
-from rtkit.manager.settings import formats
-from rtkit.manager.settings.configuration import Wanted, door, read, wanted_from_text
-from rtkit.manager.settings.properties import STRICT, Settings
 from rtkit.manager.signals import catch_signals
+from rtkit.manager.store.writer import StoreWriter
 from rtkit.resources import resource as shipped
 from rtkit.rtc.address import parse_address
 from rtkit.rtc.names import LOCAL
+from rtkit.settings import formats
+from rtkit.settings.configuration import (
+    CommandLineSettings,
+    read,
+    tcp_endpoint_settings,
+    wanted_from_text,
+)
+from rtkit.settings.properties import STRICT, Settings
 from rtkit.version import __version__
 
 if TYPE_CHECKING:
     from zenoh import Session
 
+    from rtkit.container.container import ComponentContainer
     from rtkit.deployment.limits import Capacity
-    from rtkit.manager.holding.holder import Holder
     from rtkit.manager.loop import Loop
     from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
 
@@ -69,7 +74,7 @@ _HOLDER_S = 2.0
 """Grace for components of the manager's own process at the end [s]."""
 
 
-def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
+def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
     """Be the manager of that name until told to stop; return the exit status.
 
     Whoever started it hears when it answers, or why it does not start. A restart never returns.
@@ -103,20 +108,20 @@ def run(name: str, wanted: Wanted, is_shown: bool = False) -> int:
             raise
         report.give_up(str(error))
         return error.exit_code
-    if loop.desk.restart is not None:
-        execute_again(folder, loop.desk.restart.report)
+    if loop.query_server.restart is not None:
+        execute_again(folder, loop.query_server.restart.report)
     return 1 if loop.has_failed else 0
 
 
 def _recall(
-    state: State, warn: Callable[[str], None], stack: ExitStack
-) -> tuple[Keeper, Remembered]:
+    state: ManagerState, warn: Callable[[str], None], stack: ExitStack
+) -> tuple[StoreWriter, StoreRead]:
     """Open the store; return it with what an earlier manager kept there.
 
     Raises:
         Refused: It is in use, or of a newer rtkit.
     """
-    keeper = Keeper(places.store_file(state.name))
+    keeper = StoreWriter(places.store_file(state.name))
     stack.callback(keeper.close)
     rows: list[Row]
     if not state.settings.flag("rtkit.restore"):
@@ -125,12 +130,12 @@ def _recall(
         rows, remark = keeper.find()
     if remark:
         warn(remark)
-    return keeper, Remembered(rows, boot_id(), remark)
+    return keeper, StoreRead(rows, boot_id(), remark)
 
 
 def _started(
     loop: Loop,
-    keeper: Keeper,
+    keeper: StoreWriter,
     report: Report,
     settings: Settings,
     failures: list[tuple[str, str]],
@@ -140,7 +145,7 @@ def _started(
     if failures and settings.flag(STRICT):
         report.give_up("the manager ends, because rtkit.start.strict is YES")
         loop.has_failed = True
-        loop.post(StopAsked())
+        loop.post(StopRequested())
     else:
         fault.point("manager.settled")
         report.ready()
@@ -164,7 +169,7 @@ def _raise_limits() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
-def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
+def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, SlaveCheckpoint]:
     """Become the manager of that name, with its log; return what the dead held, by pid."""
     with open("/proc/self/comm", "w", encoding="utf-8", errors="replace") as comm:
         comm.write(f"rtkit {name}")
@@ -176,7 +181,7 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
     fault.point("manager.locked")
     check_silence(name)
     living = living_slaves(name)
-    dead = estates_of_the_dead(name, living)
+    dead = checkpoints_of_the_dead(name, living)
     left = end_descendants(name)
     remove_stale(name, living)
     # What an earlier manager leaves that was just dying at the start is seen at the end only.
@@ -193,9 +198,9 @@ def _claim(name: str, is_shown: bool, stack: ExitStack) -> dict[int, Estate]:
 
 
 def _assemble(
-    state: State,
-    dead: Mapping[int, Estate],
-    keeper: Keeper,
+    state: ManagerState,
+    dead: Mapping[int, SlaveCheckpoint],
+    keeper: StoreWriter,
     is_shown: bool,
     warn: Callable[[str], None],
     stack: ExitStack,
@@ -205,7 +210,7 @@ def _assemble(
     bear_mark(name)
     _raise_limits()
     data = os.path.join(places.runtime_dir(), f"{name}.%p{_DATA_SUFFIX}")
-    nursery = Nursery(
+    slave_supervisor = SlaveSupervisor(
         {
             "manager": name,
             "is_shown": is_shown,
@@ -217,20 +222,20 @@ def _assemble(
         },
         dead,
     )
-    stack.callback(nursery.close)
+    stack.callback(slave_supervisor.close)
     fault.point("manager.zygote_started")
-    loop = _open_doors(state, data, nursery, keeper, warn, stack)
+    loop = _open_endpoints(state, data, slave_supervisor, keeper, warn, stack)
     signal.set_wakeup_fd(loop.wake_descriptor, warn_on_full_buffer=False)
     stack.callback(signal.set_wakeup_fd, -1)
     catch_signals(loop.post, is_shown=is_shown)
     return loop
 
 
-def _open_doors(
-    state: State,
+def _open_endpoints(
+    state: ManagerState,
     data: str,
-    nursery: Nursery,
-    keeper: Keeper,
+    slave_supervisor: SlaveSupervisor,
+    keeper: StoreWriter,
     warn: Callable[[str], None],
     stack: ExitStack,
 ) -> Loop:
@@ -241,7 +246,9 @@ def _open_doors(
 
     name, host = state.name, state.host
     inner = unix_endpoint(places.manager_socket(name))
-    endpoint = TcpEndpoint(inner) if door(state.settings).port is not None else None
+    endpoint = (
+        TcpEndpoint(inner) if tcp_endpoint_settings(state.settings).port is not None else None
+    )
     if endpoint is not None:
         stack.callback(endpoint.close)  # whatever else fails
     listener = socket.socket(socket.AF_UNIX)
@@ -256,15 +263,15 @@ def _open_doors(
     loop: Loop
 
     def report(message: Message) -> None:
-        loop.post(HolderSaid(OWN_PROCESS, message))
+        loop.post(ContainerReported(OWN_PROCESS, message))
 
-    holder = _holder(state, data, report, stack)
-    loop = Loop(Core(state), holder, nursery, listener, keeper)
+    container = _container(state, data, report, stack)
+    loop = Loop(Core(state), container, slave_supervisor, listener, keeper)
     stack.callback(loop.close)
-    thread = threading.Thread(target=holder.run, name="holder", daemon=True)
+    thread = threading.Thread(target=container.run, name="holder", daemon=True)
     thread.start()
     stack.callback(lambda: thread.join(0.0 if state.is_in_haste else _HOLDER_S))
-    stack.callback(holder.close)
+    stack.callback(container.close)
 
     session = open_listener(inner)
     link = ZenohLink(session)
@@ -280,31 +287,33 @@ def _open_doors(
     return loop
 
 
-def _holder(
-    state: State, data: str, report: Callable[[Message], object], stack: ExitStack
-) -> Holder:
+def _container(
+    state: ManagerState, data: str, report: Callable[[Message], object], stack: ExitStack
+) -> ComponentContainer:
     """Return what holds the components of the manager's own process."""
+    from rtkit.container.component_factory import ComponentFactory
+    from rtkit.container.container import ComponentContainer
+    from rtkit.container.heartbeats import Heartbeats, heartbeats_path
+    from rtkit.container.port_wiring import PortWiring
+    from rtkit.container.process_settings import add_log_files, configure
     from rtkit.link.streams import Streams, remove_socket
-    from rtkit.manager.holding.beats import Beats, beats_path
-    from rtkit.manager.holding.connect import Wires
-    from rtkit.manager.holding.holder import Holder
-    from rtkit.manager.holding.maker import Maker
-    from rtkit.manager.holding.process_settings import add_log_files, configure
-    from rtkit.manager.modules.loader import Loader
+    from rtkit.modules.loader import Loader
 
     loader = Loader(configuring.load_paths(state), imports_untried=False)
     configure(configuring.message(state), loader)
     add_log_files(state.settings, state.name)
     own_data = data.replace("%p", str(state.pid))
     stack.callback(remove_socket, own_data)
-    beats = Beats(beats_path(data, state.pid))
-    holder = Holder(report, Wires(state.host, Streams(own_data)), Maker(loader))
-    holder.show_beats(beats)
-    return holder
+    heartbeats = Heartbeats(heartbeats_path(data, state.pid))
+    container = ComponentContainer(
+        report, PortWiring(state.host, Streams(own_data)), ComponentFactory(loader)
+    )
+    container.show_heartbeats(heartbeats)
+    return container
 
 
 def _open_front(
-    state: State,
+    state: ManagerState,
     session: Session,
     endpoint: TcpEndpoint | None,
     inner: str,
@@ -312,21 +321,21 @@ def _open_front(
     stack: ExitStack,
 ) -> None:
     """Open the TCP port for this user, where it is wanted and can be had."""
-    from rtkit.link.door import Identity, introduce
-    from rtkit.manager.frontdoor import open_front
+    from rtkit.link.tcp_endpoint import Identity, introduce
+    from rtkit.manager.tcp_endpoint import open_front
 
     identity = Identity(state.host, state.name, state.settings.text("manager.name"))
     withdraw = introduce(session, identity)
     try:
         if endpoint is not None:
-            state.port = open_front(door(state.settings), endpoint, inner, warn)
+            state.port = open_front(tcp_endpoint_settings(state.settings), endpoint, inner, warn)
             stack.callback(endpoint.close)
     finally:
         stack.callback(withdraw)
     state.properties["rtkit.address"] = f"{LOCAL}:{state.port}" if state.port else ""
 
 
-def _register(loop: Loop, state: State, stack: ExitStack) -> None:
+def _register(loop: Loop, state: ManagerState, stack: ExitStack) -> None:
     """Register with the master, if there is to be one."""
     settings = state.settings
     if settings.flag("manager.is_master"):
@@ -337,13 +346,13 @@ def _register(loop: Loop, state: State, stack: ExitStack) -> None:
     every_s = settings.number("manager.update_master_manager.interval")
     if not settings.flag("manager.update_master_manager.enable"):
         every_s = 0.0
-    found = OperationAsked("add_master_manager", str(master), lambda _reply: None)
+    found = OperationRequested("add_master_manager", str(master), lambda _reply: None)
     registrar = Registrar(master, state.name, every_s, lambda: loop.post(found))
     stack.callback(registrar.close)
 
 
-def _state(name: str, folder: str, settings: Settings) -> State:
-    state = State(os.uname().nodename, name, os.getpid(), __version__)
+def _state(name: str, folder: str, settings: Settings) -> ManagerState:
+    state = ManagerState(os.uname().nodename, name, os.getpid(), __version__)
     state.names = _names(state.host, name, settings)
     state.processes[OWN_PROCESS] = Process(OWN_PROCESS, name, os.getpid(), "up")
     state.settings, state.folder = settings, folder

@@ -13,16 +13,15 @@ from typing import Any
 from rtkit.deployment.actions import Action, Create, Result
 from rtkit.deployment.batch import Batch, results_from_text
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.limits import Limits
+from rtkit.deployment.limits import SlaveLimits
 from rtkit.errors import NotFound, RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
-from rtkit.manager.core.state import Process, State
-from rtkit.manager.core.trial import TRIAL
+from rtkit.manager.core.import_check import TRIAL
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, PortType
-from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import (
     ConnectorProfile,
     ExecutionContextProfile,
@@ -31,6 +30,7 @@ from rtkit.rtc.profiles import (
     PortRef,
     TypeProfile,
 )
+from rtkit.rtc.serde import encode
 
 OWN = ev.OWN_PROCESS
 PORTS = (
@@ -41,7 +41,7 @@ PORTS = (
 )
 
 
-class Call:
+class FakeCall:
     """A message to a holder that wants an answer."""
 
     def __init__(self, key: int, message: Mapping[str, Any]) -> None:
@@ -54,7 +54,7 @@ class Call:
         return f"<{self.op} to {self.key}>"
 
 
-class Asked:
+class FakeRequest:
     """A batch that was handed in, and what came of it."""
 
     def __init__(self) -> None:
@@ -87,7 +87,7 @@ def facts(instance: str, ports: Sequence[PortProfile] = PORTS) -> dict[str, Any]
     return plain
 
 
-def module_of(call: Call, *types: str) -> dict[str, Any]:
+def module_of(call: FakeCall, *types: str) -> dict[str, Any]:
     """Return what a holder answers that has loaded a module."""
     path, init = call.message["path"], call.message["init"] or "init"
     profile = ModuleProfile(path, init, tuple(map(TypeProfile, types)))
@@ -122,16 +122,16 @@ class FakeShell:
     """
 
     def __init__(self) -> None:
-        state = State("host", "manager", 100, "1", names=("localhost/manager.mgr",))
+        state = ManagerState("host", "manager", 100, "1", names=("localhost/manager.mgr",))
         state.processes[OWN] = Process(OWN, "manager", 100, "up")
         self.core = Core(state)
         self.now = 1000.0
-        self.calls: list[Call] = []
+        self.calls: list[FakeCall] = []
         self.told: list[tuple[int, Mapping[str, Any]]] = []
         self.spawned: dict[str, int] = {}
         self.adopted: dict[int, int] = {}
         self.signals: list[tuple[int, int]] = []
-        self.limits: dict[int, Limits] = {}
+        self.limits: dict[int, SlaveLimits] = {}
         self.wake_at: float | None = None
         self.is_finished = False
         self.rows: dict[tuple[str, str], str] = {}
@@ -139,7 +139,7 @@ class FakeShell:
         self.is_disk_lost = False
 
     @property
-    def state(self) -> State:
+    def state(self) -> ManagerState:
         """What the core knows."""
         return self.core.state
 
@@ -151,25 +151,25 @@ class FakeShell:
         for instruction in instructions:
             self._carry_out(instruction)
         for instruction in instructions:
-            if isinstance(instruction, ev.Inspect):
+            if isinstance(instruction, ev.InspectProcess):
                 self.feed(ev.ProcessInspected(instruction.key))
-            elif isinstance(instruction, ev.Keep):
+            elif isinstance(instruction, ev.StoreRows):
                 self._keep(instruction)
         return instructions
 
-    def _keep(self, keep: ev.Keep) -> None:
+    def _keep(self, keep: ev.StoreRows) -> None:
         """Keep rows at once, or fail to."""
         if self.is_disk_lost:
             self.is_disk_lost = False
             self.rows.clear()
-            self.feed(ev.Kept(keep.number, "the store is gone", True))
+            self.feed(ev.RowsStored(keep.number, "the store is gone", True))
             return
         for kind, name, value in () if self.disk else keep.rows:
             if value is None:
                 self.rows.pop((kind, name), None)
             else:
                 self.rows[kind, name] = value
-        self.feed(ev.Kept(keep.number, self.disk))
+        self.feed(ev.RowsStored(keep.number, self.disk))
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:
@@ -177,10 +177,10 @@ class FakeShell:
                 self.spawned[name] = key
             case ev.AdoptSlave(key, pid, _):
                 self.adopted[pid] = key
-            case ev.SendToHolder(key, message):
+            case ev.SendToContainer(key, message):
                 assert self.state.processes[key].is_ready, f"{message} to a lost process"
                 if "call" in message:
-                    self.calls.append(Call(key, message))
+                    self.calls.append(FakeCall(key, message))
                 else:
                     self.told.append((key, message))
             case ev.SignalSlave(key, number):
@@ -192,7 +192,7 @@ class FakeShell:
                 answer(reply)
             case ev.WakeAt(moment):
                 self.wake_at = moment if self.wake_at is None else min(moment, self.wake_at)
-            case ev.Finish():
+            case ev.ExitDaemon():
                 self.is_finished = True
 
     # clients
@@ -204,23 +204,23 @@ class FakeShell:
         timeout_s: float = 10.0,
         until: float = math.inf,
         id: str = "",
-    ) -> Asked:
+    ) -> FakeRequest:
         """Hand in a batch, of a client that waits until then."""
-        asked = Asked()
+        asked = FakeRequest()
         batch = Batch(actions, ordered, timeout_s, id)
-        self.feed(ev.BatchAsked(batch, asked.replies.append, until))
+        self.feed(ev.BatchRequested(batch, asked.replies.append, until))
         return asked
 
     def stop(self) -> None:
         """Ask for the end."""
-        self.feed(ev.StopAsked())
+        self.feed(ev.StopRequested())
 
     def wait(self, seconds: float) -> None:
         """Let time pass; the core gets a tick when it wanted one, as from the real shell."""
         until = self.now + seconds
         while self.wake_at is not None and self.wake_at <= until:
             self.now = max(self.now, self.wake_at)
-            self.feed(ev.Tick())
+            self.feed(ev.TimerExpired())
         self.now = until
 
     # the zygote and the kernel
@@ -256,24 +256,26 @@ class FakeShell:
 
     # holders
 
-    def next(self, op: str) -> Call:
+    def next(self, op: str) -> FakeCall:
         """Take the oldest call, which must be of this operation."""
         assert [each.op for each in self.calls[:1]] == [op], self.calls
         return self.calls.pop(0)
 
-    def reply(self, call: Call, value: Any = "") -> None:
+    def reply(self, call: FakeCall, value: Any = "") -> None:
         """Answer a call well."""
-        self.feed(ev.HolderSaid(call.key, {"reply": call.number, "value": value}))
+        self.feed(ev.ContainerReported(call.key, {"reply": call.number, "value": value}))
 
-    def refuse(self, call: Call, error: RtkitError | None = None, code: str = "RTC_ERROR") -> None:
+    def refuse(
+        self, call: FakeCall, error: RtkitError | None = None, code: str = "RTC_ERROR"
+    ) -> None:
         """Answer a call with an error."""
         error = error or NotFound("no such thing")
         answer = {"reply": call.number, "code": code, "kind": error.kind, "why": str(error)}
-        self.feed(ev.HolderSaid(call.key, answer))
+        self.feed(ev.ContainerReported(call.key, answer))
 
     def say(self, key: int, **message: Any) -> None:
         """Report something unasked."""
-        self.feed(ev.HolderSaid(key, message))
+        self.feed(ev.ContainerReported(key, message))
 
     def serve(self, ports: Sequence[PortProfile] = PORTS) -> None:
         """Do what is asked until nothing is, as holders would; modules are tried, too."""
@@ -304,7 +306,7 @@ class FakeShell:
             self.fork(slave)
         self.serve()
         assert asked.result.ok, asked.result
-        return self.state.holders[instance]
+        return self.state.containers[instance]
 
     def killed(self) -> list[int]:
         """Return the keys of the slaves that got KILL."""

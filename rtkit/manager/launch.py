@@ -10,11 +10,11 @@ import time
 from typing import NamedTuple
 
 from rtkit import fault
+from rtkit.container.inherited import unmarked, withhold
 from rtkit.errors import Partial, Refused, Unreachable
 from rtkit.link import places
-from rtkit.manager.processes.inherited import unmarked, withhold
 from rtkit.manager.report import ERROR, FAILURE, READY, READY_VARIABLE, WARNING
-from rtkit.manager.settings.configuration import Wanted
+from rtkit.settings.configuration import CommandLineSettings
 
 _LONGEST_S = 86_400.0
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
@@ -28,7 +28,7 @@ class Started(NamedTuple):
     failures: tuple[str, ...]
 
 
-def start(name: str, wanted: Wanted, timeout_s: float) -> Started:
+def start(name: str, wanted: CommandLineSettings, timeout_s: float) -> Started:
     """Start a manager as a daemon and return when it answers.
 
     Raises:
@@ -81,7 +81,7 @@ def read_report(name: str, pid: int, told: list[str]) -> Started:
     raise Refused(why)
 
 
-def run(name: str, wanted: Wanted) -> int:
+def run(name: str, wanted: CommandLineSettings) -> int:
     """Be the manager in the foreground; return the exit status."""
     from rtkit.manager.daemon import run as run_daemon
 

@@ -16,35 +16,35 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rtkit import fault
-from rtkit.deployment.figures import FIGURES
-from rtkit.deployment.news import TREE
+from rtkit.container.container import ComponentContainer
+from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.deployment.delta import TREE
+from rtkit.deployment.message import Message
+from rtkit.deployment.metrics import FIGURES
 from rtkit.errors import RtkitError
+from rtkit.fast_dataclass import replace
 from rtkit.link import keys, places
 from rtkit.link.base import Link
 from rtkit.link.segments import remove_orphans
+from rtkit.logs.outputs import cut
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.core import Core
-from rtkit.manager.core.message import Message
 from rtkit.manager.core.state import Process
 from rtkit.manager.following.following import Following
-from rtkit.manager.holding.holder import Holder
-from rtkit.manager.keeping.keeper import Keeper
-from rtkit.manager.logs.outputs import cut
 from rtkit.manager.processes.descendants import Descendants
-from rtkit.manager.processes.lastwords import LastWords, last_words, log_crash
-from rtkit.manager.processes.lines import Lines
-from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.manager.processes.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
+from rtkit.manager.processes.slave_connections import SlaveConnections
+from rtkit.manager.processes.slave_supervisor import SlaveSupervisor
 from rtkit.manager.processes.usage import usage
-from rtkit.manager.processes.watchman import (
+from rtkit.manager.processes.watchdog import (
     DEADLINE_S,
-    Watchman,
+    Watchdog,
     callback_deadline_s,
     remove_traces,
 )
-from rtkit.manager.requests import Desk
+from rtkit.manager.query_server import ManagerQueryServer
+from rtkit.manager.store.writer import StoreWriter
 from rtkit.property.exchange import Request, failure
-from rtkit.records import replace
 
 if TYPE_CHECKING:
     from rtkit.manager.processes.limiter import Limiter
@@ -63,7 +63,7 @@ class Loop:
     """Owns the core; everybody else only enqueues (`post`).
 
     Attributes:
-        desk: Where requests are taken.
+        query_server: Where requests are taken.
         following: Follows the events of systems.
         has_failed: The manager ends because its start failed.
     """
@@ -71,29 +71,29 @@ class Loop:
     def __init__(
         self,
         core: Core,
-        holder: Holder,
-        nursery: Nursery,
+        container: ComponentContainer,
+        slave_supervisor: SlaveSupervisor,
         listener: socket.socket,
-        keeper: Keeper,
+        keeper: StoreWriter,
     ) -> None:
         self._core = core
         self._keeper = keeper
-        keeper.heard = lambda *told: self.post(ev.Kept(*told))
-        self.desk = Desk(core.state)
+        keeper.heard = lambda *told: self.post(ev.RowsStored(*told))
+        self.query_server = ManagerQueryServer(core.state)
         self.following = Following(self.post, core.state)
-        self.desk.follow = self.following.ask
+        self.query_server.follow = self.following.ask
         self.has_failed = False
-        self._holder = holder
-        self._nursery = nursery
+        self._container = container
+        self._slave_supervisor = slave_supervisor
         self._inbox: queue.SimpleQueue[ev.Event | Request] = queue.SimpleQueue()
         self._wake_at: float | None = None
-        self._watchman = Watchman(
-            nursery.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
+        self._watchdog = Watchdog(
+            slave_supervisor.data_pattern, self._deadline_s, self._shortest_s, self._ask_for_stack
         )
-        self._watchman.watch(ev.OWN_PROCESS, core.state.pid)
+        self._watchdog.watch(ev.OWN_PROCESS, core.state.pid)
         self._descendants: Descendants | None = None
         self._limiter: Limiter | None = None  # made for the first slave with limits
-        self._stacks = open_stacks(nursery.data_pattern, core.state.pid)
+        self._stacks = open_stacks(slave_supervisor.data_pattern, core.state.pid)
         self._tidy_at = 0.0
         self._announce: dict[str, Callable[[str], object]] = {}
         self._is_finished = False
@@ -103,7 +103,7 @@ class Loop:
         for descriptor in (self._wake_read, self._wake_write):
             os.set_blocking(descriptor, False)
         self._selector.register(self._wake_read, selectors.EVENT_READ, lambda _mask: self._drain())
-        self._lines = Lines(self._selector, listener, nursery, self._handle)
+        self._lines = SlaveConnections(self._selector, listener, slave_supervisor, self._handle)
 
     @property
     def wake_descriptor(self) -> int:
@@ -117,7 +117,7 @@ class Loop:
             with suppress(BlockingIOError):  # it is awake already
                 os.write(self._wake_write, b"x")
 
-    def recall(self, remembered: ev.Remembered) -> None:
+    def recall(self, remembered: ev.StoreRead) -> None:
         """Tell the core what an earlier manager kept, before anything else."""
         self._handle(remembered)
 
@@ -140,12 +140,15 @@ class Loop:
             self._lines.check_settled()
             if self._wake_at is not None and time.monotonic() >= self._wake_at:
                 self._wake_at = None
-                self._handle(ev.Tick())
+                self._handle(ev.TimerExpired())
             self._lines.check_zygote()
             self._look()
             self._tidy()
-            if self._nursery.sweep_at is not None and time.monotonic() >= self._nursery.sweep_at:
-                self._nursery.sweep()
+            if (
+                self._slave_supervisor.sweep_at is not None
+                and time.monotonic() >= self._slave_supervisor.sweep_at
+            ):
+                self._slave_supervisor.sweep()
 
     def close(self) -> None:
         """Let go of all descriptors; what is posted from now on is not heard."""
@@ -153,24 +156,31 @@ class Loop:
         self.following.close()
         self._selector.close()
         self._lines.close()
-        self._watchman.forget(ev.OWN_PROCESS)
-        remove_traces(self._nursery.data_pattern, self._core.state.pid)  # watched or not
+        self._watchdog.forget(ev.OWN_PROCESS)
+        remove_traces(self._slave_supervisor.data_pattern, self._core.state.pid)  # watched or not
         for descriptor in (self._wake_read, self._wake_write, self._stacks):
             os.close(descriptor)
 
     def _patience(self) -> float | None:
-        look_at = self._watchman.look_at if self._has_callbacks else None
+        look_at = self._watchdog.look_at if self._has_callbacks else None
         tidy_at = self._tidy_at if self._core.state.components else None
-        nursery = (self._nursery.sweep_at, self._nursery.start_at)
+        slave_supervisor = (self._slave_supervisor.sweep_at, self._slave_supervisor.start_at)
         limits_at = self._limiter.look_at if self._limiter is not None else None
-        wishes = (self._wake_at, self._lines.deadline, look_at, tidy_at, limits_at, *nursery)
+        wishes = (
+            self._wake_at,
+            self._lines.deadline,
+            look_at,
+            tidy_at,
+            limits_at,
+            *slave_supervisor,
+        )
         moments = [moment for moment in wishes if moment is not None]
         return min(max(0.0, min(moments) - time.monotonic()), _LONG_S) if moments else None
 
     def _look(self) -> None:
         """See whether a callback is stuck, or a limit reached, when it is time."""
-        if self._has_callbacks and time.monotonic() >= self._watchman.look_at:
-            for event in list(self._watchman.poll()):
+        if self._has_callbacks and time.monotonic() >= self._watchdog.look_at:
+            for event in list(self._watchdog.poll()):
                 self._handle(event)
         if self._limiter is not None and time.monotonic() >= self._limiter.look_at:
             for reached in self._limiter.look():
@@ -190,7 +200,7 @@ class Loop:
         return bool(state.components or state.claims) or len(state.processes) > 1
 
     def _inspect(self, key: int, age_s: float) -> None:
-        for event in self._watchman.inspect(key, age_s):
+        for event in self._watchdog.inspect(key, age_s):
             self.post(event)
 
     def _ask_for_stack(self, key: int, is_urgent: bool) -> None:
@@ -199,7 +209,7 @@ class Loop:
         elif is_urgent:
             process = self._core.state.processes.get(key)
             if process is not None and process.state == "up":  # a stopped one gets it later
-                self._nursery.signal(key, STACK_SIGNAL)
+                self._slave_supervisor.signal(key, STACK_SIGNAL)
         else:
             self._lines.send(key, {"op": ASK})
 
@@ -215,7 +225,7 @@ class Loop:
         woken_by = os.read(self._wake_read, _WAKES)
         # Where there were more, there was perhaps no room for the number of a signal.
         if signal.SIGCHLD in woken_by or len(woken_by) == _WAKES:
-            for event in self._nursery.reap():
+            for event in self._slave_supervisor.reap():
                 self._handle(event)
 
     def _take_inbox(self) -> None:
@@ -231,7 +241,7 @@ class Loop:
 
     def _serve(self, request: Request) -> None:
         try:
-            event = self.desk.take(request)
+            event = self.query_server.take(request)
         except RtkitError as error:
             request.answer(failure(error))
         except Exception as bug:
@@ -243,36 +253,36 @@ class Loop:
 
     def _handle(self, event: ev.Event) -> None:
         if isinstance(event, ev.SlaveEnded):
-            event = self._with_last_words(event)
-        elif isinstance(event, ev.SlaveMissed):
+            event = self._with_exit_diagnostics(event)
+        elif isinstance(event, ev.SlaveExitedUnseen):
             _log.warning("slave %s ended while no manager ran: %s", event.name, event.reason)
         try:
             instructions = self._core.handle(event, time.monotonic())
         except RtkitError as error:
             _log.warning("%s", error)
             return
-        self.desk.forget_views()
+        self.query_server.forget_views()
         for instruction in instructions:
             _guarded(self._carry_out, instruction)
         match event:
-            case ev.HolderSaid(key, message) if "figures" not in message:
-                self._watchman.hasten(key)
+            case ev.ContainerReported(key, message) if "metrics" not in message:
+                self._watchdog.hasten(key)
             case ev.FollowAsked():
                 self.following.sync()
-            case ev.StopAsked():
+            case ev.StopRequested():
                 self.following.end()
             case ev.SlaveReady(key):
-                self._watchman.watch(key, self._core.state.processes[key].pid)
-            case ev.SlaveHalted(key, is_halted):
-                self._watchman.halted(key, is_halted=is_halted)
+                self._watchdog.watch(key, self._core.state.processes[key].pid)
+            case ev.SlaveStopped(key, is_halted):
+                self._watchdog.halted(key, is_halted=is_halted)
             case ev.SlaveEnded(key):
                 self._lines.drop(key)
-                self._watchman.forget(key)
+                self._watchdog.forget(key)
                 if self._limiter is not None:
                     self._limiter.forget(key)
                 remove_orphans()
 
-    def _with_last_words(self, event: ev.SlaveEnded) -> ev.SlaveEnded:
+    def _with_exit_diagnostics(self, event: ev.SlaveEnded) -> ev.SlaveEnded:
         """Find out why a slave ended that was to live, and log it."""
         process = self._core.state.processes.get(event.key)
         if process is None or not process.is_alive or not process.is_wanted:
@@ -280,7 +290,7 @@ class Loop:
         if process.is_guest:
             _log.info("guest %s left", process.name)
             return event
-        words = last_words(self._core.state.name, process.name, process.pid)
+        words = exit_diagnostics(self._core.state.name, process.name, process.pid)
         if words.stacks:
             self._log_crash(event.key, process, words)
         reason = words.reason(event.reason)
@@ -291,11 +301,13 @@ class Loop:
         _log.warning("slave %s ended: %s%s", process.name, known.reason, said)
         return known
 
-    def _log_crash(self, key: int, process: Process, words: LastWords) -> None:
+    def _log_crash(self, key: int, process: Process, words: ExitDiagnostics) -> None:
         """Log a crash for the component whose code ran, or the only one that can have been it."""
-        there = [name for name, holder in self._core.state.holders.items() if holder == key]
+        there = [
+            name for name, container in self._core.state.containers.items() if container == key
+        ]
         only = there[0] if len(there) == 1 else ""
-        instance = self._watchman.instance_on(key, words.thread) or only
+        instance = self._watchdog.instance_on(key, words.thread) or only
         log_crash(self._core.state.name, process.name, process.pid, words, instance)
 
     def _tidy(self) -> None:
@@ -303,7 +315,7 @@ class Loop:
         state, now = self._core.state, time.monotonic()
         if state.components and now >= self._tidy_at:
             self._tidy_at = now + TIDY_S
-            for event in list(self._nursery.halts()):
+            for event in list(self._slave_supervisor.halts()):
                 self._handle(event)
             self._note_descendants()
             for process in state.processes.values():
@@ -313,13 +325,13 @@ class Loop:
 
     def _note_descendants(self) -> None:
         """Note what components in this process have started, should the manager be killed."""
-        if self._descendants is None and ev.OWN_PROCESS in self._core.state.holders.values():
+        if self._descendants is None and ev.OWN_PROCESS in self._core.state.containers.values():
             self._descendants = Descendants(self._core.state.name)
         if self._descendants is not None:
-            self._descendants.note(self._nursery.processes)
+            self._descendants.note(self._slave_supervisor.processes)
 
     def _listened(self, line: str, is_heard: bool) -> None:
-        self.post(ev.Listened(line, is_heard))
+        self.post(ev.ListenersChanged(line, is_heard))
 
     def _publish(self, line: str, message: Message) -> None:
         whole = {**message, "time": time.time()}
@@ -335,10 +347,10 @@ class Loop:
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         match instruction:
-            case ev.SendToHolder(key, message):
+            case ev.SendToContainer(key, message):
                 fault.point("manager.sending")
                 if key == ev.OWN_PROCESS:
-                    self._holder.put(message)
+                    self._container.put(message)
                 else:
                     self._lines.send(key, message)
             case ev.AnswerClient(answer, reply):
@@ -346,32 +358,32 @@ class Loop:
                 answer(reply)
                 fault.point("manager.answered")
             case ev.SpawnSlave(key, name):
-                unborn = self._nursery.fork(key, name)
-                if unborn is not None:
-                    self.post(unborn)
+                unspawned = self._slave_supervisor.fork(key, name)
+                if unspawned is not None:
+                    self.post(unspawned)
                 fault.point("manager.asked_for_slave")
             case ev.AdoptSlave(key, pid, is_guest):
                 self._lines.adopt(key, pid, is_guest=is_guest)
                 fault.point("manager.adopted")
                 if not is_guest:
-                    self._watchman.watch(key, pid)
+                    self._watchdog.watch(key, pid)
             case ev.SignalSlave(key, number):
-                self._nursery.signal(key, signal.Signals(number))
+                self._slave_supervisor.signal(key, signal.Signals(number))
                 fault.point("manager.signalled")
             case ev.LimitSlave():
                 self._limit(instruction)
-            case ev.Keep(number, rows):
+            case ev.StoreRows(number, rows):
                 self._keeper.keep(number, rows)
-            case ev.Forget():
+            case ev.RemoveStore():
                 self._keeper.forget()
-            case ev.Inspect(key, age_s):
+            case ev.InspectProcess(key, age_s):
                 self._inspect(key, age_s)
             case ev.Publish(line, message):
                 self._publish(line, message)
             case ev.WakeAt(moment):
                 if self._wake_at is None or moment < self._wake_at:
                     self._wake_at = moment
-            case ev.Finish():
+            case ev.ExitDaemon():
                 self._is_finished = True
 
 

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.link import door, keys, secret
+from rtkit.link import keys, secret, tcp_endpoint
 from rtkit.link.zenoh import ZenohLink
 from rtkit.rtc.address import Address
 
@@ -62,12 +62,12 @@ class Registrar:
 
     def _ask(self, operation: str) -> None:
         try:
-            session = door.enter(self._master.port, secret.read(), _TIMEOUT_S)
+            session = tcp_endpoint.log_in(self._master.port, secret.read(), _TIMEOUT_S)
         except Unreachable as error:
             raise Unreachable(f"no manager of this user listens at {self._master}") from error
         link = ZenohLink(session)
         try:
-            master = door.ask_identity(session, _TIMEOUT_S)
+            master = tcp_endpoint.ask_identity(session, _TIMEOUT_S)
             service = keys.service(master.host, master.manager)
             link.call(keys.property_key(service, operation), self._name, _TIMEOUT_S).value()
         finally:

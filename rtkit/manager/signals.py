@@ -6,12 +6,12 @@ import faulthandler
 import signal
 from collections.abc import Callable
 
-from rtkit.manager.core.events import StopAsked
+from rtkit.manager.core.events import StopRequested
 
 _STDERR = 2
 
 
-def catch_signals(post: Callable[[StopAsked], object], *, is_shown: bool) -> None:
+def catch_signals(post: Callable[[StopRequested], object], *, is_shown: bool) -> None:
     """End in order at TERM, INT and QUIT, in the foreground also when the terminal is closed (HUP).
 
     QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. In the
@@ -25,7 +25,7 @@ def catch_signals(post: Callable[[StopAsked], object], *, is_shown: bool) -> Non
         is_key = number in (signal.SIGINT, signal.SIGQUIT)
         is_urgent = is_shown and is_key and bool(caught)
         caught.append(number)
-        post(StopAsked(is_urgent, is_kept=number == signal.SIGTERM))
+        post(StopRequested(is_urgent, is_kept=number == signal.SIGTERM))
 
     signal.signal(signal.SIGTERM, stop)
     for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGHUP):

@@ -15,11 +15,11 @@ from rtkit.idl.model import (
     ArrayOf,
     Basic,
     Definitions,
-    Enumeration,
+    EnumDeclaration,
     Named,
     Path,
     SequenceOf,
-    Struct,
+    StructDeclaration,
     Type,
     Typedef,
 )
@@ -78,9 +78,9 @@ class _Maker:
         declared = self._definitions.by_path.get(path)
         if isinstance(declared, Typedef):
             return self._hint(declared.type)
-        if isinstance(declared, Struct):
+        if isinstance(declared, StructDeclaration):
             made = self._struct(declared)
-        elif isinstance(declared, Enumeration):
+        elif isinstance(declared, EnumDeclaration):
             made = Enum(path[-1], declared.numbers)  # type: ignore[misc, no-redef]
         else:
             raise Malformed(f"{name} is no structure in its definition")
@@ -88,7 +88,7 @@ class _Maker:
         self._made[path] = made
         return made
 
-    def _struct(self, declared: Struct) -> type:
+    def _struct(self, declared: StructDeclaration) -> type:
         fields = []
         for each in declared.fields:
             own = f"{each.name}_" if keyword.iskeyword(each.name) else each.name

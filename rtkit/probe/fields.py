@@ -8,7 +8,7 @@ from dataclasses import fields, is_dataclass
 from enum import Enum
 from typing import Any
 
-from rtkit.component.layout import Array, Items, Layout, Struct, layout_of
+from rtkit.component.layout import ArrayLayout, ItemsLayout, Layout, StructLayout, layout_of
 from rtkit.errors import Malformed, NotFound
 from rtkit.rtc.nearest import did_you_mean
 
@@ -53,19 +53,19 @@ def check_field(cls: type, text: str) -> None:
 
 def _below(layout: Layout, step: str | int, text: str) -> Layout | None:
     if isinstance(step, str):
-        known = dict(layout.fields) if isinstance(layout, Struct) else {}
+        known = dict(layout.fields) if isinstance(layout, StructLayout) else {}
         if step not in known:
             has = ", ".join(known) or "no fields"
             hint = did_you_mean(step, known)
             raise NotFound(f"no field {text}: {layout.name} has {has}{hint}")
         return known[step]
-    if isinstance(layout, Items):
+    if isinstance(layout, ItemsLayout):
         return layout.item
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         if step >= len(layout.items):
             raise NotFound(f"no field {text}: {layout.name} has {len(layout.items)} items")
         return layout.items[step]
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         raise NotFound(f"no field {text}: {layout.name} has {', '.join(dict(layout.fields))}")
     return None
 

@@ -14,15 +14,15 @@ from rtkit.component.base import Component
 from rtkit.component.contexts import PERIODIC
 from rtkit.component.options import NUMBERED, PortStatus
 from rtkit.component.port import OutPort, Port
+from rtkit.container.attached_process import AttachedProcess
 from rtkit.deployment.actions import Action, ChangeState, Connect
 from rtkit.errors import Refused, RtkitError, from_kind
-from rtkit.manager.processes.guest import Guest
 from rtkit.probe.spec import Stream
 from rtkit.probe.tap import Arrival, Tap
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 from rtkit.tree.client import Tree
-from rtkit.tree.wiring import End, make_connector
+from rtkit.tree.wiring import ResolvedPort, make_connector
 
 _TRIES = 20
 _FLUSH_S = 5.0
@@ -97,7 +97,9 @@ class Probe(Closing):
         typed = [""]
         for stream in self._streams:
             port = own[stream.name].profile
-            mine = End(stream.ends[0].path, PortRef(self.component.instance, stream.name), port)
+            mine = ResolvedPort(
+                stream.ends[0].path, PortRef(self.component.instance, stream.name), port
+            )
             for end in stream.ends:
                 given = {NUMBERED: "YES", **properties}
                 wires.append(make_connector(mine, end, str(uuid4()), "", given))
@@ -170,7 +172,7 @@ class Probe(Closing):
         self._guest.changed = lambda: None
         self._guest.leave()
 
-    def _enter(self) -> tuple[Guest, Tool]:
+    def _enter(self) -> tuple[AttachedProcess, Tool]:
         """Enter under the first name that is free."""
         taken = {row.instance for row in self._tree.listing().rows}
         error: RtkitError | None = None
@@ -179,7 +181,7 @@ class Probe(Closing):
             if name in taken:
                 continue
             component = Tool(name, self._ports, self._rate)
-            guest = Guest(self._tree.manager, self._tree.host, self._kind)
+            guest = AttachedProcess(self._tree.manager, self._tree.host, self._kind)
             try:
                 guest.enter([component], self._tree.timeout_s)
             except Refused as refused:

@@ -15,7 +15,7 @@ from rtkit.rtc.names import Path, parse_path
 from rtkit.rtc.profiles import PortProfile, PortRef
 from rtkit.tree.resolve import component_of_port, no_port
 from rtkit.tree.view import build
-from rtkit.tree.wiring import End, Facts
+from rtkit.tree.wiring import Facts, ResolvedPort
 
 _FORMATTER = r"[A-Za-z_][\w.]*"
 _STREAM = r"\w+"
@@ -42,7 +42,7 @@ class Stream(NamedTuple):
     """One port of the tool, and the ports of components that it is connected to."""
 
     name: str
-    ends: tuple[End, ...]
+    ends: tuple[ResolvedPort, ...]
     formatter: str = ""
 
     @property
@@ -93,7 +93,7 @@ def find_streams(
     paths = [spec.path for spec in specs]
     instances = [component_of_port(root, path, listing.host).instance for path in paths]
     snapshot = facts.part(instances)
-    found: dict[str, list[tuple[End, PortSpec]]] = {}
+    found: dict[str, list[tuple[ResolvedPort, PortSpec]]] = {}
     for spec, instance in zip(specs, instances, strict=True):
         component = snapshot.component(instance)
         if component is None:
@@ -101,7 +101,7 @@ def find_streams(
         port, name = _port_and_stream(spec, {port.name: port for port in component.ports})
         if port.port_type is not wanted:
             raise Refused(f"Port is not {_WORDS[wanted]}: {spec.path.typed}")
-        end = End(spec.path, PortRef(instance, port.name), port)
+        end = ResolvedPort(spec.path, PortRef(instance, port.name), port)
         number = sum(len(group) for group in found.values())
         if not name:
             name = unnamed(number, end.ref) if unnamed else f"{_STREAMS[wanted]}{number}"
@@ -121,7 +121,7 @@ def _port_and_stream(spec: PortSpec, ports: dict[str, PortProfile]) -> tuple[Por
     raise no_port(spec.path, ports)
 
 
-def _stream(name: str, group: Sequence[tuple[End, PortSpec]]) -> Stream:
+def _stream(name: str, group: Sequence[tuple[ResolvedPort, PortSpec]]) -> Stream:
     stream = Stream(name, tuple(end for end, _ in group), group[0][1].formatter)
     for end, spec in group:
         if spec.formatter != stream.formatter or end.port.data_type != stream.data_type:

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from rtkit.component.layout import Struct, layout_of
+from rtkit.component.layout import StructLayout, layout_of
 from rtkit.component.types import Time
 from rtkit.probe.tap import Arrival
 
@@ -112,7 +112,7 @@ def stamp_reader(cls: type) -> Stamp:
         return lambda _payload: None
     fields = layout_of(cls).fields
     head = fields[0][1] if fields else None
-    if not isinstance(head, Struct) or head.cls is not Time:
+    if not isinstance(head, StructLayout) or head.cls is not Time:
         return lambda _payload: None
 
     def read(payload: bytes) -> int | None:

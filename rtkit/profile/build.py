@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rtkit.profile.common import Foreign, ForeignElement
-from rtkit.profile.spec import Spec
+from rtkit.profile.spec import ElementSpec
 from rtkit.profile.xmlnames import XSI_TYPE, split
 
 _One = Callable[[str, str], str]
@@ -17,7 +17,7 @@ class NotStrict(Exception):
     """The tree is not in strict form, or has content that a reader has to be told of."""
 
 
-def build(element: Any, spec: Spec) -> Any:
+def build(element: Any, spec: ElementSpec) -> Any:
     """Return the model of `element`, which is valid.
 
     Raises:
@@ -28,7 +28,7 @@ def build(element: Any, spec: Spec) -> Any:
     return _built(element, spec, known.setdefault)
 
 
-def build_strict(element: Any, spec: Spec, depth: int) -> Any:
+def build_strict(element: Any, spec: ElementSpec, depth: int) -> Any:
     """Return the model of `element` if it needs neither repair nor remark; it may yet be invalid.
 
     Prefixes must be the usual ones. `depth` is how many more levels there may be.
@@ -42,7 +42,7 @@ def build_strict(element: Any, spec: Spec, depth: int) -> Any:
     return _strictly(element, spec, depth, known.setdefault)
 
 
-def _built(element: Any, spec: Spec, one: _One) -> Any:
+def _built(element: Any, spec: ElementSpec, one: _One) -> Any:
     args = spec.blank[:]
     readers = spec.readers
     foreign_attributes: list[tuple[str, str]] = []
@@ -61,7 +61,7 @@ def _built(element: Any, spec: Spec, one: _One) -> Any:
     return spec.make(*args)
 
 
-def _strictly(element: Any, spec: Spec, depth: int, one: _One) -> Any:
+def _strictly(element: Any, spec: ElementSpec, depth: int, one: _One) -> Any:
     args = spec.blank[:]
     readers = spec.readers
     seen_type = None
@@ -105,11 +105,13 @@ def _strictly(element: Any, spec: Spec, depth: int, one: _One) -> Any:
     return spec.make(*args)
 
 
-def _is_extended(seen_type: str | None, spec: Spec) -> bool:
+def _is_extended(seen_type: str | None, spec: ElementSpec) -> bool:
     return seen_type is not None and seen_type == spec.extended_type
 
 
-def _children(element: Any, spec: Spec, args: list[Any], one: _One) -> tuple[ForeignElement, ...]:
+def _children(
+    element: Any, spec: ElementSpec, args: list[Any], one: _One
+) -> tuple[ForeignElement, ...]:
     slots = spec.slots
     foreign: list[ForeignElement] = []
     for item in element:

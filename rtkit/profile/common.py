@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Generic, TypeVar
 
-from rtkit.records import dataclass, field
+from rtkit.fast_dataclass import dataclass, field
 
 P = TypeVar("P")
 _LONGEST = 1000
@@ -41,7 +41,7 @@ NO_FOREIGN = Foreign()
 
 
 @dataclass(frozen=True, slots=True)
-class Property:
+class ExtensionProperty:
     """An extension property (``rtsExt:Properties``, ``rtcExt:Properties``)."""
 
     name: str

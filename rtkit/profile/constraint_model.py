@@ -5,8 +5,8 @@ A `Constraint` holds a unit, or a list or hash of further constraints; a unit ho
 
 from __future__ import annotations
 
+from rtkit.fast_dataclass import dataclass
 from rtkit.profile.common import NO_FOREIGN, Foreign
-from rtkit.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

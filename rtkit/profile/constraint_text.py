@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import replace
 from rtkit.profile.constraint_model import (
     Between,
     Comparison,
@@ -25,7 +26,6 @@ from rtkit.profile.constraint_model import (
     Logical,
 )
 from rtkit.profile.constraint_tokens import Token, tokens
-from rtkit.records import replace
 
 MAX_DEPTH = 64
 """Constraints nested deeper than this are malformed."""

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.profile.common import Note
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.forms import XML, form_of
 from rtkit.profile.positions import Positions
 from rtkit.profile.read import STDIN, as_it_stands, outcome
-from rtkit.records import dataclass, field
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile

@@ -8,7 +8,7 @@ from typing import Any
 
 from rtkit.errors import InvalidDocument
 from rtkit.profile.common import Note
-from rtkit.profile.places import Places
+from rtkit.profile.places import ElementPaths
 
 FAR_LINE = 65535
 """From here on libxml2 keeps the lines of elements in the text around them, or not at all."""
@@ -60,7 +60,7 @@ class Findings:
         self.remarks: list[Note] = []
         self.errors: list[Note] = []
         self._said: set[str] = set()
-        self._places = Places()
+        self._places = ElementPaths()
         self._far: dict[Any, int] = {}
         self._numbers: dict[Any, int] = {}
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, Items, Node, Table, Text, refused
+from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode, refused
 
 # Possessive, and content with the end of the text for the end of a string: time grows with length.
 _MARKS = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+(?:"|\\?\Z)|[{}\[\],\n]', re.DOTALL)
@@ -22,7 +22,7 @@ def read_json(text: str, source: str) -> Node:
 
     lines = _lines_of_objects(text, source)
 
-    def table(pairs: list[tuple[str, Any]]) -> Table:
+    def table(pairs: list[tuple[str, Any]]) -> TableNode:
         line = next(lines)
         keys: set[str] = set()
         for key, _ in pairs:
@@ -31,8 +31,8 @@ def read_json(text: str, source: str) -> Node:
                     source, line, "repeated-key", f"key {key[:80]!r} is there twice in one object"
                 )
             keys.add(key)
-        items = ((Text(line, key, True), _node(value, line)) for key, value in pairs)
-        return Table(line, tuple(items))
+        items = ((ScalarNode(line, key, True), _node(value, line)) for key, value in pairs)
+        return TableNode(line, tuple(items))
 
     def constant(name: str) -> None:
         raise refused(source, 1, "not-well-formed", f"{name} is no number of JSON")
@@ -65,15 +65,15 @@ class _Number(str):
 
 def _node(value: Any, line: int) -> Node:
     """Wrap what the library made; what is in an object has the line of that object."""
-    if isinstance(value, Table):
+    if isinstance(value, TableNode):
         return value
     if isinstance(value, list):
-        return Items(line, tuple(_node(item, line) for item in value))
+        return ListNode(line, tuple(_node(item, line) for item in value))
     if isinstance(value, bool):
-        return Text(line, "true" if value else "false")
+        return ScalarNode(line, "true" if value else "false")
     if value is None:
-        return Text(line, "null")
-    return Text(line, str(value), not isinstance(value, _Number))
+        return ScalarNode(line, "null")
+    return ScalarNode(line, str(value), not isinstance(value, _Number))
 
 
 def _lines_of_objects(text: str, source: str) -> Iterator[int]:

@@ -26,7 +26,7 @@ _MARKS = (
 _NULLS = ("", "~", "null", "Null", "NULL")
 
 
-class Text(NamedTuple):
+class ScalarNode(NamedTuple):
     """A scalar; one that is not quoted may stand for something else than text."""
 
     line: int
@@ -39,21 +39,21 @@ class Text(NamedTuple):
         return not self.is_quoted and self.text in _NULLS
 
 
-class Table(NamedTuple):
+class TableNode(NamedTuple):
     """Keys and their values, in the order of the document; each key is there once."""
 
     line: int
-    items: tuple[tuple[Text, Node], ...]
+    items: tuple[tuple[ScalarNode, Node], ...]
 
 
-class Items(NamedTuple):
+class ListNode(NamedTuple):
     """A list."""
 
     line: int
     items: tuple[Node, ...]
 
 
-Node = Text | Table | Items
+Node = ScalarNode | TableNode | ListNode
 
 
 def decoded(data: bytes, source: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from rtkit.profile.findings import Findings
 from rtkit.profile.parse import MAX_ATTRIBUTES, MAX_DEPTH
-from rtkit.profile.spec import DATE, FLAG, WHOLE, WORD, Attr, Child, Spec, is_date
+from rtkit.profile.spec import DATE, FLAG, WHOLE, WORD, Attr, Child, ElementSpec, is_date
 from rtkit.profile.xmlnames import NAMESPACES, XML, XSI, XSI_TYPE, clark, short, split
 
 _LANGUAGE = r"[a-zA-Z]{1,8}(-[a-zA-Z0-9]{1,8})*"
@@ -20,7 +20,7 @@ _CLOSED = frozenset(("", NAMESPACES["rtc"], NAMESPACES["rts"]))
 _HINTS = ("schemaLocation", "noNamespaceSchemaLocation")
 
 
-def normalise(element: Any, spec: Spec, found: Findings, depth: int = 1) -> None:
+def normalise(element: Any, spec: ElementSpec, found: Findings, depth: int = 1) -> None:
     """Repair `element` and what is below it in place."""
     if depth > MAX_DEPTH:
         found.wrong(element, "too-deep", f"elements are nested deeper than {MAX_DEPTH}")
@@ -32,7 +32,7 @@ def normalise(element: Any, spec: Spec, found: Findings, depth: int = 1) -> None
         _children(element, spec, found, depth)
 
 
-def _attributes(element: Any, spec: Spec, found: Findings) -> None:
+def _attributes(element: Any, spec: ElementSpec, found: Findings) -> None:
     checks, required, seen_type = spec.checks, 0, None
     odd: list[tuple[str, str]] = []
     for name, value in element.items():
@@ -92,7 +92,7 @@ def _respell(element: Any, attribute: Attr, value: str, found: Findings) -> bool
     return True
 
 
-def _odd_attribute(element: Any, spec: Spec, name: str, value: str, found: Findings) -> int:
+def _odd_attribute(element: Any, spec: ElementSpec, name: str, value: str, found: Findings) -> int:
     """Deal with an attribute that is not in the table; return 1 if it stood for a required one."""
     namespace, local = split(name)
     details = {"at": name, "seen": value}
@@ -136,7 +136,7 @@ def _is_wrong_xml(namespace: str, local: str, value: str) -> bool:
     return namespace == XML and (local != "lang" or not re.fullmatch(_LANGUAGE, value))
 
 
-def _supply(element: Any, spec: Spec, found: Findings) -> None:
+def _supply(element: Any, spec: ElementSpec, found: Findings) -> None:
     for attribute in spec.attributes:
         if not attribute.required or element.get(attribute.name) is not None:
             continue
@@ -151,7 +151,7 @@ def _supply(element: Any, spec: Spec, found: Findings) -> None:
         found.repaired(element, "absent-attribute", said, allowed=attribute.allowed)
 
 
-def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
+def _type(element: Any, spec: ElementSpec, seen: str | None, found: Findings) -> None:
     if spec.xsi_type is None or spec.xsi_type_text is None:
         if seen is not None and not _is_extended(element, spec, seen, found):
             del element.attrib[XSI_TYPE]
@@ -176,7 +176,7 @@ def _type(element: Any, spec: Spec, seen: str | None, found: Findings) -> None:
     set_type(element, spec.xsi_type_text, found)
 
 
-def _is_extended(element: Any, spec: Spec, seen: str, found: Findings) -> bool:
+def _is_extended(element: Any, spec: ElementSpec, seen: str, found: Findings) -> bool:
     prefix, _, local = seen.strip().rpartition(":")
     namespace = found.namespaces(element).get(prefix or None)
     return spec.extended_type is not None and clark(spec.extended_type) == f"{{{namespace}}}{local}"
@@ -197,7 +197,7 @@ def set_type(element: Any, wanted: str, found: Findings) -> None:
         element.set(XSI_TYPE, etree.QName(namespace, local))
 
 
-def _children(element: Any, spec: Spec, found: Findings, depth: int) -> None:
+def _children(element: Any, spec: ElementSpec, found: Findings, depth: int) -> None:
     index, last, is_disordered = spec.index, -1, False
     counts: dict[str, int] = {}
     _no_text(element, element.text, found)
@@ -258,7 +258,7 @@ def _text(item: Any, found: Findings) -> None:
         found.wrong(item, "text-content", said, seen=inside, allowed="text only")
 
 
-def _sort(element: Any, spec: Spec) -> None:
+def _sort(element: Any, spec: ElementSpec) -> None:
     behind = (len(spec.index), None)
     # One by one: to assign a slice takes lxml the square of its length.
     for item in sorted(element, key=lambda item: spec.index.get(item.tag, behind)[0]):
@@ -266,7 +266,7 @@ def _sort(element: Any, spec: Spec) -> None:
 
 
 def _odd_child(
-    element: Any, item: Any, spec: Spec, found: Findings, depth: int
+    element: Any, item: Any, spec: ElementSpec, found: Findings, depth: int
 ) -> tuple[int, Child] | None:
     namespace, local = split(item.tag)
     if namespace in _OUR_NAMESPACES:

@@ -8,7 +8,7 @@ from typing import Any
 from rtkit.profile.xmlnames import short, split
 
 
-class Places:
+class ElementPaths:
     """XPaths of one document, each found out once.
 
     A path is asked for before its element is moved or renamed, and then stays what it was: the

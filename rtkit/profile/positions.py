@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from rtkit.profile.findings import Findings
-from rtkit.profile.spec import Child, Spec
+from rtkit.profile.spec import Child, ElementSpec
 
 
 class Position(NamedTuple):
@@ -19,11 +19,11 @@ class Position(NamedTuple):
 class Positions:
     """Where the parts of one model stand; for the tree that the model was built from."""
 
-    def __init__(self, root: Any, spec: Spec, found: Findings) -> None:
+    def __init__(self, root: Any, spec: ElementSpec, found: Findings) -> None:
         self._root = root
         self._spec = spec
         self._found = found
-        self._children: dict[Any, dict[str, list[tuple[Any, Spec | None]]]] = {}
+        self._children: dict[Any, dict[str, list[tuple[Any, ElementSpec | None]]]] = {}
 
     def position(self, steps: Sequence[tuple[str, int]], field: str = "") -> Position:
         """Return where the part is to which fields of the model lead, each with its number.
@@ -42,7 +42,9 @@ class Positions:
         attribute = next((each for each in names if element.get(each) is not None), None)
         return Position(self._found.line(element), self._found.path(element, attribute))
 
-    def _below(self, element: Any, spec: Spec) -> dict[str, list[tuple[Any, Spec | None]]]:
+    def _below(
+        self, element: Any, spec: ElementSpec
+    ) -> dict[str, list[tuple[Any, ElementSpec | None]]]:
         known = self._children.get(element)
         if known is None:
             known = {}

@@ -11,12 +11,12 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rtkit.errors import NotFound
+from rtkit.fast_dataclass import dataclass
 from rtkit.profile.common import Note, Reading
 from rtkit.profile.findings import FAR_LINE, Findings, InvalidProfile
 from rtkit.profile.forms import XML, YAML, check_form, form_of
-from rtkit.profile.spec import Spec
+from rtkit.profile.spec import ElementSpec
 from rtkit.profile.xmlnames import clark, short, split
-from rtkit.records import dataclass
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
@@ -148,7 +148,7 @@ class Grammar:
     """What is to be known of a kind of profile, ``rts`` or ``rtc``."""
 
     kind: str
-    spec: Spec
+    spec: ElementSpec
     schema: str
     check: Callable[[Any, Findings], None]
     is_plain: Callable[[Any], bool]
@@ -182,7 +182,7 @@ def _check_names(root: Any, found: Findings) -> None:
 
 def _opened(
     data: bytes | str, source: str, form: str | None, kind: str | None, *, needs_lines: bool = True
-) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
+) -> tuple[str, Callable[[ElementSpec], tuple[Any, Findings]]]:
     """Return the kind of a document, and how to get its elements."""
     from rtkit.profile.parse import refuse_size
 
@@ -199,7 +199,7 @@ def _opened(
 
 def _opened_xml(
     data: bytes, source: str, kind: str | None, *, needs_lines: bool
-) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
+) -> tuple[str, Callable[[ElementSpec], tuple[Any, Findings]]]:
     from rtkit.profile.parse import may_drop_blanks, parse
 
     drops_blanks = may_drop_blanks(data)
@@ -217,7 +217,7 @@ def _opened_xml(
             text = f"root is {short(root.tag)}; it must be {local} of namespace {namespace}"
         raise InvalidProfile(source, [Note(root.sourceline or 1, text, rule="wrong-root")])
 
-    def elements(_: Spec) -> tuple[Any, Findings]:
+    def elements(_: ElementSpec) -> tuple[Any, Findings]:
         is_flat = data.count(b"xmlns") == len(root.nsmap)
         return root, Findings(source, dict(root.nsmap) if is_flat else None, is_vague=is_vague)
 
@@ -226,7 +226,7 @@ def _opened_xml(
 
 def _opened_tree(
     data: bytes, source: str, form: str, kind: str | None
-) -> tuple[str, Callable[[Spec], tuple[Any, Findings]]]:
+) -> tuple[str, Callable[[ElementSpec], tuple[Any, Findings]]]:
     from rtkit.profile.nodes import decoded, refused
     from rtkit.profile.tree_form import ROOTS
     from rtkit.profile.tree_read import elements_of, root_of
@@ -240,7 +240,7 @@ def _opened_tree(
         why = f"the root is {key.text}; it must be {ROOTS[kind or found]}"
         raise refused(source, key.line, "wrong-root", why)
 
-    def elements(spec: Spec) -> tuple[Any, Findings]:
+    def elements(spec: ElementSpec) -> tuple[Any, Findings]:
         findings = Findings(source)
         root = elements_of(body, key.line, found, spec, findings)
         findings.scope = dict(root.nsmap)
@@ -275,7 +275,7 @@ def as_it_stands(
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class ReadOutcome:
     """A document looked through: the profile, None where there are errors, and what was found.
 
     Attributes:
@@ -288,11 +288,11 @@ class Outcome:
     repairs: list[Note]
     remarks: list[Note]
     root: Any
-    spec: Spec
+    spec: ElementSpec
     found: Findings
 
 
-def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) -> Outcome:
+def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) -> ReadOutcome:
     """Look a document through: the short way if it is in strict form, else with repairs.
 
     Raises:
@@ -304,7 +304,7 @@ def outcome(data: bytes | str, source: str, form: str | None, kind: str | None) 
         profile = _plain(root, found, grammar)
         if profile is None:
             return _repaired(root, found, grammar)
-        return Outcome(grammar.kind, profile, [], [], [], root, grammar.spec, found)
+        return ReadOutcome(grammar.kind, profile, [], [], [], root, grammar.spec, found)
 
 
 def _plain(root: Any, found: Findings, grammar: Grammar) -> Any:
@@ -319,7 +319,7 @@ def _plain(root: Any, found: Findings, grammar: Grammar) -> Any:
     return profile if is_valid and grammar.is_plain(profile) else None
 
 
-def _repaired(root: Any, found: Findings, grammar: Grammar) -> Outcome:
+def _repaired(root: Any, found: Findings, grammar: Grammar) -> ReadOutcome:
     """Return what becomes of a document by the long way."""
     from rtkit.profile.build import build
     from rtkit.profile.normalise import normalise
@@ -335,7 +335,7 @@ def _repaired(root: Any, found: Findings, grammar: Grammar) -> Outcome:
     if profile is None and not errors:
         profile = build(root, grammar.spec)
     notes = (errors, found.repairs, found.remarks)
-    return Outcome(grammar.kind, None if errors else profile, *notes, root, grammar.spec, found)
+    return ReadOutcome(grammar.kind, None if errors else profile, *notes, root, grammar.spec, found)
 
 
 def _built(root: Any, grammar: Grammar) -> Any:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from rtkit.fast_dataclass import dataclass
 from rtkit.profile.common import NO_FOREIGN, Foreign
-from rtkit.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,8 @@ elements are tuples. An absent optional is None, which is not the same as empty.
 
 from __future__ import annotations
 
-from rtkit.profile.common import NO_FOREIGN, Foreign, Property
+from rtkit.fast_dataclass import dataclass
+from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign
 from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.rtc_doc_model import (
     ActionDoc,
@@ -17,7 +18,6 @@ from rtkit.profile.rtc_doc_model import (
     ServiceInterfaceDoc,
     ServicePortDoc,
 )
-from rtkit.records import dataclass
 
 RTC_VERSION = "0.3"
 """The profile format that rtkit writes for new components."""
@@ -52,7 +52,7 @@ class BasicInfo:
     save_project: str | None = None
     doc: BasicDoc | None = None
     version_up_logs: tuple[str, ...] = ()
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -87,7 +87,7 @@ class Actions:
 
 
 @dataclass(frozen=True, slots=True)
-class Configuration:
+class ConfigurationParameter:
     """A configuration parameter; `type` is free text."""
 
     name: str
@@ -98,20 +98,20 @@ class Configuration:
     comment: str | None = None
     constraint: Constraint | None = None
     doc: ConfigurationDoc | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
-class ConfigurationSet:
+class DeclaredParameters:
     """The configuration parameters of the component type."""
 
-    configurations: tuple[Configuration, ...] = ()
+    configurations: tuple[ConfigurationParameter, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class SystemParameter:
     """A system parameter (versions 0.1 and 0.2 only)."""
 
     name: str
@@ -120,7 +120,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class FsmTransition:
     """A transition of a finite state machine that an event port carries."""
 
     name: str
@@ -133,7 +133,7 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
-class DataPort:
+class DataPortDeclaration:
     """A data port; `port_type` is DataInPort, DataOutPort or EventPort."""
 
     port_type: str
@@ -148,9 +148,9 @@ class DataPort:
     variable_name: str | None = None
     comment: str | None = None
     constraint: Constraint | None = None
-    events: tuple[Event, ...] = ()
+    events: tuple[FsmTransition, ...] = ()
     doc: DataPortDoc | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -167,7 +167,7 @@ class ServiceInterface:
     variable_name: str | None = None
     comment: str | None = None
     doc: ServiceInterfaceDoc | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -180,7 +180,7 @@ class TransMethod:
 
 
 @dataclass(frozen=True, slots=True)
-class ServicePort:
+class ServicePortDeclaration:
     """A service port."""
 
     name: str
@@ -189,7 +189,7 @@ class ServicePort:
     service_interfaces: tuple[ServiceInterface, ...] = ()
     trans_methods: tuple[TransMethod, ...] = ()
     doc: ServicePortDoc | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -223,7 +223,7 @@ class Language:
 
     kind: str
     targets: tuple[TargetEnvironment, ...] = ()
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -235,9 +235,9 @@ class RtcProfile:
     version: str
     basic_info: BasicInfo | None = None
     actions: Actions | None = None
-    configuration_set: ConfigurationSet | None = None
-    parameters: tuple[Parameter, ...] = ()
-    data_ports: tuple[DataPort, ...] = ()
-    service_ports: tuple[ServicePort, ...] = ()
+    configuration_set: DeclaredParameters | None = None
+    parameters: tuple[SystemParameter, ...] = ()
+    data_ports: tuple[DataPortDeclaration, ...] = ()
+    service_ports: tuple[ServicePortDeclaration, ...] = ()
     language: Language | None = None
     foreign: Foreign = NO_FOREIGN

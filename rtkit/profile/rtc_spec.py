@@ -6,9 +6,9 @@ from rtkit.profile import constraint_model as c
 from rtkit.profile import rtc_doc_model as d
 from rtkit.profile import rtc_model as m
 from rtkit.profile import rtc_rules as rules
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_rules import other_date, present_version
-from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Child, Spec, attribute, child
+from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Child, ElementSpec, attribute, child
 
 COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
 PORT_TYPES = ("DataInPort", "DataOutPort", "EventPort")
@@ -46,15 +46,15 @@ def _texts(namespace: str, **names: str) -> list[Attr]:
 
 
 def _doc(make: type, **names: str) -> Child:
-    spec = Spec(make, _texts("rtcDoc", **names), respellings={"occurrence": "occerrence"})
+    spec = ElementSpec(make, _texts("rtcDoc", **names), respellings={"occurrence": "occerrence"})
     return child("doc", "rtcDoc:Doc", spec)
 
 
 _PROPERTIES = child(
     "properties",
     "rtcExt:Properties",
-    Spec(
-        Property,
+    ElementSpec(
+        ExtensionProperty,
         [attribute("name", "rtcExt:name", required=True), attribute("value", "rtcExt:value")],
     ),
     many=True,
@@ -62,15 +62,15 @@ _PROPERTIES = child(
 _VARIABLE_NAME = attribute("variable_name", "rtcExt:variableName")
 _COMMENT = attribute("comment", "rtcExt:comment")
 
-_CONSTRAINT = Spec(c.Constraint)
+_CONSTRAINT = ElementSpec(c.Constraint)
 _CONSTRAINTS = child("constraints", "rtc:Constraint", _CONSTRAINT, many=True)
-_COMPARISON = Spec(
+_COMPARISON = ElementSpec(
     c.Comparison,
     [attribute("match_case", "rtc:matchCase", FLAG, supply="false")],
     [child("literal", "rtc:Literal", least=1)],
     tag_field="kind",
 )
-_LIKE = Spec(
+_LIKE = ElementSpec(
     c.Like,
     [
         attribute("wild_card", "rtc:wildCard", required=True),
@@ -80,7 +80,7 @@ _LIKE = Spec(
     [child("literal", "rtc:Literal", least=1)],
     tag_field="kind",
 )
-_BETWEEN = Spec(
+_BETWEEN = ElementSpec(
     c.Between,
     children=[
         child("lower_boundary", "rtc:LowerBoundary", least=1),
@@ -88,31 +88,31 @@ _BETWEEN = Spec(
     ],
     tag_field="kind",
 )
-_NOT = Spec(
+_NOT = ElementSpec(
     c.Logical,
     children=[child("constraints", "rtc:Constraint", _CONSTRAINT, many=True, least=1)],
     tag_field="kind",
     rule=rules.only_one,
 )
-_LOGICAL = Spec(
+_LOGICAL = ElementSpec(
     c.Logical,
     children=[child("constraints", "rtc:Constraint", _CONSTRAINT, many=True, least=2)],
     tag_field="kind",
 )
-_UNIT = Spec(
+_UNIT = ElementSpec(
     c.ConstraintUnit,
     [attribute("key", "rtc:key")],
     [
         child("test", "rtc:Not", _NOT, least=1),
         *(child("test", f"rtc:{name}", _LOGICAL, least=1) for name in ("And", "Or")),
-        child("test", "rtc:propertyIsNullType", Spec(c.IsNull, tag_field="kind"), least=1),
+        child("test", "rtc:propertyIsNullType", ElementSpec(c.IsNull, tag_field="kind"), least=1),
         *(child("test", f"rtc:{name}", _COMPARISON, least=1) for name in COMPARISONS),
         child("test", "rtc:propertyIsLike", _LIKE, least=1),
         child("test", "rtc:propertyIsBetween", _BETWEEN, least=1),
     ],
     tag_field="kind",
 )
-_GROUP = Spec(c.ConstraintGroup, children=[_CONSTRAINTS], tag_field="kind")
+_GROUP = ElementSpec(c.ConstraintGroup, children=[_CONSTRAINTS], tag_field="kind")
 _CONSTRAINT.add_children(
     [
         child("content", "rtc:ConstraintHashType", _GROUP, least=1),
@@ -122,7 +122,7 @@ _CONSTRAINT.add_children(
 )
 _ONE_CONSTRAINT = child("constraint", "rtc:Constraint", _CONSTRAINT)
 
-_BASIC_INFO = Spec(
+_BASIC_INFO = ElementSpec(
     m.BasicInfo,
     [
         attribute("name", "rtc:name", required=True),
@@ -167,7 +167,7 @@ _BASIC_INFO = Spec(
     rule=rules.basic_info,
     respellings={"VersionUpLog": "VersionUpLogs"},
 )
-_ACTION = Spec(
+_ACTION = ElementSpec(
     m.ActionStatus,
     [attribute("implemented", "rtc:implemented", FLAG, supply="false")],
     [
@@ -180,8 +180,8 @@ _ACTION = Spec(
     ],
     xsi_type="rtcDoc:action_status_doc",
 )
-_CONFIGURATION = Spec(
-    m.Configuration,
+_CONFIGURATION = ElementSpec(
+    m.ConfigurationParameter,
     [
         attribute("name", "rtc:name", required=True),
         attribute("type", "rtc:type", required=True),
@@ -208,8 +208,8 @@ _CONFIGURATION = Spec(
     rule=rules.fragment_configuration,
     respellings=_VARIABLE,
 )
-_EVENT = Spec(
-    m.Event,
+_EVENT = ElementSpec(
+    m.FsmTransition,
     [
         attribute("name", "rtc:name", required=True),
         attribute("source", "rtc:source", required=True),
@@ -229,8 +229,8 @@ _EVENT = Spec(
     ],
     xsi_type="rtcDoc:event_doc",
 )
-_DATA_PORT = Spec(
-    m.DataPort,
+_DATA_PORT = ElementSpec(
+    m.DataPortDeclaration,
     [
         attribute(
             "port_type",
@@ -272,7 +272,7 @@ _DATA_PORT = Spec(
     also_types=["rtcDoc:dataport_doc"],
     respellings=_VARIABLE | {"subscriprionType": "subscriptionType"},
 )
-_SERVICE_INTERFACE = Spec(
+_SERVICE_INTERFACE = ElementSpec(
     m.ServiceInterface,
     [
         attribute("name", "rtc:name", required=True),
@@ -298,8 +298,8 @@ _SERVICE_INTERFACE = Spec(
     also_types=["rtcDoc:serviceinterface_doc"],
     respellings=_VARIABLE,
 )
-_SERVICE_PORT = Spec(
-    m.ServicePort,
+_SERVICE_PORT = ElementSpec(
+    m.ServicePortDeclaration,
     [
         attribute("name", "rtc:name", required=True),
         attribute("position", "rtcExt:position", words=POSITIONS, supply="LEFT"),
@@ -310,7 +310,7 @@ _SERVICE_PORT = Spec(
         child(
             "trans_methods",
             "rtc:TransMethods",
-            Spec(m.TransMethod, [attribute("kind", "rtc:kind", required=True)]),
+            ElementSpec(m.TransMethod, [attribute("kind", "rtc:kind", required=True)]),
             many=True,
         ),
         _doc(d.ServicePortDoc, description="description", ifdescription="ifdescription"),
@@ -319,14 +319,14 @@ _SERVICE_PORT = Spec(
     xsi_type="rtcExt:serviceport_ext",
     also_types=["rtcDoc:serviceport_doc"],
 )
-_LIBRARY = Spec(
+_LIBRARY = ElementSpec(
     m.Library,
     [
         attribute("name", "rtcExt:name", required=True),
         *_texts("rtcExt", version="version", other="other"),
     ],
 )
-_TARGET = Spec(
+_TARGET = ElementSpec(
     m.TargetEnvironment,
     _texts("rtcExt", lang_version="langVersion", os="os", other="other", cpu_other="cpuOther"),
     [
@@ -335,14 +335,14 @@ _TARGET = Spec(
         child("libraries", "rtcExt:libraries", _LIBRARY, many=True),
     ],
 )
-_LANGUAGE = Spec(
+_LANGUAGE = ElementSpec(
     m.Language,
     [attribute("kind", "rtc:kind", supply="")],
     [child("targets", "rtcExt:targets", _TARGET, many=True), _PROPERTIES],
     xsi_type="rtcExt:language_ext",
     rule=rules.nested_language,
 )
-RTC_PROFILE = Spec(
+RTC_PROFILE = ElementSpec(
     m.RtcProfile,
     [
         attribute("id", "rtc:id", supply=rules.composed_id),
@@ -353,7 +353,7 @@ RTC_PROFILE = Spec(
         child(
             "actions",
             "rtc:Actions",
-            Spec(
+            ElementSpec(
                 m.Actions,
                 children=[child(field, f"rtc:{name}", _ACTION) for field, name in ACTIONS],
             ),
@@ -361,8 +361,8 @@ RTC_PROFILE = Spec(
         child(
             "configuration_set",
             "rtc:ConfigurationSet",
-            Spec(
-                m.ConfigurationSet,
+            ElementSpec(
+                m.DeclaredParameters,
                 children=[child("configurations", "rtc:Configuration", _CONFIGURATION, many=True)],
             ),
         ),
@@ -371,8 +371,8 @@ RTC_PROFILE = Spec(
         child(
             "parameters",
             "rtc:Parameters",
-            Spec(
-                m.Parameter,
+            ElementSpec(
+                m.SystemParameter,
                 [
                     attribute("name", "rtc:name", required=True),
                     attribute("default_value", "rtc:defaultValue"),

@@ -6,8 +6,8 @@ None, which is not the same as empty. Dates stay text (``xs:dateTime``).
 
 from __future__ import annotations
 
-from rtkit.profile.common import NO_FOREIGN, Foreign, Property
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
+from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign
 
 RTS_VERSION = "0.2"
 """The profile format that rtkit writes for new systems."""
@@ -28,13 +28,13 @@ class ComponentRef:
 
 
 @dataclass(frozen=True, slots=True)
-class Port:
+class InstancePort:
     """A data port or service port of a component; `name` may carry the prefix ``<instance>.``."""
 
     name: str
     visible: bool | None = None
     comment: str | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -57,7 +57,7 @@ class ConfigurationSet:
 
 
 @dataclass(frozen=True, slots=True)
-class ExecutionContext:
+class OwnedContext:
     """An execution context that the component owns.
 
     Attributes:
@@ -69,7 +69,7 @@ class ExecutionContext:
     kind: str
     rate: float | None = None
     participants: tuple[ComponentRef, ...] = ()
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -86,7 +86,7 @@ class Location:
 
 
 @dataclass(frozen=True, slots=True)
-class Component:
+class ComponentInstance:
     """A component instance of the system.
 
     Attributes:
@@ -104,23 +104,23 @@ class Component:
     composite_type: str | None = None
     visible: bool | None = None
     comment: str | None = None
-    data_ports: tuple[Port, ...] = ()
-    service_ports: tuple[Port, ...] = ()
+    data_ports: tuple[InstancePort, ...] = ()
+    service_ports: tuple[InstancePort, ...] = ()
     configuration_sets: tuple[ConfigurationSet, ...] = ()
-    execution_contexts: tuple[ExecutionContext, ...] = ()
+    execution_contexts: tuple[OwnedContext, ...] = ()
     participants: tuple[ComponentRef, ...] = ()
     location: Location | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class ComponentGroup:
     """A named group of components."""
 
     group_id: str
     members: tuple[ComponentRef, ...] = ()
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -131,7 +131,7 @@ class TargetPort:
     component_id: str
     instance_name: str
     port_name: str
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -154,7 +154,7 @@ class DataPortConnector:
     push_interval: float | None = None
     visible: bool | None = None
     comment: str | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -169,7 +169,7 @@ class ServicePortConnector:
     trans_method: str | None = None
     visible: bool | None = None
     comment: str | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -208,14 +208,14 @@ class Preceding:
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
+class OrderStep:
     """One step of an order: the target, and exactly one of `wait_time` and `preceding`."""
 
     sequence: int
     target_component: TargetComponent
     wait_time: WaitTime | None = None
     preceding: Preceding | None = None
-    properties: tuple[Property, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
@@ -223,12 +223,12 @@ class Condition:
 class Order:
     """In which order components are told to start up, shut down, activate and so on."""
 
-    targets: tuple[Condition, ...] = ()
+    targets: tuple[OrderStep, ...] = ()
     foreign: Foreign = NO_FOREIGN
 
 
 @dataclass(frozen=True, slots=True)
-class System:
+class NestedSystem:
     """A nested system, by the path of its profile."""
 
     path: str
@@ -245,8 +245,8 @@ class RtsProfile:
     update_date: str
     abstract: str | None = None
     comment: str | None = None
-    components: tuple[Component, ...] = ()
-    groups: tuple[Group, ...] = ()
+    components: tuple[ComponentInstance, ...] = ()
+    groups: tuple[ComponentGroup, ...] = ()
     data_port_connectors: tuple[DataPortConnector, ...] = ()
     service_port_connectors: tuple[ServicePortConnector, ...] = ()
     start_up: Order | None = None
@@ -257,6 +257,6 @@ class RtsProfile:
     initializing: Order | None = None
     finalizing: Order | None = None
     version_up_logs: tuple[str, ...] = ()
-    properties: tuple[Property, ...] = ()
-    systems: tuple[System, ...] = ()
+    properties: tuple[ExtensionProperty, ...] = ()
+    systems: tuple[NestedSystem, ...] = ()
     foreign: Foreign = NO_FOREIGN

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from rtkit.fast_dataclass import replace
 from rtkit.profile import rts_model as m
 from rtkit.profile import rts_rules as rules
-from rtkit.profile.common import NO_FOREIGN, Foreign, Property
-from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Spec, attribute, child
-from rtkit.records import replace
+from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign
+from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, ElementSpec, attribute, child
 
 DIRECTIONS = ("DOWN", "RIGHT", "UP", "LEFT")
 COMPOSITE_TYPES = (
@@ -41,8 +41,8 @@ def _only(participant: m.ComponentRef | None, around: Foreign) -> m.ComponentRef
     return replace(participant, around=around) if around != NO_FOREIGN else participant
 
 
-_PROPERTY = Spec(
-    Property,
+_PROPERTY = ElementSpec(
+    ExtensionProperty,
     [
         attribute("name", "rtsExt:name", required=True),
         attribute("value", "rtsExt:value"),
@@ -57,23 +57,23 @@ _REF = (
     attribute("component_id", "rts:componentId", required=True),
     attribute("instance_name", "rts:instanceName", required=True),
 )
-_COMPONENT_REF = Spec(m.ComponentRef, _REF)
-_PARTICIPANTS = Spec(
+_COMPONENT_REF = ElementSpec(m.ComponentRef, _REF)
+_PARTICIPANTS = ElementSpec(
     _only,
     children=[child("participant", "rts:Participant", _COMPONENT_REF, least=1)],
     wraps="participant",
 )
 _PORT = (attribute("name", "rts:name", required=True), *_SEEN)
-_DATA_PORT = Spec(m.Port, _PORT, [_PROPERTIES], xsi_type="rtsExt:dataport_ext")
-_SERVICE_PORT = Spec(m.Port, _PORT, [_PROPERTIES], xsi_type="rtsExt:serviceport_ext")
-_CONFIGURATION_SET = Spec(
+_DATA_PORT = ElementSpec(m.InstancePort, _PORT, [_PROPERTIES], xsi_type="rtsExt:dataport_ext")
+_SERVICE_PORT = ElementSpec(m.InstancePort, _PORT, [_PROPERTIES], xsi_type="rtsExt:serviceport_ext")
+_CONFIGURATION_SET = ElementSpec(
     m.ConfigurationSet,
     [attribute("id", "rts:id", required=True)],
     [
         child(
             "data",
             "rts:ConfigurationData",
-            Spec(
+            ElementSpec(
                 m.ConfigurationData,
                 [attribute("name", "rts:name", required=True), attribute("data", "rts:data")],
             ),
@@ -81,8 +81,8 @@ _CONFIGURATION_SET = Spec(
         )
     ],
 )
-_EXECUTION_CONTEXT = Spec(
-    m.ExecutionContext,
+_EXECUTION_CONTEXT = ElementSpec(
+    m.OwnedContext,
     [
         attribute("id", "rts:id", supply=rules.position_among_siblings),
         attribute("kind", "rts:kind", supply="PERIODIC"),
@@ -94,7 +94,7 @@ _EXECUTION_CONTEXT = Spec(
     ],
     xsi_type="rtsExt:execution_context_ext",
 )
-_LOCATION = Spec(
+_LOCATION = ElementSpec(
     m.Location,
     [
         attribute("x", "rtsExt:x", WHOLE, supply="0"),
@@ -104,8 +104,8 @@ _LOCATION = Spec(
         attribute("direction", "rtsExt:direction", words=DIRECTIONS, supply="DOWN"),
     ],
 )
-_COMPONENT = Spec(
-    m.Component,
+_COMPONENT = ElementSpec(
+    m.ComponentInstance,
     [
         attribute("id", "rts:id", required=True),
         attribute("path_uri", "rts:pathUri", supply=""),
@@ -131,12 +131,12 @@ _COMPONENT = Spec(
     ],
     xsi_type="rtsExt:component_ext",
 )
-_GROUP = Spec(
-    m.Group,
+_GROUP = ElementSpec(
+    m.ComponentGroup,
     [attribute("group_id", "rts:groupId", required=True)],
     [child("members", "rts:Members", _COMPONENT_REF, many=True, least=1), _PROPERTIES],
 )
-_TARGET_PORT = Spec(
+_TARGET_PORT = ElementSpec(
     m.TargetPort,
     [*_REF, attribute("port_name", "rts:portName", required=True)],
     [_PROPERTIES],
@@ -146,7 +146,7 @@ _CONNECTOR = (
     attribute("connector_id", "rts:connectorId", supply=rules.position_among_siblings),
     attribute("name", "rts:name", supply=""),
 )
-_DATA_CONNECTOR = Spec(
+_DATA_CONNECTOR = ElementSpec(
     m.DataPortConnector,
     [
         *_CONNECTOR,
@@ -168,7 +168,7 @@ _DATA_CONNECTOR = Spec(
     ],
     xsi_type="rtsExt:dataport_connector_ext",
 )
-_SERVICE_CONNECTOR = Spec(
+_SERVICE_CONNECTOR = ElementSpec(
     m.ServicePortConnector,
     [*_CONNECTOR, attribute("trans_method", "rts:transMethod"), *_SEEN],
     [
@@ -178,8 +178,8 @@ _SERVICE_CONNECTOR = Spec(
     ],
     xsi_type="rtsExt:serviceport_connector_ext",
 )
-_TARGET_COMPONENT = Spec(m.TargetComponent, [*_REF, attribute("id", "rts:id", supply="0")])
-_PRECEDING = Spec(
+_TARGET_COMPONENT = ElementSpec(m.TargetComponent, [*_REF, attribute("id", "rts:id", supply="0")])
+_PRECEDING = ElementSpec(
     m.Preceding,
     [
         attribute("timeout", "rts:timeout", WHOLE),
@@ -187,14 +187,14 @@ _PRECEDING = Spec(
     ],
     [child("preceding_components", "rts:PrecedingComponents", _TARGET_COMPONENT, many=True)],
 )
-_CONDITION = Spec(
-    m.Condition,
+_CONDITION = ElementSpec(
+    m.OrderStep,
     [attribute("sequence", "rts:sequence", WHOLE, required=True)],
     [
         child(
             "wait_time",
             "rts:WaitTime",
-            Spec(m.WaitTime, [attribute("wait_time", "rts:waitTime", WHOLE, supply="0")]),
+            ElementSpec(m.WaitTime, [attribute("wait_time", "rts:waitTime", WHOLE, supply="0")]),
         ),
         child("preceding", "rts:Preceding", _PRECEDING),
         child("target_component", "rts:TargetComponent", _TARGET_COMPONENT, least=1),
@@ -203,8 +203,8 @@ _CONDITION = Spec(
     xsi_type="rtsExt:condition_ext",
     rule=rules.precondition,
 )
-_ORDER = Spec(m.Order, children=[child("targets", "rts:targets", _CONDITION, many=True)])
-RTS_PROFILE = Spec(
+_ORDER = ElementSpec(m.Order, children=[child("targets", "rts:targets", _CONDITION, many=True)])
+RTS_PROFILE = ElementSpec(
     m.RtsProfile,
     [
         attribute("id", "rts:id", required=True),
@@ -227,7 +227,7 @@ RTS_PROFILE = Spec(
         child(
             "systems",
             "rtsExt:Systems",
-            Spec(m.System, [attribute("path", "rtsExt:path", required=True)]),
+            ElementSpec(m.NestedSystem, [attribute("path", "rtsExt:path", required=True)]),
             many=True,
         ),
     ],

@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from rtkit.fast_dataclass import replace
 from rtkit.profile.common import Note
-from rtkit.records import replace
 
 _MOST_LINES = 200
 _LONGEST_LINE = 5_000

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable
 from math import isfinite
 from typing import Any
 
+from rtkit.fast_dataclass import MISSING, dataclass, fields
 from rtkit.profile.common import NO_FOREIGN
 from rtkit.profile.xmlnames import clark, split
-from rtkit.records import MISSING, dataclass, fields
 
 Supply = str | Callable[[Any, Any], str]
 """A value for an absent attribute, or how to find one from its element and the findings."""
@@ -128,13 +128,13 @@ class Child:
 
     field: str
     name: str
-    spec: Spec | None
+    spec: ElementSpec | None
     is_many: bool
     least: int
 
 
 def child(
-    field: str, name: str, spec: Spec | None = None, *, many: bool = False, least: int = 0
+    field: str, name: str, spec: ElementSpec | None = None, *, many: bool = False, least: int = 0
 ) -> Child:
     """Describe a child element by its short name."""
     return Child(field, clark(name), spec, many, least)
@@ -150,7 +150,7 @@ _OLDER = {
 """Names of elements in older trees of the usual tools, and the present ones."""
 
 
-class Spec:
+class ElementSpec:
     """How one model class looks in XML.
 
     Attributes:
@@ -210,7 +210,7 @@ class Spec:
         self.children: tuple[Child, ...] = ()
         self.index: dict[str, tuple[int, Child]] = {}
         self.child_by_local: dict[str, str] = {}
-        self.slots: dict[str, tuple[int, int, Spec | None, bool]] = {}
+        self.slots: dict[str, tuple[int, int, ElementSpec | None, bool]] = {}
         self.many_places: tuple[int, ...] = ()
         self.needs: dict[str, int] = {}
         self.add_children(children)

@@ -13,18 +13,18 @@ from rtkit.profile.build import NotStrict, build_strict
 from rtkit.profile.parse import MAX_DEPTH
 from rtkit.profile.rts_rules import OLD_VERSIONS
 from rtkit.profile.rts_spec import ORDERS
-from rtkit.profile.spec import Spec
+from rtkit.profile.spec import ElementSpec
 from rtkit.profile.words import strip_instance
 from rtkit.profile.xmlnames import NAMESPACES
 
 if TYPE_CHECKING:
     from rtkit.profile.rtc_model import RtcProfile
-    from rtkit.profile.rts_model import Component, Order, Port, RtsProfile
+    from rtkit.profile.rts_model import ComponentInstance, InstancePort, Order, RtsProfile
 
 _Key = tuple[str, str]
 
 
-def built(root: Any, spec: Spec, scope: dict[str | None, str] | None) -> Any:
+def built(root: Any, spec: ElementSpec, scope: dict[str | None, str] | None) -> Any:
     """Return the model of a tree in strict form, not yet validated; None for any other."""
     if scope is None or any(scope.get(p, uri) != uri for p, uri in NAMESPACES.items()):
         return None
@@ -58,7 +58,7 @@ def is_plain_system(profile: RtsProfile) -> bool:
     )
 
 
-def _ports_are_listed(profile: RtsProfile, components: dict[_Key, Component]) -> bool:
+def _ports_are_listed(profile: RtsProfile, components: dict[_Key, ComponentInstance]) -> bool:
     data = {key: _own_names(item, item.data_ports) for key, item in components.items()}
     service = {key: _own_names(item, item.service_ports) for key, item in components.items()}
     return all(
@@ -73,7 +73,7 @@ def _ports_are_listed(profile: RtsProfile, components: dict[_Key, Component]) ->
     )
 
 
-def _own_names(component: Component, ports: tuple[Port, ...]) -> set[str]:
+def _own_names(component: ComponentInstance, ports: tuple[InstancePort, ...]) -> set[str]:
     return {strip_instance(port.name, component.instance_name) for port in ports}
 
 

@@ -7,10 +7,10 @@ from contextlib import suppress
 from typing import Any
 
 from rtkit.profile.findings import Findings
-from rtkit.profile.nodes import Items, Node, Table, Text, refused
+from rtkit.profile.nodes import ListNode, Node, ScalarNode, TableNode, refused
 from rtkit.profile.parse import MAX_ATTRIBUTES
-from rtkit.profile.rts_model import Condition
-from rtkit.profile.spec import DATE, FLAG, Attr, Child, Spec
+from rtkit.profile.rts_model import OrderStep
+from rtkit.profile.spec import DATE, FLAG, Attr, Child, ElementSpec
 from rtkit.profile.tree_form import (
     CONDITION,
     DATE_PARTS,
@@ -32,14 +32,14 @@ _TRUE, _FALSE = ("true", "yes", "on", "y"), ("false", "no", "off", "n")
 PREFIXES = {"rtc": ("rtc", "rtcDoc", "rtcExt", "xsi"), "rts": ("rts", "rtsExt", "xsi")}
 
 
-def root_of(node: Node, source: str) -> tuple[str, Text, Node]:
+def root_of(node: Node, source: str) -> tuple[str, ScalarNode, Node]:
     """Return the kind of profile that a document is, its root's key, and what is under it.
 
     Raises:
         InvalidProfile: It is no profile.
     """
     wanted = " or ".join(ROOTS.values())
-    keys = node.items if isinstance(node, Table) else ()
+    keys = node.items if isinstance(node, TableNode) else ()
     keys = tuple(item for item in keys if item[0].text != SCHEMA_KEY)
     if len(keys) != 1:
         raise refused(source, node.line, "wrong-root", f"the root is a table of one key, {wanted}")
@@ -51,7 +51,7 @@ def root_of(node: Node, source: str) -> tuple[str, Text, Node]:
     raise refused(source, key.line, "wrong-root", why)
 
 
-def elements_of(body: Node, line: int, kind: str, spec: Spec, found: Findings) -> Any:
+def elements_of(body: Node, line: int, kind: str, spec: ElementSpec, found: Findings) -> Any:
     """Return the root element for what is under the root's key."""
     from lxml import etree
 
@@ -69,21 +69,21 @@ class _Filler:
         self._found = found
         self._usual: set[tuple[str, str, str]] = set()
 
-    def fill(self, element: Any, body: Node, spec: Spec) -> None:
-        if isinstance(body, Text) and body.is_null:
+    def fill(self, element: Any, body: Node, spec: ElementSpec) -> None:
+        if isinstance(body, ScalarNode) and body.is_null:
             return
-        if not isinstance(body, Table):
+        if not isinstance(body, TableNode):
             self._wrong(body, f"{short(element.tag)} is a table of its parts")
             return
         if self._has_too_many(body):
             return
         body = self._chosen(body, spec)
         parts: list[tuple[int, Child, Node]] = []
-        others: list[tuple[Text, Node]] = []
+        others: list[tuple[ScalarNode, Node]] = []
         for key, value in _parts(body, spec):
             local = _local(key)
             attribute = spec.known.get(spec.attribute_by_local.get(local, ""))
-            if attribute is not None and isinstance(value, Text):
+            if attribute is not None and isinstance(value, ScalarNode):
                 self._look_at(key, attribute.name, element.tag)
                 self._set(element, attribute, value)
                 continue
@@ -104,7 +104,7 @@ class _Filler:
             else:
                 self._keep(element, key, value)
 
-    def _chosen(self, body: Table, spec: Spec) -> Table:
+    def _chosen(self, body: TableNode, spec: ElementSpec) -> TableNode:
         """Return what is meant by the parts of a choice that stand where the choice should."""
         if not spec.is_choice or any(_child_of(spec, _local(key)) for key, _ in body.items):
             return body
@@ -113,10 +113,10 @@ class _Filler:
             if inner is not None and all(_child_of(inner, _local(key)) for key, _ in body.items):
                 key = key_of(choice.name, choice.name)
                 self._found.repaired_at(body.line, "key-name", f"{key!r} is absent: taken as meant")
-                return Table(body.line, ((Text(body.line, key), body),))
+                return TableNode(body.line, ((ScalarNode(body.line, key), body),))
         return body
 
-    def _look_at(self, key: Text, name: str, tag: str) -> None:
+    def _look_at(self, key: ScalarNode, name: str, tag: str) -> None:
         """Note a key that is not as it should be, for what it was taken as."""
         if (key.text, name, tag) in self._usual:
             return
@@ -129,10 +129,10 @@ class _Filler:
 
     def _children(self, element: Any, part: Child, value: Node) -> None:
         is_unit = part.spec is not None and not part.spec.attributes and not part.spec.children
-        if isinstance(value, Text) and value.is_null and not is_unit:
+        if isinstance(value, ScalarNode) and value.is_null and not is_unit:
             return
         value = self._whole(part, value)
-        for item in value.items if isinstance(value, Items) else (value,):
+        for item in value.items if isinstance(value, ListNode) else (value,):
             made = self._made(element, part.name, item)
             if part.spec is None:
                 self._text(made, item)
@@ -144,18 +144,23 @@ class _Filler:
     def _whole(self, part: Child, value: Node) -> Node:
         """Return what is meant by a list that stands where a table with that list should."""
         inner = part.spec.children if part.spec is not None else ()
-        if part.is_many or not isinstance(value, Items) or len(inner) != 1 or not inner[0].is_many:
+        if (
+            part.is_many
+            or not isinstance(value, ListNode)
+            or len(inner) != 1
+            or not inner[0].is_many
+        ):
             return value
         key = key_of(inner[0].name, part.name)
         said = f"a list taken as {key!r} of {key_of(part.name, part.name)!r}"
         self._found.repaired_at(value.line, "key-name", said)
-        return Table(value.line, ((Text(value.line, key), value),))
+        return TableNode(value.line, ((ScalarNode(value.line, key), value),))
 
     def _set(self, element: Any, attribute: Attr, value: Node) -> None:
-        if attribute.kind == DATE and isinstance(value, Table):
+        if attribute.kind == DATE and isinstance(value, TableNode):
             self._put(element, attribute.name, self._date(value), value)
             return
-        if not isinstance(value, Text):
+        if not isinstance(value, ScalarNode):
             self._wrong(value, f"{short(attribute.name)} is one value")
             return
         if value.is_null:
@@ -165,55 +170,57 @@ class _Filler:
             text = "true" if text.lower() in _TRUE else "false"
         self._put(element, attribute.name, text, value)
 
-    def _date(self, value: Table) -> str:
-        parts = {key.text: part.text for key, part in value.items if isinstance(part, Text)}
+    def _date(self, value: TableNode) -> str:
+        parts = {key.text: part.text for key, part in value.items if isinstance(part, ScalarNode)}
         text = date_text(parts) if parts.keys() <= set(DATE_PARTS) else None
         if text is None or len(parts) != len(value.items):
             self._wrong(value, f"a date has numbers for: {', '.join(DATE_PARTS)}", "bad-value")
         return text or ""
 
-    def _keep(self, element: Any, key: Text, value: Node) -> None:
+    def _keep(self, element: Any, key: ScalarNode, value: Node) -> None:
         """Keep a key that no table knows, for the checks of every profile to judge."""
         name = name_of(key.text, element.tag)
         if name is None:
             self._wrong(key, f"no part of a profile: {key.text[:80]!r}", "unknown-key")
-        elif isinstance(value, Text):
+        elif isinstance(value, ScalarNode):
             if not value.is_null:
                 self._put(element, name, value.text, value)
         else:
-            for item in value.items if isinstance(value, Items) else (value,):
+            for item in value.items if isinstance(value, ListNode) else (value,):
                 made = self._made(element, name, item)
                 if made is None:
                     continue
-                if not isinstance(item, Table):
+                if not isinstance(item, TableNode):
                     self._text(made, item)
                 elif not self._has_too_many(item):
                     for inner, below in item.items:
                         self._keep(made, inner, below)
 
-    def _foreign(self, element: Any, key: Text, value: Node) -> None:
+    def _foreign(self, element: Any, key: ScalarNode, value: Node) -> None:
         if key.text == FOREIGN_ATTRIBUTES:
             self._foreign_attributes(element, value)
             return
-        for item in value.items if isinstance(value, Items) else (value,):
+        for item in value.items if isinstance(value, ListNode) else (value,):
             self._foreign_element(element, item)
 
     def _foreign_attributes(self, element: Any, value: Node) -> None:
-        if not isinstance(value, Table):
+        if not isinstance(value, TableNode):
             self._wrong(value, "foreign attributes are a table of name and text")
             return
         if self._has_too_many(value):
             return
         for name, text in value.items:
-            if isinstance(text, Text):
+            if isinstance(text, ScalarNode):
                 self._put(element, name.text, text.text, name)
             else:
                 self._wrong(text, f"{name.text[:80]!r} is one value")
 
     def _foreign_element(self, parent: Any, node: Node) -> None:
-        parts = {key.text: value for key, value in node.items} if isinstance(node, Table) else {}
+        parts = (
+            {key.text: value for key, value in node.items} if isinstance(node, TableNode) else {}
+        )
         name = parts.get("name")
-        if not isinstance(name, Text) or not parts.keys() <= set(FOREIGN_PARTS):
+        if not isinstance(name, ScalarNode) or not parts.keys() <= set(FOREIGN_PARTS):
             self._wrong(node, f"a foreign element is a table of: {', '.join(FOREIGN_PARTS)}")
             return
         made = self._made(parent, name.text, node)
@@ -225,8 +232,8 @@ class _Filler:
             self._text(made, parts["text"])
         if "tail" in parts:
             self._text(made, parts["tail"], is_tail=True)
-        below = parts.get("children", Items(node.line, ()))
-        for item in below.items if isinstance(below, Items) else (below,):
+        below = parts.get("children", ListNode(node.line, ()))
+        for item in below.items if isinstance(below, ListNode) else (below,):
             self._foreign_element(made, item)
 
     def _made(self, parent: Any, name: str, node: Node) -> Any:
@@ -242,7 +249,7 @@ class _Filler:
         return made
 
     def _text(self, element: Any, value: Node, *, is_tail: bool = False) -> None:
-        if not isinstance(value, Text):
+        if not isinstance(value, ScalarNode):
             self._wrong(value, f"{short(element.tag)} is text")
             return
         try:
@@ -266,7 +273,7 @@ class _Filler:
             why = f"{told} has a name or a character that no profile can hold"
             self._wrong(node, why, _CHARACTER)
 
-    def _has_too_many(self, table: Table) -> bool:
+    def _has_too_many(self, table: TableNode) -> bool:
         """Whether a table has more keys than an element may have attributes."""
         if len(table.items) <= MAX_ATTRIBUTES:
             return False
@@ -278,20 +285,20 @@ class _Filler:
         self._found.wrong_at(node.line, rule, why)
 
 
-def _parts(body: Table, spec: Spec) -> Iterator[tuple[Text, Node]]:
+def _parts(body: TableNode, spec: ElementSpec) -> Iterator[tuple[ScalarNode, Node]]:
     """Yield the keys of a table; what a target waits for is one level further down."""
     for key, value in body.items:
-        if spec.make is Condition and key.text == CONDITION and isinstance(value, Table):
+        if spec.make is OrderStep and key.text == CONDITION and isinstance(value, TableNode):
             yield from value.items
         else:
             yield key, value
 
 
-def _local(key: Text) -> str:
+def _local(key: ScalarNode) -> str:
     return key.text.rpartition("::")[2]
 
 
-def _child_of(spec: Spec, local: str) -> tuple[int, Child] | None:
+def _child_of(spec: ElementSpec, local: str) -> tuple[int, Child] | None:
     """Return the place among the children that a key names, and what it is."""
     for name in (local, local[:1].upper() + local[1:]):
         if name in spec.child_by_local:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from rtkit.profile.common import Foreign, ForeignElement
-from rtkit.profile.rts_model import Condition
-from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Child, Spec
+from rtkit.profile.rts_model import OrderStep
+from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Child, ElementSpec
 from rtkit.profile.tree_form import (
     CONDITION,
     FOREIGN_ATTRIBUTES,
@@ -18,7 +18,7 @@ from rtkit.profile.tree_form import (
 from rtkit.profile.written import check_text, checked_name, format_value, in_order
 
 
-def plain(value: Any, spec: Spec, tag: str) -> dict[str, Any]:
+def plain(value: Any, spec: ElementSpec, tag: str) -> dict[str, Any]:
     """Return a model as a table of keys, lists and scalars; `tag` is its element's name.
 
     Raises:
@@ -36,7 +36,7 @@ def plain(value: Any, spec: Spec, tag: str) -> dict[str, Any]:
         key = key_of(part.name, tag)
         content = [_child(part, each) for each in (field if part.is_many else (field,))]
         told = content if part.is_many else content[0]
-        if spec.make is Condition and part.field in WAITS:
+        if spec.make is OrderStep and part.field in WAITS:
             made[CONDITION] = {key: told}
         else:
             made[key] = told

@@ -7,7 +7,7 @@ from itertools import islice
 from typing import Any
 
 from rtkit.profile.common import Note
-from rtkit.profile.places import Places
+from rtkit.profile.places import ElementPaths
 from rtkit.profile.xmlnames import shorten
 from rtkit.resources import resource
 
@@ -49,7 +49,7 @@ def violations(root: Any, schema_name: str) -> list[Note]:
 
 def explained_violations(root: Any, schema_name: str) -> list[Note]:
     """Return what is against the schema, with reasons and what may be there; slow (xmlschema)."""
-    places = Places()
+    places = ElementPaths()
     schema = _explaining_schema(schema_name)
     return [
         Note(

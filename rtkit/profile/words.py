@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 
 OWN_PREFIX = "rtkit."
 """Names of rtkit's own extension properties begin with this."""
@@ -44,7 +44,7 @@ def normal_data_type(text: str) -> str:
     return f"IDL:{name}:{version}"
 
 
-def property_value(properties: Iterable[Property], name: str) -> str | None:
+def property_value(properties: Iterable[ExtensionProperty], name: str) -> str | None:
     """Return the value of the first property named `name`; None when absent or without value."""
     for item in properties:
         if item.name == name:

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from rtkit.errors import Malformed
-from rtkit.profile.spec import FLAG, REAL, WHOLE, Attr, Child, Spec, is_real, is_whole
+from rtkit.profile.spec import FLAG, REAL, WHOLE, Attr, Child, ElementSpec, is_real, is_whole
 from rtkit.profile.xmlnames import short, split
 from rtkit.xmltext import bad_character
 
@@ -38,7 +38,7 @@ def checked_name(name: str) -> str:
     return check_text(name)
 
 
-def in_order(spec: Spec, value: Any) -> tuple[Child, ...]:
+def in_order(spec: ElementSpec, value: Any) -> tuple[Child, ...]:
     """Return the children to write; of the alternatives of one field, the one that fits."""
     return tuple(child for child in spec.children if _fits(child, value))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rtkit.profile.common import Foreign, ForeignElement
-from rtkit.profile.spec import Attr, Child, Spec
+from rtkit.profile.spec import Attr, Child, ElementSpec
 from rtkit.profile.written import check_text, checked_name, format_value, in_order
 from rtkit.profile.xmlnames import NAMESPACES, XML, clark, short, split
 
@@ -32,7 +32,7 @@ class XmlWriter:
         self._prefixes = {NAMESPACES[prefix]: prefix for prefix in prefixes}
         self._out: list[str] = []
 
-    def document(self, profile: Any, spec: Spec, tag: str) -> bytes:
+    def document(self, profile: Any, spec: ElementSpec, tag: str) -> bytes:
         """Return the document whose root is a profile's model.
 
         Raises:
@@ -47,7 +47,7 @@ class XmlWriter:
         text = f"{_DECLARATION}<{tag}{declared}{head}{''.join(self._out[1:])}"
         return check_text(text).encode("utf-8")
 
-    def _element(self, value: Any, spec: Spec, tag: str, indent: str) -> None:
+    def _element(self, value: Any, spec: ElementSpec, tag: str, indent: str) -> None:
         foreign: Foreign = getattr(value, spec.foreign_field)
         parts = [f"{indent}<{tag}"]
         xsi_type = spec.xsi_type_text or _extended_type(spec, value)
@@ -113,7 +113,7 @@ class XmlWriter:
         return f"{prefix}:{local}"
 
 
-def _extended_type(spec: Spec, value: Any) -> str | None:
+def _extended_type(spec: ElementSpec, value: Any) -> str | None:
     """Return the type that allows for content of its namespace, where there is some."""
     if spec.extended_type is None:
         return None

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any, NoReturn
 
-from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, Items, Node, Table, Text, refused
+from rtkit.profile.nodes import MAX_DEPTH, MAX_NODES, ListNode, Node, ScalarNode, TableNode, refused
 from rtkit.profile.parse import MAX_BYTES
 
 _SYNTAX, _LARGE, _TAGS, _KEYS = "not-well-formed", "too-large", "tag-or-alias", "repeated-key"
@@ -45,7 +45,7 @@ def read_yaml(text: str, source: str) -> Node:
         raise refused(
             source, line, _SYNTAX, "not YAML: a character that may not be in it"
         ) from error
-    return reader.root or Text(1, "")
+    return reader.root or ScalarNode(1, "")
 
 
 class _Open:
@@ -58,7 +58,7 @@ class _Open:
         self.is_table = is_table
         self.items: list[Any] = []
         self.keys: set[str] = set()
-        self.key: Text | None = None
+        self.key: ScalarNode | None = None
 
 
 class _Reader:
@@ -68,7 +68,7 @@ class _Reader:
         self.root: Node | None = None
         self._source = source
         self._open: list[_Open] = []
-        self._anchors: dict[str, Text | None] = {}
+        self._anchors: dict[str, ScalarNode | None] = {}
         self._known: dict[str, str] = {}
         self._documents = 0
         self._nodes = 0
@@ -82,7 +82,7 @@ class _Reader:
             is_text = event.tag is None or event.tag == f"{_CORE}str"
             is_quoted = bool(event.style) or event.tag == f"{_CORE}str"
             value = self._known.setdefault(event.value, event.value)
-            text = Text(line, value, is_quoted and is_text)
+            text = ScalarNode(line, value, is_quoted and is_text)
             self._remember(event.anchor, text)
             self._add(text)
         elif kind in _ALLOWED:
@@ -95,7 +95,7 @@ class _Reader:
             self._open.append(_Open(line, kind == "MappingStartEvent"))
         elif kind in ("MappingEndEvent", "SequenceEndEvent"):
             done = self._open.pop()
-            make = Table if done.is_table else Items
+            make = TableNode if done.is_table else ListNode
             self._add(make(done.line, tuple(done.items)))
         elif kind == "AliasEvent":
             self._add(self._alias(event.anchor, line))
@@ -113,11 +113,11 @@ class _Reader:
                 line, _TAGS, f"tag {event.tag[:80]!r} is not allowed: a profile is plain data"
             )
 
-    def _remember(self, anchor: str | None, text: Text | None) -> None:
+    def _remember(self, anchor: str | None, text: ScalarNode | None) -> None:
         if anchor is not None:
             self._anchors[anchor] = text
 
-    def _alias(self, anchor: str, line: int) -> Text:
+    def _alias(self, anchor: str, line: int) -> ScalarNode:
         if anchor not in self._anchors:
             self._refuse(line, _SYNTAX, f"alias *{anchor} has no anchor before it")
         text = self._anchors[anchor]
@@ -141,7 +141,7 @@ class _Reader:
         elif top.key is not None:
             top.items.append((top.key, node))
             top.key = None
-        elif not isinstance(node, Text):
+        elif not isinstance(node, ScalarNode):
             self._refuse(node.line, _SYNTAX, "a key is a table or list; it must be a text")
         elif node.text in top.keys:
             self._refuse(node.line, _KEYS, f"key {node.text[:80]!r} is there twice")

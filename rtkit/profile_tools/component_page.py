@@ -8,18 +8,18 @@ from rtkit.drawing.component import component_svg
 from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.rtc_model import (
     ActionStatus,
-    Configuration,
-    DataPort,
-    Event,
+    ConfigurationParameter,
+    DataPortDeclaration,
+    FsmTransition,
     RtcProfile,
     ServiceInterface,
-    ServicePort,
+    ServicePortDeclaration,
 )
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.component_scene import component_name, component_pins
 from rtkit.profile_tools.component_summary import dates, hertz, one_line
-from rtkit.profile_tools.page import Page, Section, Table, present, section
+from rtkit.profile_tools.page import Page, PageTable, Section, present, section
 
 _DIRECTIONS = {"DataInPort": "in", "DataOutPort": "out", "EventPort": "event"}
 
@@ -83,10 +83,10 @@ def _data_ports(profile: RtcProfile) -> Section | None:
     heads = ("Port", "Direction", "Type", "Unit", "Constraint", "Description")
     rows = tuple(_data_port_row(port) for port in profile.data_ports)
     parts = [_data_port(port) for port in profile.data_ports]
-    return section("Data ports", table=Table(heads, rows), parts=parts)
+    return section("Data ports", table=PageTable(heads, rows), parts=parts)
 
 
-def _data_port_row(port: DataPort) -> tuple[str, ...]:
+def _data_port_row(port: DataPortDeclaration) -> tuple[str, ...]:
     return (
         port.name,
         _DIRECTIONS[port.port_type],
@@ -97,7 +97,7 @@ def _data_port_row(port: DataPort) -> tuple[str, ...]:
     )
 
 
-def _data_port(port: DataPort) -> Section | None:
+def _data_port(port: DataPortDeclaration) -> Section | None:
     doc = port.doc
     rows = [
         ("Type", doc.type if doc and not _is_same_type(doc.type, port.type) else ""),
@@ -107,7 +107,7 @@ def _data_port(port: DataPort) -> Section | None:
         ("Operation", doc.operation if doc else ""),
         ("IDL file", port.idl_file),
     ]
-    table = Table(("", ""), present(rows)) if present(rows) else None
+    table = PageTable(("", ""), present(rows)) if present(rows) else None
     return section(port.name, table=table, parts=[_events(port.events)])
 
 
@@ -115,7 +115,7 @@ def _is_same_type(one: str | None, other: str) -> bool:
     return normal_data_type(one or "") == normal_data_type(other)
 
 
-def _events(events: tuple[Event, ...]) -> Section | None:
+def _events(events: tuple[FsmTransition, ...]) -> Section | None:
     heads = ("Event", "From", "To", "Type", "Condition", "Description")
     rows = tuple(
         (
@@ -128,14 +128,14 @@ def _events(events: tuple[Event, ...]) -> Section | None:
         )
         for event in events
     )
-    return section("Events", table=Table(heads, rows))
+    return section("Events", table=PageTable(heads, rows))
 
 
 def _service_ports(profile: RtcProfile) -> Section | None:
     return section("Service ports", parts=[_service_port(each) for each in profile.service_ports])
 
 
-def _service_port(port: ServicePort) -> Section | None:
+def _service_port(port: ServicePortDeclaration) -> Section | None:
     heads = ("Interface", "Direction", "Type", "IDL file", "Description")
     rows = tuple(
         (
@@ -151,7 +151,7 @@ def _service_port(port: ServicePort) -> Section | None:
     if port.doc is not None:
         texts += [port.doc.description, port.doc.ifdescription]
     parts = [_interface(each) for each in port.service_interfaces]
-    found = section(port.name, texts, Table(heads, rows), parts)
+    found = section(port.name, texts, PageTable(heads, rows), parts)
     return found or Section(port.name, ("No interfaces.",))
 
 
@@ -168,7 +168,7 @@ def _interface(each: ServiceInterface) -> Section | None:
             ("After", doc.doc_post_condition),
         ]
     )
-    return section(each.name, table=Table(("", ""), rows))
+    return section(each.name, table=PageTable(("", ""), rows))
 
 
 def _parameters(profile: RtcProfile) -> Section | None:
@@ -176,10 +176,10 @@ def _parameters(profile: RtcProfile) -> Section | None:
         return None
     heads = ("Parameter", "Type", "Default", "Unit", "Allowed", "Description")
     rows = tuple(_parameter(item) for item in profile.configuration_set.configurations)
-    return section("Configuration parameters", table=Table(heads, rows))
+    return section("Configuration parameters", table=PageTable(heads, rows))
 
 
-def _parameter(item: Configuration) -> tuple[str, ...]:
+def _parameter(item: ConfigurationParameter) -> tuple[str, ...]:
     doc = item.doc
     limits = [format_constraint(item.constraint) if item.constraint else ""]
     told = [item.comment]
@@ -210,7 +210,7 @@ def _callbacks(profile: RtcProfile) -> Section | None:
         rows.append((name[:1].lower() + name[1:], *(text or "" for text in texts)))
     if not any(any(row[1:]) for row in rows):
         return section("Callbacks", [", ".join(row[0] for row in rows)])
-    return section("Callbacks", table=Table(heads, tuple(rows)))
+    return section("Callbacks", table=PageTable(heads, tuple(rows)))
 
 
 def _environment(profile: RtcProfile) -> Section | None:
@@ -230,7 +230,7 @@ def _environment(profile: RtcProfile) -> Section | None:
         )
         for target in profile.language.targets
     )
-    return section("Environments", table=Table(heads, rows))
+    return section("Environments", table=PageTable(heads, rows))
 
 
 def _history(profile: RtcProfile) -> Section | None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.drawing.component import Interface, Pin
-from rtkit.drawing.scene import EVENT, IN, LEFT, OUT, RIGHT, SERVICE, Port
+from rtkit.drawing.component import InterfaceSymbol, Pin
+from rtkit.drawing.scene import EVENT, IN, LEFT, OUT, RIGHT, SERVICE, PortPin
 from rtkit.profile.rtc_model import RtcProfile
 
 _KINDS = {"DataInPort": IN, "DataOutPort": OUT, "EventPort": EVENT}
@@ -29,14 +29,14 @@ def _data(profile: RtcProfile) -> Iterator[Pin]:
         kind = _KINDS[port.port_type]
         tip = " ".join(filter(None, (port.name, port.type, port.unit)))
         side = RIGHT if kind == OUT else LEFT
-        yield Pin(Port(port.name, side, kind, tip), port.type)
+        yield Pin(PortPin(port.name, side, kind, tip), port.type)
 
 
 def _services(profile: RtcProfile) -> Iterator[Pin]:
     for port in profile.service_ports:
         side = RIGHT if port.position == "RIGHT" else LEFT
         interfaces = [
-            Interface(each.name, each.type, each.direction == "Provided")
+            InterfaceSymbol(each.name, each.type, each.direction == "Provided")
             for each in port.service_interfaces
         ]
-        yield Pin(Port(port.name, side, SERVICE, port.comment or ""), "", tuple(interfaces))
+        yield Pin(PortPin(port.name, side, SERVICE, port.comment or ""), "", tuple(interfaces))

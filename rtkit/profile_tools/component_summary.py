@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.rtc_model import (
     ActionStatus,
     BasicInfo,
-    Configuration,
-    DataPort,
-    Event,
+    ConfigurationParameter,
+    DataPortDeclaration,
+    FsmTransition,
     RtcProfile,
-    ServicePort,
+    ServicePortDeclaration,
 )
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.rts_rules import NO_DATE
@@ -70,7 +70,7 @@ def _ports(profile: RtcProfile) -> Iterator[Outline]:
         yield entry("service ports", below=map(_service_port, profile.service_ports))
 
 
-def _data_port(port: DataPort) -> Outline:
+def _data_port(port: DataPortDeclaration) -> Outline:
     told = one_line(port.comment) or (one_line(port.doc.description) if port.doc else "")
     unit = f"[{port.unit}]" if port.unit else ""
     below = map(_event, port.events)
@@ -78,13 +78,13 @@ def _data_port(port: DataPort) -> Outline:
     return entry(direction, port.name, f"{port.type} {unit}".rstrip(), told, below=below)
 
 
-def _event(event: Event) -> Outline:
+def _event(event: FsmTransition) -> Outline:
     condition = f"if {one_line(event.condition)}" if event.condition else ""
     way = f"{event.source} -> {event.target}"
     return entry("event", event.name or "(no name)", way, event.type or "", condition)
 
 
-def _service_port(port: ServicePort) -> Outline:
+def _service_port(port: ServicePortDeclaration) -> Outline:
     below = [
         entry(each.direction.lower(), each.name, each.type, each.idl_file or "")
         for each in port.service_interfaces
@@ -100,7 +100,7 @@ def _parameters(profile: RtcProfile) -> Iterator[Outline]:
         yield entry("system parameters", below=rows)
 
 
-def _parameter(item: Configuration) -> Outline:
+def _parameter(item: ConfigurationParameter) -> Outline:
     value = f"{item.default_value} {item.unit or ''}".rstrip()
     limit = format_constraint(item.constraint) if item.constraint else ""
     told = one_line(item.comment) or (one_line(item.doc.description) if item.doc else "")
@@ -118,7 +118,7 @@ def _behaviour(profile: RtcProfile) -> Iterator[Outline]:
     yield entry("callbacks", " ".join(implemented) or "(none)")
 
 
-def properties(items: tuple[Property, ...]) -> Iterator[Outline]:
+def properties(items: tuple[ExtensionProperty, ...]) -> Iterator[Outline]:
     """Yield one entry that holds the properties, if there are any."""
     if items:
         rows = (entry(item.name, one_line(item.value)) for item in items)

@@ -8,15 +8,15 @@ from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.constraint_model import Constraint
 from rtkit.profile.rtc_model import (
     BasicInfo,
-    Configuration,
-    DataPort,
-    Event,
+    ConfigurationParameter,
+    DataPortDeclaration,
+    FsmTransition,
     RtcProfile,
     ServiceInterface,
 )
 from rtkit.profile.rtc_spec import ACTIONS
 from rtkit.profile.words import normal_data_type
-from rtkit.profile_tools.thing import Key, Thing, Things, fields_of, put, told
+from rtkit.profile_tools.thing import Thing, ThingKey, Things, fields_of, put, told
 
 _PARTS = (
     "basic_info",
@@ -35,24 +35,24 @@ _CONTAINERS = {
 def component_things(profile: RtcProfile, takes_all: bool) -> Things:
     """Return the things of a profile: all of it, or what it means for who uses the component."""
     things: Things = {}
-    put(things, Key(0, "component", ""), Thing(_component(profile, takes_all)))
+    put(things, ThingKey(0, "component", ""), Thing(_component(profile, takes_all)))
     for port in profile.data_ports:
         fields = fields_of(port, ("name", "events")) if takes_all else _data_port(port)
-        key = put(things, Key(1, "port", port.name), Thing(fields))
+        key = put(things, ThingKey(1, "port", port.name), Thing(fields))
         _events(things, key, port.events, takes_all)
     for service in profile.service_ports:
         fields = fields_of(service, ("name", "service_interfaces")) if takes_all else {}
-        key = put(things, Key(1, "service port", service.name), Thing(fields))
+        key = put(things, ThingKey(1, "service port", service.name), Thing(fields))
         for each in service.service_interfaces:
             fields = fields_of(each, ("name",)) if takes_all else _interface(each)
-            put(things, Key(2, "interface", f"{service.name}.{each.name}"), Thing(fields, key))
+            put(things, ThingKey(2, "interface", f"{service.name}.{each.name}"), Thing(fields, key))
     if profile.configuration_set is not None:
         for item in profile.configuration_set.configurations:
             fields = fields_of(item, ("name",)) if takes_all else _parameter(item)
-            put(things, Key(3, "parameter", item.name), Thing(fields))
+            put(things, ThingKey(3, "parameter", item.name), Thing(fields))
     for old in profile.parameters:
         fields = fields_of(old, ("name",)) if takes_all else told(default=old.default_value)
-        put(things, Key(3, "system parameter", old.name), Thing(fields))
+        put(things, ThingKey(3, "system parameter", old.name), Thing(fields))
     _actions(things, profile, takes_all)
     return things
 
@@ -86,7 +86,7 @@ def _info(info: BasicInfo) -> dict[str, str]:
     )
 
 
-def _data_port(port: DataPort) -> dict[str, str]:
+def _data_port(port: DataPortDeclaration) -> dict[str, str]:
     return told(
         port_type=port.port_type,
         type=normal_data_type(port.type),
@@ -99,14 +99,16 @@ def _data_port(port: DataPort) -> dict[str, str]:
     )
 
 
-def _events(things: Things, port: Key, events: Iterable[Event], takes_all: bool) -> None:
+def _events(
+    things: Things, port: ThingKey, events: Iterable[FsmTransition], takes_all: bool
+) -> None:
     for event in events:
         fields = told(
             source=event.source, target=event.target, condition=event.condition, type=event.type
         )
         if takes_all:
             fields = fields_of(event, ("name",))
-        put(things, Key(2, "event", f"{port.name}.{event.name}"), Thing(fields, port))
+        put(things, ThingKey(2, "event", f"{port.name}.{event.name}"), Thing(fields, port))
 
 
 def _interface(each: ServiceInterface) -> dict[str, str]:
@@ -118,7 +120,7 @@ def _interface(each: ServiceInterface) -> dict[str, str]:
     )
 
 
-def _parameter(item: Configuration) -> dict[str, str]:
+def _parameter(item: ConfigurationParameter) -> dict[str, str]:
     return told(
         type=" ".join(item.type.split()).lower(),
         default=item.default_value,
@@ -136,4 +138,4 @@ def _actions(things: Things, profile: RtcProfile, takes_all: bool) -> None:
         status = getattr(profile.actions, field, None)
         if status is not None and (takes_all or status.implemented):
             fields = fields_of(status) if takes_all else {}
-            put(things, Key(4, "callback", name[:1].lower() + name[1:]), Thing(fields))
+            put(things, ThingKey(4, "callback", name[:1].lower() + name[1:]), Thing(fields))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from rtkit.errors import Refused
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.rts_model import RtsProfile
-from rtkit.profile_tools.thing import Key, Things
+from rtkit.profile_tools.thing import ThingKey, Things
 
 ADDED, REMOVED, CHANGED = "added", "removed", "changed"
 _MARKS = {ADDED: "+", REMOVED: "-", CHANGED: "~"}
@@ -88,13 +88,13 @@ def _differences(before: Things, after: Things) -> Iterator[Difference]:
             yield from _changes(key, before[key].fields, after[key].fields)
 
 
-def _owner_is_gone(key: Key, here: Things, there: Things) -> bool:
+def _owner_is_gone(key: ThingKey, here: Things, there: Things) -> bool:
     """Whether the thing that this one belongs to is not there either, and is told of instead."""
     owner = here[key].owner
     return owner is not None and owner not in there
 
 
-def _changes(key: Key, before: dict[str, str], after: dict[str, str]) -> Iterator[Difference]:
+def _changes(key: ThingKey, before: dict[str, str], after: dict[str, str]) -> Iterator[Difference]:
     for field in dict.fromkeys((*before, *after)):
         was, now = before.get(field), after.get(field)
         if was != now:

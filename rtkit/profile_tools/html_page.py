@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from rtkit.drawing.svg import escaped
-from rtkit.profile_tools.page import Page, Section, Table, with_line_breaks
+from rtkit.profile_tools.page import Page, PageTable, Section, with_line_breaks
 
 _STYLE = """
 body{font-family:'Noto Sans','Noto Sans JP','DejaVu Sans','Helvetica Neue',Arial,sans-serif;
@@ -70,7 +70,7 @@ def _section(each: Section, level: int) -> Iterator[str]:
     yield "</section>"
 
 
-def _table(table: Table) -> Iterator[str]:
+def _table(table: PageTable) -> Iterator[str]:
     yield '<div class="wide"><table>'
     if any(table.heads):
         cells = "".join(f"<th>{escaped(head)}</th>" for head in table.heads)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.profile_tools.html_page import paragraphs
-from rtkit.profile_tools.page import Page, Section, Table, with_line_breaks
+from rtkit.profile_tools.page import Page, PageTable, Section, with_line_breaks
 
 _ESCAPES = {
     "\\": r"\textbackslash{}",
@@ -52,7 +52,7 @@ def _section(each: Section, level: int) -> Iterator[str]:
         yield from _section(part, level + 1)
 
 
-def _table(table: Table) -> Iterator[str]:
+def _table(table: PageTable) -> Iterator[str]:
     width = 0.95 / len(table.heads)
     yield r"\noindent\begin{tabular}{" + f"p{{{width:.2f}\\linewidth}}" * len(table.heads) + "}"
     heads = (rf"\textbf{{{_line(head)}}}" for head in table.heads)

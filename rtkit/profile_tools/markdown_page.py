@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from rtkit.profile_tools.html_page import paragraphs
-from rtkit.profile_tools.page import Page, Section, Table, with_line_breaks
+from rtkit.profile_tools.page import Page, PageTable, Section, with_line_breaks
 
 _SPECIAL = re.compile(r"([\\`*_{}\[\]<>|~#])")
 _LINE_START = re.compile(r"^(\s*\d*)([-+=.)])")
@@ -26,7 +26,7 @@ def _blocks(page: Page, picture_file: str) -> Iterator[str]:
 
         yield f"![{_line(page.picture_text)}]({quote(picture_file)})"
     if page.facts:
-        yield _table(Table(("", ""), page.facts))
+        yield _table(PageTable(("", ""), page.facts))
     for each in page.sections:
         yield from _section(each, 2)
 
@@ -41,7 +41,7 @@ def _section(each: Section, level: int) -> Iterator[str]:
         yield from _section(part, level + 1)
 
 
-def _table(table: Table) -> str:
+def _table(table: PageTable) -> str:
     rows = [table.heads, ("---",) * len(table.heads)]
     lines = [_row(tuple(map(_cell, rows[0]))), _row(rows[1])]
     lines += [_row(tuple(map(_cell, row))) for row in table.rows]

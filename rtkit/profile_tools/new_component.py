@@ -7,22 +7,22 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from rtkit.errors import Malformed
+from rtkit.fast_dataclass import replace
 from rtkit.profile.constraint_text import parse_constraint
 from rtkit.profile.rtc_model import (
     RTC_VERSION,
     Actions,
     ActionStatus,
     BasicInfo,
-    Configuration,
-    ConfigurationSet,
-    DataPort,
+    ConfigurationParameter,
+    DataPortDeclaration,
+    DeclaredParameters,
     Language,
     RtcProfile,
     ServiceInterface,
-    ServicePort,
+    ServicePortDeclaration,
 )
 from rtkit.profile.rtc_spec import ACTIONS
-from rtkit.records import replace
 
 _SINGLE_COLON = re.compile(r"(?<!:):(?!:)")
 _PORT_NAME = re.compile(r"[\w./()-]+")
@@ -31,7 +31,7 @@ _LEFT_OUT = ("on_action", "on_mode_changed")
 """Callbacks that no language has a method for."""
 
 
-class Heading(NamedTuple):
+class ComponentHeading(NamedTuple):
     """Identity and kind of a new component type.
 
     Attributes:
@@ -54,10 +54,10 @@ class Heading(NamedTuple):
 
 
 def new_component(
-    heading: Heading,
-    data_ports: Iterable[DataPort] = (),
-    service_ports: Iterable[ServicePort] = (),
-    parameters: Iterable[Configuration] = (),
+    heading: ComponentHeading,
+    data_ports: Iterable[DataPortDeclaration] = (),
+    service_ports: Iterable[ServicePortDeclaration] = (),
+    parameters: Iterable[ConfigurationParameter] = (),
     callbacks: Iterable[str] = (),
 ) -> RtcProfile:
     """Return a profile in the strict form.
@@ -79,14 +79,14 @@ def new_component(
         RTC_VERSION,
         _basic_info(heading),
         _actions(callbacks),
-        ConfigurationSet(items) if items else None,
+        DeclaredParameters(items) if items else None,
         data_ports=data,
         service_ports=services,
         language=Language(heading.language),
     )
 
 
-def _basic_info(heading: Heading) -> BasicInfo:
+def _basic_info(heading: ComponentHeading) -> BasicInfo:
     is_periodic = heading.activity_type == "PERIODIC"
     return BasicInfo(
         heading.name,
@@ -129,7 +129,7 @@ def _check_once(what: str, names: list[str]) -> None:
             raise Malformed(f"{what} {name} is named twice")
 
 
-def data_port(text: str, port_type: str) -> DataPort:
+def data_port(text: str, port_type: str) -> DataPortDeclaration:
     """Read ``NAME:TYPE`` or ``NAME:TYPE:UNIT``; a standard type needs no module.
 
     Raises:
@@ -141,7 +141,9 @@ def data_port(text: str, port_type: str) -> DataPort:
     name, data_type = _port_name(parts[0]), parts[1]
     full = f"RTC::{data_type}" if _STANDARD.fullmatch(data_type) else data_type
     position = "RIGHT" if port_type == "DataOutPort" else "LEFT"
-    return DataPort(port_type, name, full, position, unit=parts[2] if len(parts) == 3 else None)
+    return DataPortDeclaration(
+        port_type, name, full, position, unit=parts[2] if len(parts) == 3 else None
+    )
 
 
 class InterfaceWish(NamedTuple):
@@ -166,18 +168,20 @@ def interface(text: str, direction: str) -> InterfaceWish:
     return InterfaceWish(_port_name(parts[0]), found)
 
 
-def service_ports(wishes: Iterable[InterfaceWish]) -> list[ServicePort]:
+def service_ports(wishes: Iterable[InterfaceWish]) -> list[ServicePortDeclaration]:
     """Return service ports with all interfaces that are to be at each of them."""
-    ports: dict[str, ServicePort] = {}
+    ports: dict[str, ServicePortDeclaration] = {}
     for wish in wishes:
-        made = ServicePort(wish.port, "RIGHT" if wish.interface.direction == "Provided" else "LEFT")
+        made = ServicePortDeclaration(
+            wish.port, "RIGHT" if wish.interface.direction == "Provided" else "LEFT"
+        )
         port = ports.get(wish.port, made)
         together = (*port.service_interfaces, wish.interface)
         ports[wish.port] = replace(port, service_interfaces=together)
     return list(ports.values())
 
 
-def parameter(text: str) -> Configuration:
+def parameter(text: str) -> ConfigurationParameter:
     """Read ``NAME:TYPE=DEFAULT``, behind which ``;CONSTRAINT`` may stand.
 
     Raises:
@@ -189,7 +193,7 @@ def parameter(text: str) -> Configuration:
         raise Malformed(f"a parameter is NAME:TYPE=DEFAULT or NAME:TYPE=DEFAULT;CONSTRAINT: {text}")
     default, _, rule = value.partition(";")
     constraint = parse_constraint(rule)
-    return Configuration(name.strip(), type_name.strip(), default, constraint=constraint)
+    return ConfigurationParameter(name.strip(), type_name.strip(), default, constraint=constraint)
 
 
 def _port_name(text: str) -> str:

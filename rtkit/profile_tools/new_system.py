@@ -7,30 +7,30 @@ from typing import NamedTuple
 
 from rtkit.drawing.layout import laid_out
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.profile.common import Property
-from rtkit.profile.rtc_model import DataPort, RtcProfile, ServicePort
+from rtkit.fast_dataclass import replace
+from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.rtc_model import DataPortDeclaration, RtcProfile, ServicePortDeclaration
 from rtkit.profile.rts_model import (
     RTS_VERSION,
-    Component,
+    ComponentInstance,
     ConfigurationData,
     ConfigurationSet,
     DataPortConnector,
-    ExecutionContext,
+    InstancePort,
     Location,
-    Port,
+    OwnedContext,
     RtsProfile,
     ServicePortConnector,
     TargetPort,
 )
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.system_scene import system_scene
-from rtkit.records import replace
 
 _CONTEXT_KINDS = {"PERIODIC": "PERIODIC", "SPORADIC": "EVENT_DRIVEN", "EVENTDRIVEN": "EVENT_DRIVEN"}
 _DEFAULT = "default"
 
 
-class Member(NamedTuple):
+class NewMember(NamedTuple):
     """A component of a new system: its type, and what it is called."""
 
     type: RtcProfile
@@ -40,8 +40,8 @@ class Member(NamedTuple):
 class _End(NamedTuple):
     """A port that is to be connected."""
 
-    member: Member
-    port: DataPort | ServicePort
+    member: NewMember
+    port: DataPortDeclaration | ServicePortDeclaration
 
     @property
     def text(self) -> str:
@@ -52,7 +52,7 @@ class _End(NamedTuple):
 def new_system(
     name: str,
     date: str,
-    members: Sequence[Member] = (),
+    members: Sequence[NewMember] = (),
     connections: Iterable[str] = (),
     *,
     vendor: str = "Me",
@@ -90,7 +90,7 @@ def new_system(
     return _located(profile)
 
 
-def _check_names(name: str, vendor: str, version: str, members: Sequence[Member]) -> None:
+def _check_names(name: str, vendor: str, version: str, members: Sequence[NewMember]) -> None:
     if not name.strip() or "/" in name:
         raise Malformed(f"{name!r} cannot be the name of a system")
     for what, text in (("name", name), ("vendor", vendor), ("version", version)):
@@ -111,13 +111,13 @@ def default_instance(type_name: str, taken: Iterable[str]) -> str:
     return f"{type_name}{number}"
 
 
-def _component(member: Member, host: str) -> Component:
+def _component(member: NewMember, host: str) -> ComponentInstance:
     info = member.type.basic_info
     kind = _CONTEXT_KINDS[info.activity_type] if info else "PERIODIC"
     rate = (info.execution_rate or None) if info and kind == "PERIODIC" else None
     items = member.type.configuration_set.configurations if member.type.configuration_set else ()
     values = tuple(ConfigurationData(item.name, item.default_value) for item in items)
-    return Component(
+    return ComponentInstance(
         member.type.id,
         f"{host}/{member.instance}.rtc",
         member.instance,
@@ -125,33 +125,37 @@ def _component(member: Member, host: str) -> Component:
         visible=True,
         data_ports=tuple(_data_port(member, port) for port in member.type.data_ports),
         service_ports=tuple(
-            Port(f"{member.instance}.{port.name}", True, properties=_stated("CorbaPort"))
+            InstancePort(f"{member.instance}.{port.name}", True, properties=_stated("CorbaPort"))
             for port in member.type.service_ports
         ),
         configuration_sets=(ConfigurationSet(_DEFAULT, values),) if values else (),
-        execution_contexts=(ExecutionContext("0", kind, rate),),
+        execution_contexts=(OwnedContext("0", kind, rate),),
     )
 
 
-def _data_port(member: Member, port: DataPort) -> Port:
+def _data_port(member: NewMember, port: DataPortDeclaration) -> InstancePort:
     kind = "DataOutPort" if port.port_type == "DataOutPort" else "DataInPort"
-    return Port(f"{member.instance}.{port.name}", True, properties=_stated(kind, port.type))
+    return InstancePort(f"{member.instance}.{port.name}", True, properties=_stated(kind, port.type))
 
 
-def _stated(kind: str, data_type: str = "") -> tuple[Property, ...]:
-    stated = [Property("dataport.data_type", normal_data_type(data_type))] if data_type else []
-    return (*stated, Property("port.port_type", kind))
+def _stated(kind: str, data_type: str = "") -> tuple[ExtensionProperty, ...]:
+    stated = (
+        [ExtensionProperty("dataport.data_type", normal_data_type(data_type))] if data_type else []
+    )
+    return (*stated, ExtensionProperty("port.port_type", kind))
 
 
 def _connector(
-    text: str, number: str, members: Mapping[str, Member]
+    text: str, number: str, members: Mapping[str, NewMember]
 ) -> DataPortConnector | ServicePortConnector:
     one, equals, other = text.partition("=")
     if not (one and equals and other) or "=" in other:
         raise Malformed(f"a connection is INSTANCE.PORT=INSTANCE.PORT: {text}")
     source, target = _end(one, members), _end(other, members)
     name = f"{source.port.name}_{target.port.name}"
-    if isinstance(source.port, DataPort) and isinstance(target.port, DataPort):
+    if isinstance(source.port, DataPortDeclaration) and isinstance(
+        target.port, DataPortDeclaration
+    ):
         if source.port.port_type != "DataOutPort":
             source, target = target, source
         data_type = _common_type(source, target)
@@ -161,13 +165,16 @@ def _connector(
     return ServicePortConnector(number, name, _target(source), _target(target))
 
 
-def _end(text: str, members: Mapping[str, Member]) -> _End:
+def _end(text: str, members: Mapping[str, NewMember]) -> _End:
     instance, dot, port_name = text.partition(".")
     member = members.get(instance)
     if not dot or member is None:
         known = ", ".join(members) or "none"
         raise NotFound(f"no such component: {text}; there are: {known}")
-    ports: list[DataPort | ServicePort] = [*member.type.data_ports, *member.type.service_ports]
+    ports: list[DataPortDeclaration | ServicePortDeclaration] = [
+        *member.type.data_ports,
+        *member.type.service_ports,
+    ]
     for port in ports:
         if port.name == port_name:
             return _End(member, port)
@@ -176,8 +183,8 @@ def _end(text: str, members: Mapping[str, Member]) -> _End:
 
 
 def _common_type(source: _End, target: _End) -> str:
-    assert isinstance(source.port, DataPort)
-    assert isinstance(target.port, DataPort)
+    assert isinstance(source.port, DataPortDeclaration)
+    assert isinstance(target.port, DataPortDeclaration)
     kinds = (source.port.port_type, target.port.port_type)
     if kinds[0] != "DataOutPort" or kinds[1] == "DataOutPort":
         told = " and ".join(kinds)
@@ -185,7 +192,7 @@ def _common_type(source: _End, target: _End) -> str:
     types = [
         normal_data_type(end.port.type)
         for end in (source, target)
-        if isinstance(end.port, DataPort)
+        if isinstance(end.port, DataPortDeclaration)
     ]
     closed = [each for each in types if each.lower() not in ("", "any")]
     if len(set(closed)) > 1:
@@ -195,7 +202,10 @@ def _common_type(source: _End, target: _End) -> str:
 
 
 def _check_services(source: _End, target: _End) -> None:
-    if not (isinstance(source.port, ServicePort) and isinstance(target.port, ServicePort)):
+    if not (
+        isinstance(source.port, ServicePortDeclaration)
+        and isinstance(target.port, ServicePortDeclaration)
+    ):
         raise Refused(f"{source.text} and {target.text}: one is a data port, one a service port")
     given = {(each.type, each.direction) for each in source.port.service_interfaces}
     turned = {"Provided": "Required", "Required": "Provided"}

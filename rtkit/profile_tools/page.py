@@ -14,7 +14,7 @@ def with_line_breaks(text: str) -> str:
     return _LINE_BREAK.sub("\n", text)
 
 
-class Table(NamedTuple):
+class PageTable(NamedTuple):
     """Rows under heads; columns in which nothing stands are left out."""
 
     heads: tuple[str, ...]
@@ -30,7 +30,7 @@ class Section(NamedTuple):
 
     title: str
     texts: tuple[str, ...] = ()
-    table: Table | None = None
+    table: PageTable | None = None
     parts: tuple[Section, ...] = ()
 
 
@@ -54,7 +54,7 @@ class Page(NamedTuple):
 def section(
     title: str,
     texts: Iterable[str | None] = (),
-    table: Table | None = None,
+    table: PageTable | None = None,
     parts: Iterable[Section | None] = (),
 ) -> Section | None:
     """Return a section without what is empty in it; None where nothing is left."""
@@ -66,12 +66,12 @@ def section(
     return Section(title, kept, shown, inner)
 
 
-def without_empty_columns(table: Table) -> Table | None:
+def without_empty_columns(table: PageTable) -> PageTable | None:
     """Return a table without its empty columns; None where it has no rows."""
     if not table.rows:
         return None
     columns = [i for i in range(len(table.heads)) if any(row[i].strip() for row in table.rows)]
-    return Table(
+    return PageTable(
         tuple(table.heads[i] for i in columns),
         tuple(tuple(row[i] for i in columns) for row in table.rows),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from rtkit.profile_tools.page import Page, Section, Table, with_line_breaks
+from rtkit.profile_tools.page import Page, PageTable, Section, with_line_breaks
 from rtkit.profile_tools.text_page import Width
 
 _SPECIAL = re.compile(r"([\\*`|_])")
@@ -46,7 +46,7 @@ def _section(each: Section, level: int, width: Width) -> Iterator[str]:
         yield from _section(part, level + 1, width)
 
 
-def _table(table: Table) -> str:
+def _table(table: PageTable) -> str:
     lines = [".. list-table::", "   :header-rows: 1", ""]
     for row in (table.heads, *table.rows):
         for index, cell in enumerate(row):

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from rtkit.errors import Malformed, NotFound
-from rtkit.profile.common import Property
+from rtkit.fast_dataclass import replace
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import RtsProfile
-from rtkit.records import replace
 
 
 class Statement(NamedTuple):
@@ -63,7 +63,9 @@ def stated(profile: RtsProfile, statements: Iterable[Statement]) -> RtsProfile:
     return profile
 
 
-def _with(properties: tuple[Property, ...], said: Statement, whose: str) -> tuple[Property, ...]:
+def _with(
+    properties: tuple[ExtensionProperty, ...], said: Statement, whose: str
+) -> tuple[ExtensionProperty, ...]:
     """Return properties with one stated, in its place if it has one."""
     kept = [each for each in properties if each.name != said.key]
     if said.value is None:
@@ -71,4 +73,4 @@ def _with(properties: tuple[Property, ...], said: Statement, whose: str) -> tupl
             raise NotFound(f"{whose} has no property {said.key}")
         return tuple(kept)
     place = next((n for n, each in enumerate(properties) if each.name == said.key), len(kept))
-    return (*kept[:place], Property(said.key, said.value), *kept[place:])
+    return (*kept[:place], ExtensionProperty(said.key, said.value), *kept[place:])

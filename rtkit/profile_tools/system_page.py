@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.drawing.svg import picture
-from rtkit.profile.rts_model import Component, RtsProfile
+from rtkit.profile.rts_model import ComponentInstance, RtsProfile
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import normal_data_type
 from rtkit.profile_tools.component_summary import dates, hertz, one_line
-from rtkit.profile_tools.page import Page, Section, Table, present, section
+from rtkit.profile_tools.page import Page, PageTable, Section, present, section
 from rtkit.profile_tools.system_scene import system_scene
 from rtkit.profile_tools.system_summary import end_name, short_type, target_name, waited_for
 
@@ -59,16 +59,16 @@ def _components(profile: RtsProfile) -> Section | None:
         )
         for each in profile.components
     )
-    return section("Components", table=Table(heads, rows))
+    return section("Components", table=PageTable(heads, rows))
 
 
 def _parameters(profile: RtsProfile) -> Section | None:
     rows = tuple(row for component in profile.components for row in _settings(component))
     heads = ("Component", "Set", "Parameter", "Value")
-    return section("Configuration", table=Table(heads, rows))
+    return section("Configuration", table=PageTable(heads, rows))
 
 
-def _settings(component: Component) -> Iterator[tuple[str, ...]]:
+def _settings(component: ComponentInstance) -> Iterator[tuple[str, ...]]:
     for each in component.configuration_sets:
         is_active = each.id == component.active_configuration_set
         for item in () if each.id.startswith("__") else each.data:
@@ -92,7 +92,7 @@ def _connectors(profile: RtsProfile) -> Section | None:
         for each in profile.service_port_connectors
     ]
     heads = ("From", "To", "Type", "Flow", "By")
-    return section("Connectors", table=Table(heads, tuple(rows)))
+    return section("Connectors", table=PageTable(heads, tuple(rows)))
 
 
 def _orders(profile: RtsProfile) -> Section | None:
@@ -103,7 +103,7 @@ def _orders(profile: RtsProfile) -> Section | None:
             rows.append(
                 (name, str(step.sequence), target_name(step.target_component), waited_for(step))
             )
-    return section("Orders", table=Table(("Order", "Step", "Component", "When"), tuple(rows)))
+    return section("Orders", table=PageTable(("Order", "Step", "Component", "When"), tuple(rows)))
 
 
 def _groups(profile: RtsProfile) -> Section | None:
@@ -111,4 +111,4 @@ def _groups(profile: RtsProfile) -> Section | None:
         (group.group_id, ", ".join(member.instance_name for member in group.members))
         for group in profile.groups
     )
-    return section("Groups", table=Table(("Group", "Members"), rows))
+    return section("Groups", table=PageTable(("Group", "Members"), rows))

@@ -8,7 +8,7 @@ from rtkit.drawing import scene as s
 from rtkit.drawing.sides import with_sides
 from rtkit.profile.ports import DataPortFacts, DataPortKey, data_port_facts
 from rtkit.profile.rts_model import (
-    Component,
+    ComponentInstance,
     DataPortConnector,
     RtsProfile,
     ServicePortConnector,
@@ -18,7 +18,7 @@ from rtkit.profile.words import normal_data_type, strip_instance
 from rtkit.profile_tools.system_summary import short_type
 from rtkit.rtc.enums import PortType
 
-_Ports = dict[tuple[str, str, str, str], s.End]
+_Ports = dict[tuple[str, str, str, str], s.WireEnd]
 """Boxes and ports by component id, instance, kind and port name."""
 
 _DATA, _SERVICE = "data", "service"
@@ -34,7 +34,7 @@ def system_scene(profile: RtsProfile) -> s.Scene:
     for index, component in enumerate(profile.components):
         ports = [*_data_ports(component, facts), *_service_ports(component)]
         for place, (key, _) in enumerate(ports):
-            ends.setdefault(key, s.End(index, place))
+            ends.setdefault(key, s.WireEnd(index, place))
         boxes.append(_box(component, [port for _, port in ports], len(hosts) > 1))
     wires = [
         *(_wire(each, _DATA, ends) for each in profile.data_port_connectors),
@@ -54,10 +54,10 @@ def _frames(profile: RtsProfile) -> Iterator[s.Frame]:
             yield s.Frame(place, members)
 
 
-_Listed = list[tuple[tuple[str, str, str, str], s.Port]]
+_Listed = list[tuple[tuple[str, str, str, str], s.PortPin]]
 
 
-def _data_ports(component: Component, facts: dict[DataPortKey, DataPortFacts]) -> _Listed:
+def _data_ports(component: ComponentInstance, facts: dict[DataPortKey, DataPortFacts]) -> _Listed:
     listed = []
     for port in component.data_ports:
         name = strip_instance(port.name, component.instance_name)
@@ -66,20 +66,20 @@ def _data_ports(component: Component, facts: dict[DataPortKey, DataPortFacts]) -
         side = s.RIGHT if kind == s.OUT else s.LEFT
         tip = " ".join(filter(None, (name, short_type(known.data_type))))
         key = (component.id, component.instance_name, _DATA, name)
-        listed.append((key, s.Port(name, side, kind, tip)))
+        listed.append((key, s.PortPin(name, side, kind, tip)))
     return listed
 
 
-def _service_ports(component: Component) -> _Listed:
+def _service_ports(component: ComponentInstance) -> _Listed:
     listed = []
     for port in component.service_ports:
         name = strip_instance(port.name, component.instance_name)
         key = (component.id, component.instance_name, _SERVICE, name)
-        listed.append((key, s.Port(name, s.LEFT, s.SERVICE, f"{name} (service port)")))
+        listed.append((key, s.PortPin(name, s.LEFT, s.SERVICE, f"{name} (service port)")))
     return listed
 
 
-def _box(component: Component, ports: Iterable[s.Port], has_host: bool) -> s.Box:
+def _box(component: ComponentInstance, ports: Iterable[s.PortPin], has_host: bool) -> s.Box:
     type_name = component.id.split(":")[3] if component.id.count(":") >= 4 else component.id
     # The name of the type says nothing more where the instance has it too.
     parts = ["" if type_name == component.instance_name else type_name]
@@ -89,7 +89,7 @@ def _box(component: Component, ports: Iterable[s.Port], has_host: bool) -> s.Box
     return s.Box(component.instance_name, where, tuple(ports), tip)
 
 
-def _host(component: Component) -> str:
+def _host(component: ComponentInstance) -> str:
     path = component.path_uri
     return "" if "://" in path or "/" not in path else path.partition("/")[0]
 

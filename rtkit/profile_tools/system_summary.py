@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 from rtkit.profile.ports import DataPortFacts, DataPortKey, data_port_facts
 from rtkit.profile.rts_model import (
-    Component,
-    Condition,
+    ComponentInstance,
     ConfigurationSet,
     DataPortConnector,
-    ExecutionContext,
+    OrderStep,
+    OwnedContext,
     RtsProfile,
     ServicePortConnector,
     TargetComponent,
@@ -59,7 +59,7 @@ def _listed(name: str, rows: Iterator[Outline] | map[Outline]) -> Iterator[Outli
         yield entry(f"{name} ({len(listed)})", below=listed)
 
 
-def _component(component: Component, facts: _Facts) -> Outline:
+def _component(component: ComponentInstance, facts: _Facts) -> Outline:
     rows = [
         ("path", component.path_uri),
         ("composite", _unless_none(component.composite_type)),
@@ -88,7 +88,7 @@ def _unless_none(composite_type: str | None) -> str:
     return "" if composite_type in (None, "None") else str(composite_type)
 
 
-def _data_port(component: Component, name: str, facts: _Facts) -> Outline:
+def _data_port(component: ComponentInstance, name: str, facts: _Facts) -> Outline:
     port = strip_instance(name, component.instance_name)
     known = facts[DataPortKey(component.id, component.instance_name, port)]
     return entry(_DIRECTIONS[known.direction], port, short_type(known.data_type))
@@ -109,7 +109,7 @@ def _set(configuration: ConfigurationSet, *, is_active: bool) -> Outline:
     return entry("set", f"{configuration.id}{'*' if is_active else ''}", below=rows)
 
 
-def _context(context: ExecutionContext) -> Outline:
+def _context(context: OwnedContext) -> Outline:
     below = [entry("participant", each.instance_name) for each in context.participants]
     return entry("context", context.id, f"{context.kind}{hertz(context.rate)}", below=below)
 
@@ -144,7 +144,7 @@ def _orders(profile: RtsProfile) -> Iterator[Outline]:
             yield from _listed(words, map(_step, steps))
 
 
-def _step(step: Condition) -> Outline:
+def _step(step: OrderStep) -> Outline:
     target = target_name(step.target_component)
     return entry(str(step.sequence), target, waited_for(step))
 
@@ -155,7 +155,7 @@ def target_name(target: TargetComponent) -> str:
     return f"{target.instance_name}{context}"
 
 
-def waited_for(step: Condition) -> str:
+def waited_for(step: OrderStep) -> str:
     """Return what a step of an order waits for; empty for nothing."""
     if step.wait_time is not None and step.wait_time.wait_time:
         return f"after {step.wait_time.wait_time} ms"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Container, Iterable
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rts_model import (
-    Component,
-    Condition,
+    ComponentInstance,
     DataPortConnector,
-    ExecutionContext,
-    Port,
+    InstancePort,
+    OrderStep,
+    OwnedContext,
     RtsProfile,
     ServicePortConnector,
     TargetComponent,
@@ -19,7 +19,7 @@ from rtkit.profile.rts_model import (
 )
 from rtkit.profile.rts_spec import ORDERS
 from rtkit.profile.words import OWN_PREFIX, normal_data_type, property_value, strip_instance
-from rtkit.profile_tools.thing import Key, Thing, Things, fields_of, put, told
+from rtkit.profile_tools.thing import Thing, ThingKey, Things, fields_of, put, told
 
 _Names = dict[tuple[str, str], str]
 """What components are called here, by id and instance name."""
@@ -62,32 +62,36 @@ def system_things(profile: RtsProfile, takes_all: bool, shared: Container[str] =
     things: Things = {}
     names = _names(profile.components, shared)
     own = fields_of(profile, _PARTS) if takes_all else _options(profile.properties, (OWN_PREFIX,))
-    put(things, Key(0, "system", ""), Thing(own))
+    put(things, ThingKey(0, "system", ""), Thing(own))
     for component in profile.components:
         fields = fields_of(component, _OF_COMPONENT) if takes_all else _component(component)
         name = names[component.id, component.instance_name]
-        owner = put(things, Key(1, "component", name), Thing(fields))
+        owner = put(things, ThingKey(1, "component", name), Thing(fields))
         _parts(things, owner, component, takes_all)
     _ports(things, profile, names, takes_all)
     for connector in profile.data_port_connectors:
         name = f"{_end(connector.source, names)} -> {_end(connector.target, names)}"
         fields = fields_of(connector) if takes_all else _data_connector(connector)
-        put(things, Key(6, "connector", name), Thing(fields))
+        put(things, ThingKey(6, "connector", name), Thing(fields))
     for service in profile.service_port_connectors:
         ends = sorted((_end(service.source, names), _end(service.target, names)))
         fields = fields_of(service) if takes_all else _service_connector(service)
-        put(things, Key(6, "service connector", " -- ".join(ends)), Thing(fields))
+        put(things, ThingKey(6, "service connector", " -- ".join(ends)), Thing(fields))
     _orders(things, profile, names, takes_all)
     for group in profile.groups:
         members = sorted(_called(names, m.component_id, m.instance_name) for m in group.members)
         fields = fields_of(group) if takes_all else told(members=", ".join(members))
-        put(things, Key(8, "group", group.group_id), Thing(fields))
+        put(things, ThingKey(8, "group", group.group_id), Thing(fields))
     for system in profile.systems:
-        put(things, Key(9, "system", system.path), Thing(fields_of(system) if takes_all else {}))
+        put(
+            things,
+            ThingKey(9, "system", system.path),
+            Thing(fields_of(system) if takes_all else {}),
+        )
     return things
 
 
-def _names(components: Iterable[Component], shared: Container[str]) -> _Names:
+def _names(components: Iterable[ComponentInstance], shared: Container[str]) -> _Names:
     return {
         (component.id, component.instance_name): component.instance_name
         if component.instance_name not in shared
@@ -100,7 +104,7 @@ def _called(names: _Names, component_id: str, instance_name: str) -> str:
     return names.get((component_id, instance_name), instance_name)
 
 
-def _component(component: Component) -> dict[str, str]:
+def _component(component: ComponentInstance) -> dict[str, str]:
     composite = component.composite_type
     participants = sorted(each.instance_name for each in component.participants)
     return told(
@@ -113,21 +117,21 @@ def _component(component: Component) -> dict[str, str]:
     ) | _options(component.properties, (OWN_PREFIX,))
 
 
-def _parts(things: Things, owner: Key, component: Component, takes_all: bool) -> None:
+def _parts(things: Things, owner: ThingKey, component: ComponentInstance, takes_all: bool) -> None:
     for each in component.configuration_sets:
         if each.id.startswith(_HIDDEN) and not takes_all:
             continue
         fields = fields_of(each, ("id", "data")) if takes_all else {}
-        key = put(things, Key(3, "set", f"{owner.name} {each.id}"), Thing(fields, owner))
+        key = put(things, ThingKey(3, "set", f"{owner.name} {each.id}"), Thing(fields, owner))
         for item in each.data:
             fields = fields_of(item, ("name",)) if takes_all else {"value": item.data or ""}
-            put(things, Key(4, "parameter", f"{key.name}.{item.name}"), Thing(fields, key))
+            put(things, ThingKey(4, "parameter", f"{key.name}.{item.name}"), Thing(fields, key))
     for context in component.execution_contexts:
         fields = fields_of(context, ("id",)) if takes_all else _context(context)
-        put(things, Key(5, "context", f"{owner.name} {context.id}"), Thing(fields, owner))
+        put(things, ThingKey(5, "context", f"{owner.name} {context.id}"), Thing(fields, owner))
 
 
-def _context(context: ExecutionContext) -> dict[str, str]:
+def _context(context: OwnedContext) -> dict[str, str]:
     participants = sorted(each.instance_name for each in context.participants)
     return told(kind=context.kind, rate=context.rate, participants=", ".join(participants))
 
@@ -135,18 +139,18 @@ def _context(context: ExecutionContext) -> dict[str, str]:
 def _ports(things: Things, profile: RtsProfile, names: _Names, takes_all: bool) -> None:
     for component in profile.components:
         name = names[component.id, component.instance_name]
-        owner = Key(1, "component", name)
+        owner = ThingKey(1, "component", name)
         for port in component.data_ports:
             own = strip_instance(port.name, component.instance_name)
             fields = fields_of(port) if takes_all else _data_port(port)
-            put(things, Key(2, "port", f"{name}.{own}"), Thing(fields, owner))
+            put(things, ThingKey(2, "port", f"{name}.{own}"), Thing(fields, owner))
         for port in component.service_ports:
             own = strip_instance(port.name, component.instance_name)
             fields = fields_of(port) if takes_all else {}
-            put(things, Key(2, "service port", f"{name}.{own}"), Thing(fields, owner))
+            put(things, ThingKey(2, "service port", f"{name}.{own}"), Thing(fields, owner))
 
 
-def _data_port(port: Port) -> dict[str, str]:
+def _data_port(port: InstancePort) -> dict[str, str]:
     """Return what a port says itself, not what its connectors let suppose."""
     return told(
         direction=property_value(port.properties, "port.port_type"),
@@ -173,7 +177,7 @@ def _service_connector(connector: ServicePortConnector) -> dict[str, str]:
     return told(trans_method=connector.trans_method) | _options(connector.properties, _OPTIONS)
 
 
-def _options(properties: Iterable[Property], prefixes: tuple[str, ...]) -> dict[str, str]:
+def _options(properties: Iterable[ExtensionProperty], prefixes: tuple[str, ...]) -> dict[str, str]:
     """Return the properties that say how something is to be, not how it once was or looks."""
     return {
         item.name: item.value or ""
@@ -191,9 +195,11 @@ def _orders(things: Things, profile: RtsProfile, names: _Names, takes_all: bool)
             continue
         fields = fields_of(order, ("targets",)) if takes_all else {}
         if takes_all or order.targets:
-            owner = put(things, Key(7, "order", name), Thing(fields))
+            owner = put(things, ThingKey(7, "order", name), Thing(fields))
         for step in order.targets:
-            key = Key(7, "step", f"{name} {step.sequence} {_target(step.target_component, names)}")
+            key = ThingKey(
+                7, "step", f"{name} {step.sequence} {_target(step.target_component, names)}"
+            )
             put(things, key, Thing(fields_of(step) if takes_all else _step(step, names), owner))
 
 
@@ -201,7 +207,7 @@ def _target(target: TargetComponent, names: _Names) -> str:
     return f"{_called(names, target.component_id, target.instance_name)} in {target.id}"
 
 
-def _step(step: Condition, names: _Names) -> dict[str, str]:
+def _step(step: OrderStep, names: _Names) -> dict[str, str]:
     preceding = step.preceding
     fields = told(wait_ms=step.wait_time.wait_time if step.wait_time else None)
     if preceding is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from rtkit.profile_tools.html_page import paragraphs
-from rtkit.profile_tools.page import Page, Section, Table, with_line_breaks
+from rtkit.profile_tools.page import Page, PageTable, Section, with_line_breaks
 
 Width = Callable[[str], int]
 """How many columns a text takes."""
@@ -41,7 +41,7 @@ def _title(text: str, rule: str, width: Width) -> str:
     return f"{line}\n{rule * max(1, width(line))}"
 
 
-def _table(table: Table, width: Width) -> str:
+def _table(table: PageTable, width: Width) -> str:
     return _columns((table.heads, *table.rows), width)
 
 

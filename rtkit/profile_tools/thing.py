@@ -6,10 +6,10 @@ from collections.abc import Container
 from dataclasses import fields, is_dataclass
 from typing import Any, NamedTuple
 
-from rtkit.profile.common import NO_FOREIGN, Foreign, Property
+from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign
 
 
-class Key(NamedTuple):
+class ThingKey(NamedTuple):
     """What tells things apart: their kind and name, in the order in which they are told of."""
 
     rank: int
@@ -26,13 +26,13 @@ class Thing(NamedTuple):
     """
 
     fields: dict[str, str]
-    owner: Key | None = None
+    owner: ThingKey | None = None
 
 
-Things = dict[Key, Thing]
+Things = dict[ThingKey, Thing]
 
 
-def put(things: Things, key: Key, thing: Thing) -> Key:
+def put(things: Things, key: ThingKey, thing: Thing) -> ThingKey:
     """Add a thing; a second one of its name gets a number.
 
     Returns:
@@ -64,7 +64,7 @@ def _put_value(found: dict[str, str], name: str, value: Any) -> None:
         return
     if isinstance(value, tuple):
         for number, item in enumerate(value, 1):
-            if isinstance(item, Property):
+            if isinstance(item, ExtensionProperty):
                 called = f"property {item.name}"
                 _append(found, called, "(no value)" if item.value is None else item.value)
                 _put_value(found, f"{called}.foreign", item.foreign)

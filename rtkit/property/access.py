@@ -33,11 +33,11 @@ _MOST_RULES = 1000
 _MOST_KNOWN = 4096
 
 
-class Rule(NamedTuple):
+class AccessRule(NamedTuple):
     """One line of them."""
 
     allows: bool
-    door: str
+    endpoint: str
     identity: str
     method: str
     target: str
@@ -60,7 +60,7 @@ class Rule(NamedTuple):
 class Access:
     """What the rules of one door come to."""
 
-    def __init__(self, rules: Iterable[Rule] = ()) -> None:
+    def __init__(self, rules: Iterable[AccessRule] = ()) -> None:
         self._rules = tuple(rules)
         self._known: dict[tuple[str, str, str], bool] = {}
 
@@ -89,7 +89,7 @@ class Access:
         return method == "GET" or bool(identity)
 
 
-class Limits(NamedTuple):
+class EndpointLimits(NamedTuple):
     """How much one door gives.
 
     Attributes:
@@ -107,37 +107,37 @@ class Limits(NamedTuple):
     size: int = (1 << 20) + 1024
 
 
-_OF_DOOR = {"http": Limits(connections=128, door_listeners=64, rate=2000)}
+_OF_DOOR = {"http": EndpointLimits(connections=128, door_listeners=64, rate=2000)}
 """Where a door differs from the others."""
 
 
-class Policy:
+class AccessPolicy:
     """Rules and limits of all doors of a service."""
 
     def __init__(
-        self, rules: Iterable[Rule] = (), limits: Iterable[tuple[str, str, int]] = ()
+        self, rules: Iterable[AccessRule] = (), limits: Iterable[tuple[str, str, int]] = ()
     ) -> None:
         self.rules = tuple(rules)
         self._limits = tuple(limits)
 
-    def access(self, door: str, last: Iterable[Rule] = ()) -> Access:
+    def access(self, endpoint: str, last: Iterable[AccessRule] = ()) -> Access:
         """Return what holds at a door; `last` are rules of its own, behind the others."""
-        ours = [each for each in self.rules if each.door in (_ANY, door)]
+        ours = [each for each in self.rules if each.endpoint in (_ANY, endpoint)]
         return Access([*ours, *last])
 
-    def limits(self, door: str) -> Limits:
+    def limits(self, endpoint: str) -> EndpointLimits:
         """Return how much a door gives; of two lines about one limit the first counts."""
-        limits = _OF_DOOR.get(door, Limits())
+        limits = _OF_DOOR.get(endpoint, EndpointLimits())
         for where, what, number in reversed(self._limits):
-            if where in (_ANY, door):
+            if where in (_ANY, endpoint):
                 limits = limits._replace(**{what: number})
         return limits
 
-    def __add__(self, other: Policy) -> Policy:
-        return Policy(self.rules + other.rules, self._limits + other._limits)
+    def __add__(self, other: AccessPolicy) -> AccessPolicy:
+        return AccessPolicy(self.rules + other.rules, self._limits + other._limits)
 
 
-def read_policy(text: str, origin: str = "rules") -> Policy:
+def read_policy(text: str, origin: str = "rules") -> AccessPolicy:
     """Read lines of rules and limits.
 
     Args:
@@ -147,7 +147,7 @@ def read_policy(text: str, origin: str = "rules") -> Policy:
     Raises:
         Malformed: ``ORIGIN:LINE: what is wrong``.
     """
-    rules: list[Rule] = []
+    rules: list[AccessRule] = []
     limits: list[tuple[str, str, int]] = []
     for number, line in enumerate(text.splitlines(), 1):
         words = line.partition("#")[0].split()
@@ -162,39 +162,39 @@ def read_policy(text: str, origin: str = "rules") -> Policy:
             raise Malformed(f"{origin}:{number}: {error}") from None
         if len(rules) > _MOST_RULES:
             raise Malformed(f"{origin}:{number}: more than {_MOST_RULES} rules")
-    return Policy(rules, limits)
+    return AccessPolicy(rules, limits)
 
 
-def _rule(words: list[str]) -> Rule:
+def _rule(words: list[str]) -> AccessRule:
     if words[0] not in ("allow", "deny"):
         raise ValueError(f"expected allow, deny or limit, found {words[0][:40]}")
     if len(words) != 5:
         raise ValueError(f"expected {words[0]} DOOR IDENTITY METHOD TARGET")
-    _, door, identity, method, target = words
-    _check_door(door)
+    _, endpoint, identity, method, target = words
+    _check_endpoint(endpoint)
     if method not in (*METHODS, _ANY):
         raise ValueError(f"expected GET, SET or *, found {method[:40]}")
     if not re.fullmatch(_PATTERN, target) or len(target) > _LONGEST:
         raise ValueError(f"not a pattern of names: {target[:40]}")
-    return Rule(words[0] == "allow", door, identity, method, target)
+    return AccessRule(words[0] == "allow", endpoint, identity, method, target)
 
 
 def _limit(words: list[str]) -> tuple[str, str, int]:
     if len(words) != 4:
         raise ValueError("expected limit DOOR WHAT NUMBER")
-    _, door, what, number = words
-    _check_door(door)
-    if what not in Limits._fields:
-        raise ValueError(f"expected one of {' '.join(Limits._fields)}, found {what[:40]}")
+    _, endpoint, what, number = words
+    _check_endpoint(endpoint)
+    if what not in EndpointLimits._fields:
+        raise ValueError(f"expected one of {' '.join(EndpointLimits._fields)}, found {what[:40]}")
     if not (number.isascii() and number.isdigit() and len(number) < 10):
         raise ValueError(f"expected a number, found {number[:40]}")
     if not int(number) and what != "rate":
         raise ValueError(f"{what} is at least 1")
-    if what == "size" and int(number) > Limits().size:
-        raise ValueError(f"size is at most {Limits().size}")
-    return door, what, int(number)
+    if what == "size" and int(number) > EndpointLimits().size:
+        raise ValueError(f"size is at most {EndpointLimits().size}")
+    return endpoint, what, int(number)
 
 
-def _check_door(door: str) -> None:
-    if door not in (*DOORS, _ANY):
-        raise ValueError(f"expected a door ({' '.join(DOORS)} or *), found {door[:40]}")
+def _check_endpoint(endpoint: str) -> None:
+    if endpoint not in (*DOORS, _ANY):
+        raise ValueError(f"expected a door ({' '.join(DOORS)} or *), found {endpoint[:40]}")

@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
-from rtkit.property.functional import Function
+from rtkit.property.functional import FunctionalProperty
 from rtkit.property.lanes import first_only
-from rtkit.property.messages import DONE, Answer, Ask, Payload
-from rtkit.property.naming import Target
+from rtkit.property.messages import DONE, Answer, Payload, PropertyRequest
+from rtkit.property.naming import RequestTarget
 from rtkit.property.parameters import COMMON, checked_parameters
-from rtkit.property.registry import Place
+from rtkit.property.registry import NameEntry
 from rtkit.property.types import from_payload, parse_type
 from rtkit.property.values import Element, Value
 from rtkit.property.writing import write
 
 if TYPE_CHECKING:
-    from rtkit.property.node import Node
+    from rtkit.property.node import PropertyNode
     from rtkit.property.service import Service
 
 
-def described(function: Function, place: Place) -> Payload:
+def described(function: FunctionalProperty, place: NameEntry) -> Payload:
     """Return how an action stands, or the part of that which a name means.
 
     Raises:
@@ -40,7 +40,13 @@ def described(function: Function, place: Place) -> Payload:
     return write(found)
 
 
-def start(service: Service, node: Node, place: Place, target: Target, ask: Ask) -> Answer | None:
+def start(
+    service: Service,
+    node: PropertyNode,
+    place: NameEntry,
+    target: RequestTarget,
+    ask: PropertyRequest,
+) -> Answer | None:
     """Start an action, or stop it; None if it is answered when it has ended.
 
     Raises:
@@ -80,7 +86,7 @@ def start(service: Service, node: Node, place: Place, target: Target, ask: Ask) 
     return None if waits else DONE
 
 
-def _arguments(function: Function, payload: Payload) -> Value:
+def _arguments(function: FunctionalProperty, payload: Payload) -> Value:
     value = from_payload(parse_type("any"), payload)
     if len(function.parameters) == 1 and not isinstance(value, str | tuple | Element):
         kind = function.parameters[0].type

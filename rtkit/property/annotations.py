@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple, get_args, get_origin
 
 from rtkit.property.conversion import to_value
-from rtkit.property.spec import Spec
+from rtkit.property.spec import PropertySpec
 from rtkit.property.types import Type, parse_type
 from rtkit.property.values import Value, Word, is_number
 
@@ -112,14 +112,14 @@ def bare(hint: Any) -> Any:
     return None if hint in (typing.Final, typing.ClassVar, typing.Any) else hint
 
 
-def spec_of(hint: Any, present: object, access: str, doc: str) -> Spec:
+def spec_of(hint: Any, present: object, access: str, doc: str) -> PropertySpec:
     """Return what is declared of a property by its annotation, else by its present value."""
     bounds, unit = _said(hint)
     plain = bare(hint)
     if plain is None and isinstance(present, Enum):
         plain = type(present)
     kind = type_of(plain) if plain is not None else _type_of_value(present)
-    return Spec(
+    return PropertySpec(
         kind, access, unit, bounds.minimum, bounds.maximum, bounds.step, choices_of(plain), doc=doc
     )
 

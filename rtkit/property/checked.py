@@ -17,8 +17,8 @@ from collections.abc import Callable
 from time import monotonic
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.line import LONGEST_LINE, Asked, Replies, Requests, Splitter
-from rtkit.property.messages import Answer, Event
+from rtkit.property.line import LONGEST_LINE, LineRequest, Replies, Requests, Splitter
+from rtkit.property.messages import Answer, PropertyEvent
 
 HELLO = b"GET properties"
 """What begins a conversation without checks."""
@@ -28,7 +28,7 @@ QUIET_S = 0.5
 _CHECK = re.compile(rb"(.*) ~([0-9A-Fa-f]{4})", re.DOTALL)
 _SPECIAL = re.compile(rb"[\n\r\x10\x11\x13]")
 _STUFFED = re.compile(rb"\x10(.)", re.DOTALL)
-_NOTHING = Asked("", "", None)
+_NOTHING = LineRequest("", "", None)
 
 
 def frame(message: bytes) -> bytes:
@@ -85,7 +85,7 @@ class CheckedRequests(Requests):
         if not self._is_lost:
             super().feed(data)
 
-    def next(self) -> Asked | None:
+    def next(self) -> LineRequest | None:
         """Return the next request, None if there is none yet; empty lines are none."""
         while (asked := super().next()) is _NOTHING:
             pass
@@ -96,7 +96,7 @@ class CheckedRequests(Requests):
         self._is_lost = True
         return asked._replace(is_last=False)
 
-    def _request(self, raw: bytes) -> Asked | None:
+    def _request(self, raw: bytes) -> LineRequest | None:
         if not raw.strip():
             return _NOTHING
         if self._wanted is False:
@@ -105,7 +105,7 @@ class CheckedRequests(Requests):
         if message is None:
             is_hello = raw == HELLO and not self._wanted
             if _CHECK.fullmatch(raw) or (self.has_checks and not is_hello):
-                return Asked("", "", "", PropertyError("checksum", "the line is damaged"))
+                return LineRequest("", "", "", PropertyError("checksum", "the line is damaged"))
             self.has_checks = False
             return super()._request(raw)
         self.has_checks = True
@@ -114,7 +114,7 @@ class CheckedRequests(Requests):
         asked = inner.next()
         if asked is None or inner.waits:
             refused = PropertyError("syntax", f"{len(message)} expected one request")
-            return Asked("" if asked is None else asked.id, "", "", refused)
+            return LineRequest("" if asked is None else asked.id, "", "", refused)
         return asked._replace(is_last=False)
 
 
@@ -128,7 +128,7 @@ class CheckedReplies:
         """Take what came."""
         self._splitter.feed(data)
 
-    def next(self) -> tuple[str, Answer] | Event | bytes | None:
+    def next(self) -> tuple[str, Answer] | PropertyEvent | bytes | None:
         """Return the next reply with its id, or event, or line without a check that holds.
 
         None if there is none yet.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from rtkit import errors
 
 
-class Code(NamedTuple):
+class ErrorCode(NamedTuple):
     """What a code means: its HTTP status, whether to try again helps, its exit detail."""
 
     http: int
@@ -18,21 +18,21 @@ class Code(NamedTuple):
     detail: int
 
 
-CODES: dict[str, Code] = {
-    "unknown": Code(404, False, 4),
-    "no-service": Code(502, True, 5),
-    "read-only": Code(405, False, 1),
-    "write-only": Code(405, False, 1),
-    "denied": Code(403, False, 1),
-    "syntax": Code(400, False, 2),
-    "bad-value": Code(400, False, 2),
-    "bad-parameter": Code(400, False, 2),
-    "conflict": Code(409, True, 1),
-    "busy": Code(409, True, 1),
-    "too-large": Code(413, False, 1),
-    "timeout": Code(504, True, 5),
-    "checksum": Code(0, True, 5),
-    "internal": Code(500, False, 1),
+CODES: dict[str, ErrorCode] = {
+    "unknown": ErrorCode(404, False, 4),
+    "no-service": ErrorCode(502, True, 5),
+    "read-only": ErrorCode(405, False, 1),
+    "write-only": ErrorCode(405, False, 1),
+    "denied": ErrorCode(403, False, 1),
+    "syntax": ErrorCode(400, False, 2),
+    "bad-value": ErrorCode(400, False, 2),
+    "bad-parameter": ErrorCode(400, False, 2),
+    "conflict": ErrorCode(409, True, 1),
+    "busy": ErrorCode(409, True, 1),
+    "too-large": ErrorCode(413, False, 1),
+    "timeout": ErrorCode(504, True, 5),
+    "checksum": ErrorCode(0, True, 5),
+    "internal": ErrorCode(500, False, 1),
 }
 """Every code there is; the text ``checksum`` never leaves a serial line, so it has no status."""
 

@@ -10,24 +10,24 @@ from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
-from rtkit.property.listening import wish_of
-from rtkit.property.messages import Ask, Caller, Payload
+from rtkit.property.messages import Payload, PropertyRequest, Requester
 from rtkit.property.meta import meta, meta_field
 from rtkit.property.naming import canonical
 from rtkit.property.reading import read
-from rtkit.property.registry import Place, as_value
+from rtkit.property.registry import NameEntry, as_value
 from rtkit.property.spec import gui
+from rtkit.property.subscription import options_of
 from rtkit.property.types import Content, check, from_payload, parse_type
 from rtkit.property.values import Element, Value, Word, is_number
 from rtkit.property.writing import as_item, write
 
 if TYPE_CHECKING:
-    from rtkit.property.node import Node
+    from rtkit.property.node import PropertyNode
     from rtkit.property.service import Service
 
 
 def get_extension(
-    service: Service, place: Place, parameters: dict[str, Value], caller: Caller
+    service: Service, place: NameEntry, parameters: dict[str, Value], caller: Requester
 ) -> Payload:
     """Answer a GET of an extension.
 
@@ -56,7 +56,7 @@ def get_extension(
     return write(tuple(service.listeners.of(place.node)))
 
 
-def _check_part(service: Service, place: Place) -> None:
+def _check_part(service: Service, place: NameEntry) -> None:
     """Refuse to tell anything about a part that a property does not have.
 
     Raises:
@@ -77,7 +77,7 @@ def _check_part(service: Service, place: Place) -> None:
         raise PropertyError("unknown", f"no such property: {name}")
 
 
-def _gui(node: Node, kind: str) -> Payload:
+def _gui(node: PropertyNode, kind: str) -> Payload:
     if not kind:
         return write(gui(node.spec))
     if kind not in node.spec.gui:
@@ -85,7 +85,7 @@ def _gui(node: Node, kind: str) -> Payload:
     return node.spec.gui[kind]
 
 
-def _history(place: Place, parameters: dict[str, Value]) -> Payload:
+def _history(place: NameEntry, parameters: dict[str, Value]) -> Payload:
     node = place.node
     if node is None or node.history is None:
         raise PropertyError("unknown", f"no such property: {place.name}.history")
@@ -107,7 +107,9 @@ def _item(payload: Payload) -> Value:
         return payload
 
 
-def _names(service: Service, place: Place, parameters: dict[str, Value], caller: Caller) -> Payload:
+def _names(
+    service: Service, place: NameEntry, parameters: dict[str, Value], caller: Requester
+) -> Payload:
     if not parameters:
         if place.path or (place.node is not None and not service.registry.is_inner(place.name)):
             return write(tuple(map(as_value, _parts(service, place))))
@@ -139,7 +141,7 @@ def _names(service: Service, place: Place, parameters: dict[str, Value], caller:
     return _pairs(service, prefix, names, caller, is_strict=selected is not None)
 
 
-def _told(service: Service, prefix: str, name: str, caller: Caller) -> Value:
+def _told(service: Service, prefix: str, name: str, caller: Requester) -> Value:
     """Return ``(name meta value)`` of a property, only the name of what is none."""
     node = service.registry.nodes.get(prefix + name)
     if node is None or not caller.may("GET", prefix + name):
@@ -155,7 +157,7 @@ def _told(service: Service, prefix: str, name: str, caller: Caller) -> Value:
     return (as_value(name), described, value)
 
 
-def _parts(service: Service, place: Place) -> list[str]:
+def _parts(service: Service, place: NameEntry) -> list[str]:
     assert place.node is not None
     if place.node.function is not None:
         told = [each.name for each in place.node.function.describe().children]
@@ -168,7 +170,7 @@ def _parts(service: Service, place: Place) -> list[str]:
 
 
 def _pairs(
-    service: Service, prefix: str, names: list[str], caller: Caller, *, is_strict: bool
+    service: Service, prefix: str, names: list[str], caller: Requester, *, is_strict: bool
 ) -> str:
     """Return ``(name value)`` of each; names that were asked for must all have one."""
     texts: list[str] = []
@@ -211,7 +213,9 @@ def _opaque(payload: Payload) -> Value:
     return _item(payload) if isinstance(payload, bytes) else str(payload)
 
 
-def set_extension(service: Service, place: Place, parameters: dict[str, Value], ask: Ask) -> None:
+def set_extension(
+    service: Service, place: NameEntry, parameters: dict[str, Value], ask: PropertyRequest
+) -> None:
     """Carry out a SET of an extension.
 
     Raises:
@@ -231,7 +235,7 @@ def set_extension(service: Service, place: Place, parameters: dict[str, Value], 
 
 
 def _listen(
-    service: Service, place: Place, ref: str, parameters: dict[str, Value], caller: Caller
+    service: Service, place: NameEntry, ref: str, parameters: dict[str, Value], caller: Requester
 ) -> None:
     if ref.strip() != "self":
         if service.notifies is None:
@@ -241,14 +245,14 @@ def _listen(
     if parameters.pop("remove", False) not in (False, 0):
         service.listeners.remove(place, caller)
         return
-    service.listeners.register(place, wish_of(parameters), caller)
+    service.listeners.register(place, options_of(parameters), caller)
 
 
-def _set_all(service: Service, place: Place, payload: str, caller: Caller) -> None:
+def _set_all(service: Service, place: NameEntry, payload: str, caller: Requester) -> None:
     """Set several properties, all or none: each is checked before any is set."""
     pairs = read(payload)
     prefix = f"{place.name}." if place.name else ""
-    wanted: dict[str, tuple[Node, Content]] = {}
+    wanted: dict[str, tuple[PropertyNode, Content]] = {}
     for pair in _group(pairs):
         name, value = _pair(pair)
         node = service.registry.find(prefix + name).node
@@ -267,8 +271,8 @@ def _set_all(service: Service, place: Place, payload: str, caller: Caller) -> No
     _apply_all(service, wanted)
 
 
-def _apply_all(service: Service, wanted: dict[str, tuple[Node, Content]]) -> None:
-    before: list[tuple[Node, Content]] = []
+def _apply_all(service: Service, wanted: dict[str, tuple[PropertyNode, Content]]) -> None:
+    before: list[tuple[PropertyNode, Content]] = []
     for node, value in wanted.values():
         old = service.value_of(node) if "r" in node.spec.access else None
         try:

@@ -12,7 +12,7 @@ from functools import partial
 from rtkit.guard import kind_and_text
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import failed
-from rtkit.property.spec import Parameter
+from rtkit.property.spec import RequestParameter
 from rtkit.property.types import Content, check
 from rtkit.property.user_code import AT_ONCE, Finished, UserCode, Work, is_coroutine
 from rtkit.property.values import Element, Value, Word
@@ -22,7 +22,7 @@ Run = Callable[[Work, Finished], None]
 """Runs some work; has the owner of the service take what came of it."""
 
 
-class Function:
+class FunctionalProperty:
     """An action with its arguments.
 
     What is called and yields can be stopped whenever it yields; what it yields is how far it is. A
@@ -42,7 +42,7 @@ class Function:
     def __init__(
         self,
         function: Callable[..., object],
-        parameters: tuple[Parameter, ...] = (),
+        parameters: tuple[RequestParameter, ...] = (),
         convert: Callable[[object], Content] = lambda result: result,  # type: ignore[assignment,return-value]
         run: Run | None = None,
         *,
@@ -100,7 +100,7 @@ class Function:
         return (), {each.key: self._checked(each, bound) for each in wanted}
 
     @staticmethod
-    def _only(parameter: Parameter, value: tuple[Value, ...]) -> tuple[Value, ...]:
+    def _only(parameter: RequestParameter, value: tuple[Value, ...]) -> tuple[Value, ...]:
         """Tell a group that is the only argument from a group that holds it."""
         if parameter.type.base == "any" and len(value) > 1:
             return (value,)
@@ -110,7 +110,7 @@ class Function:
             return (value,)
         return value
 
-    def _checked(self, parameter: Parameter, bound: dict[str, Value]) -> Value:
+    def _checked(self, parameter: RequestParameter, bound: dict[str, Value]) -> Value:
         if parameter.key not in bound:
             raise PropertyError("bad-value", f"argument is missing: {parameter.key}")
         try:

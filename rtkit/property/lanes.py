@@ -11,19 +11,19 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, Ask
+from rtkit.property.messages import Answer, PropertyRequest
 from rtkit.property.naming import canonical
 from rtkit.property.reading import lone_number
 
 if TYPE_CHECKING:
-    from rtkit.property.node import Node
+    from rtkit.property.node import PropertyNode
     from rtkit.property.service import Service
 
 NAMES = "?"
 """The lane of all that looks which names there are."""
 
 
-def lane_of(service: Service, ask: Ask) -> str | None:
+def lane_of(service: Service, ask: PropertyRequest) -> str | None:
     """Return the lane of a request, None of one that calls no user code."""
     nodes, is_set = service.registry.nodes, ask.payload is not None
     node = nodes.get(ask.target)
@@ -50,7 +50,7 @@ def lane_of(service: Service, ask: Ask) -> str | None:
     return NAMES if is_bulk or service.on_names is not None else None
 
 
-def _is_called(node: Node, *, is_set: bool) -> bool:
+def _is_called(node: PropertyNode, *, is_set: bool) -> bool:
     return node.reader is not None or (is_set and node.writer is not None)
 
 
@@ -76,7 +76,7 @@ def _lane_of_part(service: Service, segments: list[str]) -> str | None:
     return None
 
 
-def wait_of(ask: Ask, now: float) -> float:
+def wait_of(ask: PropertyRequest, now: float) -> float:
     """Return how long somebody waits for the answer to a request [s], 0 if that is not known."""
     _, is_told, tail = ask.target.partition("timeout=")
     number = lone_number(tail.partition("&")[0]) if is_told else None

@@ -17,7 +17,7 @@ from collections import deque
 from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.messages import Answer, Payload, PropertyEvent
 
 LONGEST_LINE = (1 << 20) + 1024
 """Bytes of a line; a value and its target fit in."""
@@ -27,7 +27,7 @@ _BLOCK = re.compile(rb"\{(\d{1,18})\}")
 _LOOKS_LIKE_BLOCK = re.compile(r"\{\d*\}")
 
 
-class Asked(NamedTuple):
+class LineRequest(NamedTuple):
     """A request, or what cannot be one.
 
     Attributes:
@@ -46,7 +46,7 @@ class Asked(NamedTuple):
 class _Block(NamedTuple):
     """A request of which the bytes are still to come."""
 
-    asked: Asked
+    asked: LineRequest
     length: int
 
 
@@ -148,7 +148,7 @@ class Requests:
         """Whether something has begun and is not complete."""
         return self._splitter.waits or self._block is not None
 
-    def next(self) -> Asked | None:
+    def next(self) -> LineRequest | None:
         """Return the next request, None if there is none yet."""
         try:
             if self._block is not None:
@@ -156,38 +156,38 @@ class Requests:
             line = self._splitter.line()
             return None if line is None else self._request(line)
         except PropertyError as error:
-            return Asked("", "", "", error, error.code == "syntax")
+            return LineRequest("", "", "", error, error.code == "syntax")
 
-    def _filled(self, block: _Block) -> Asked | None:
+    def _filled(self, block: _Block) -> LineRequest | None:
         data = self._splitter.block(block.length)
         if data is None:
             return None
         self._block = None
         return block.asked._replace(payload=data)
 
-    def _request(self, raw: bytes) -> Asked | None:
+    def _request(self, raw: bytes) -> LineRequest | None:
         try:
             line = raw.decode("utf-8")
         except UnicodeDecodeError as error:
-            return Asked("", "", "", PropertyError("syntax", f"{error.start} expected UTF-8"))
+            return LineRequest("", "", "", PropertyError("syntax", f"{error.start} expected UTF-8"))
         id = ""
         if line.startswith("#"):
             id, _, line = line[1:].partition(" ")
             if not id or len(id) > LONGEST_ID or not id.isprintable():
-                return Asked("", "", "", PropertyError("syntax", "1 expected an id"))
+                return LineRequest("", "", "", PropertyError("syntax", "1 expected an id"))
         if line.startswith("GET "):
-            return Asked(id, line[4:].strip(" "), None)
+            return LineRequest(id, line[4:].strip(" "), None)
         if not line.startswith("SET "):
-            return Asked(id, "", "", PropertyError("syntax", "0 expected GET or SET"))
+            return LineRequest(id, "", "", PropertyError("syntax", "0 expected GET or SET"))
         target, _, payload = line[4:].partition(" ")
         announced = _BLOCK.fullmatch(payload.encode()) if payload.startswith("{") else None
         if announced is None:
-            return Asked(id, target, payload)
+            return LineRequest(id, target, payload)
         length = int(announced[1])
         if length > self._longest:
             refused = PropertyError("too-large", f"longer than {self._longest} bytes")
-            return Asked(id, target, "", refused, True)
-        self._block = _Block(Asked(id, target, ""), length)
+            return LineRequest(id, target, "", refused, True)
+        self._block = _Block(LineRequest(id, target, ""), length)
         return self._filled(self._block)
 
 
@@ -211,12 +211,12 @@ def write_answer(answer: Answer, id: str = "") -> bytes:
     return f"{head}=".encode() + _tail(answer.payload)
 
 
-def write_event(event: Event) -> bytes:
+def write_event(event: PropertyEvent) -> bytes:
     """Return an event as it is sent."""
     return f"* {event.name};{write_attributes(event)}".encode() + _tail(event.payload)
 
 
-def write_attributes(event: Event) -> str:
+def write_attributes(event: PropertyEvent) -> str:
     """Return what an event carries beside the value: ``rev=3;time=…``."""
     attributes = [f"rev={event.revision}", f"time={event.time!r}"]
     if event.quality != "good":
@@ -228,7 +228,7 @@ def write_attributes(event: Event) -> str:
     return ";".join(attributes)
 
 
-def read_event(name: str, payload: Payload, attributes: str) -> Event:
+def read_event(name: str, payload: Payload, attributes: str) -> PropertyEvent:
     """Return the event that arrived.
 
     Raises:
@@ -236,7 +236,7 @@ def read_event(name: str, payload: Payload, attributes: str) -> Event:
     """
     given = dict(each.partition("=")[::2] for each in attributes.split(";"))
     try:
-        return Event(
+        return PropertyEvent(
             name,
             payload,
             float(given.get("time", "0")),
@@ -278,7 +278,7 @@ class Replies:
         self.is_idle = False
         self._splitter.feed(data)
 
-    def next(self) -> tuple[str, Answer] | Event | None:
+    def next(self) -> tuple[str, Answer] | PropertyEvent | None:
         """Return the next reply with its id, or the next event; None if there is none yet.
 
         Raises:
@@ -288,7 +288,7 @@ class Replies:
         self.is_idle = self._head is None and not self._splitter.waits
         return told
 
-    def _next(self) -> tuple[str, Answer] | Event | None:
+    def _next(self) -> tuple[str, Answer] | PropertyEvent | None:
         if self._head is None:
             raw = self._splitter.line()
             if raw is None:
@@ -324,7 +324,7 @@ class Replies:
         raise PropertyError("syntax", f"0 expected a reply: {line[:60]!r}")
 
 
-def _made(head: tuple[str, str], payload: Payload) -> tuple[str, Answer] | Event:
+def _made(head: tuple[str, str], payload: Payload) -> tuple[str, Answer] | PropertyEvent:
     id, what = head
     if what == "=":
         return id, Answer(payload)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
-from rtkit.property.listening import Listener, Wish
-from rtkit.property.messages import Answer, Caller, Event
-from rtkit.property.node import Node
-from rtkit.property.registry import Place, as_value
+from rtkit.property.messages import Answer, PropertyEvent, Requester
+from rtkit.property.node import PropertyNode
+from rtkit.property.registry import NameEntry, as_value
+from rtkit.property.subscription import Listener, SubscriptionOptions
 from rtkit.property.types import Content
 from rtkit.property.user_code import Unfolded
 from rtkit.property.values import Value, Word
@@ -32,17 +32,17 @@ class Listeners:
 
     def __init__(self, service: Service) -> None:
         self._service = service
-        self._all: dict[tuple[Caller, str, tuple[str, ...]], Listener] = {}
+        self._all: dict[tuple[Requester, str, tuple[str, ...]], Listener] = {}
         self.of_names: dict[str, list[Listener]] = {}
         self._revision_of_names = 1
-        self._polled: set[Node] = set()
+        self._polled: set[PropertyNode] = set()
 
     @property
     def is_any(self) -> bool:
         """Whether anybody listens to anything."""
         return bool(self._all)
 
-    def register(self, place: Place, wish: Wish, caller: Caller) -> Listener:
+    def register(self, place: NameEntry, wish: SubscriptionOptions, caller: Requester) -> Listener:
         """Have a caller listen; who listens already gets the new wish and lease.
 
         Raises:
@@ -74,7 +74,9 @@ class Listeners:
             caller.wake()
         return listener
 
-    def _first(self, place: Place, listener: Listener, is_names: bool) -> tuple[Event, object]:
+    def _first(
+        self, place: NameEntry, listener: Listener, is_names: bool
+    ) -> tuple[PropertyEvent, object]:
         if is_names:
             return self._names_event(place.name), None
         node = place.node
@@ -89,11 +91,11 @@ class Listeners:
             raise PropertyError("unknown", f"no such property: {listener.name}")
         return made
 
-    def _names_event(self, name: str) -> Event:
+    def _names_event(self, name: str) -> PropertyEvent:
         text = self._service.registry.listed(name)
-        return Event("", text, self._service.wall(), self._revision_of_names)
+        return PropertyEvent("", text, self._service.wall(), self._revision_of_names)
 
-    def changed(self, node: Node, has_changed: bool) -> None:
+    def changed(self, node: PropertyNode, has_changed: bool) -> None:
         """Tell those who listen to a property that it was set."""
         for listener in node.listeners or ():
             if not has_changed and not listener.wish.is_all:
@@ -120,10 +122,10 @@ class Listeners:
                 if listener.offer(made, None):
                     listener.caller.wake()
 
-    def end_all(self, node: Node) -> None:
+    def end_all(self, node: PropertyNode) -> None:
         """Tell those who listen to a property that it is gone, as the last event."""
         for listener in node.listeners or ():
-            last = Event(
+            last = PropertyEvent(
                 listener.name, "", self._service.wall(), node.revision, "bad", 0, "unknown"
             )
             listener.offer(last, None)
@@ -149,12 +151,12 @@ class Listeners:
         for key in [key for key, each in self._all.items() if each is listener]:
             del self._all[key]
 
-    def end_caller(self, caller: Caller) -> None:
+    def end_caller(self, caller: Requester) -> None:
         """Forget whoever is gone."""
         for listener in [each for key, each in self._all.items() if key[0] is caller]:
             self.end(listener)
 
-    def remove(self, place: Place, caller: Caller) -> None:
+    def remove(self, place: NameEntry, caller: Requester) -> None:
         """Take off a listener of a caller.
 
         Raises:
@@ -166,7 +168,7 @@ class Listeners:
             raise PropertyError("unknown", f"not listened to: {place.name}")
         self.end(self._all[key])
 
-    def of(self, node: Node | None) -> list[Value]:
+    def of(self, node: PropertyNode | None) -> list[Value]:
         """Return who listens to a property."""
         found = node.listeners if node is not None and node.listeners else ()
         return [each.caller.identity or "nobody" for each in found]
@@ -180,7 +182,7 @@ class Listeners:
         ends = [each.ends_at for each in self._all.values() if each.ends_at is not None]
         return min(ends, default=None)
 
-    def computed(self) -> list[Node]:
+    def computed(self) -> list[PropertyNode]:
         """Return the properties that are listened to and change without our doing."""
         nodes = self._service.registry.nodes
         found = {_property_of(each): each for each in self._all.values()}
@@ -197,7 +199,7 @@ class Listeners:
                 work, late = partial(self._poll, node), partial(self._mark_bad, node)
                 self._service.user_code.later(node.name, work, late, 0.0)
 
-    def _poll(self, node: Node) -> None:
+    def _poll(self, node: PropertyNode) -> None:
         try:
             self._service.value_of(node)
         except PropertyError:
@@ -207,7 +209,7 @@ class Listeners:
                 self._service.names_now()
         self._polled.discard(node)
 
-    def _mark_bad(self, node: Node, _why: Answer | None = None) -> None:
+    def _mark_bad(self, node: PropertyNode, _why: Answer | None = None) -> None:
         """Tell who listens that a value cannot be had."""
         if node.quality != "bad" and node.value is not None:
             node.put(node.value, self._service.wall(), "bad")
@@ -220,7 +222,7 @@ def _property_of(listener: Listener) -> str:
     return listener.name[: -len(".".join(listener.path)) - 1]
 
 
-def _event(node: Node, listener: Listener) -> tuple[Event, Content | None] | None:
+def _event(node: PropertyNode, listener: Listener) -> tuple[PropertyEvent, Content | None] | None:
     """Return what a listener of a property, or of a part of it, is to hear."""
     value, payload = node.value, node.payload
     if listener.path:
@@ -229,4 +231,4 @@ def _event(node: Node, listener: Listener) -> tuple[Event, Content | None] | Non
         if part is None:
             return None
         value, payload = part, write(part)
-    return Event(listener.name, payload, node.time, node.revision, node.quality), value
+    return PropertyEvent(listener.name, payload, node.time, node.revision, node.quality), value

@@ -11,7 +11,7 @@ from rtkit.property.access import Access
 from rtkit.property.codes import code_of, rebuilt
 
 if TYPE_CHECKING:
-    from rtkit.property.listening import Listener
+    from rtkit.property.subscription import Listener
 
 Payload = str | bytes
 """Characters end to end; bytes only of properties that are declared so."""
@@ -45,7 +45,7 @@ def failed(error: BaseException) -> Answer:
     return Answer(kind_and_text(error) if code == "internal" else text_of(error), code)
 
 
-class Caller:
+class Requester:
     """Who asks, through which door: what a service knows of the far side.
 
     Attributes:
@@ -81,11 +81,11 @@ class Caller:
         """Hear that a listener of it has something to send."""
 
 
-OWNER = Caller("owner")
+OWNER = Requester("owner")
 """The process that owns the service."""
 
 
-class Ask(NamedTuple):
+class PropertyRequest(NamedTuple):
     """A GET (no payload) or SET.
 
     Attributes:
@@ -98,12 +98,12 @@ class Ask(NamedTuple):
     target: str
     payload: Payload | None
     answer: Callable[[Answer], object]
-    caller: Caller = OWNER
+    caller: Requester = OWNER
     id: str = ""
     until: float = math.inf
 
 
-class Event(NamedTuple):
+class PropertyEvent(NamedTuple):
     """A change as a listener hears of it.
 
     Attributes:

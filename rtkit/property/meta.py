@@ -6,20 +6,20 @@ from typing import TYPE_CHECKING
 
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
-from rtkit.property.registry import Place
+from rtkit.property.registry import NameEntry
 from rtkit.property.values import Element, Value, Word
 from rtkit.property.writing import write
 
 if TYPE_CHECKING:
-    from rtkit.property.messages import Caller
-    from rtkit.property.node import Node
+    from rtkit.property.messages import Requester
+    from rtkit.property.node import PropertyNode
     from rtkit.property.service import Service
 
 
 def meta(
     service: Service,
-    node: Node,
-    caller: Caller,
+    node: PropertyNode,
+    caller: Requester,
     path: tuple[str, ...] = (),
     *,
     calls_user_code: bool = True,
@@ -66,12 +66,12 @@ def meta(
     return Element("meta", {}, tuple(children))
 
 
-def _access(node: Node, caller: Caller) -> str:
+def _access(node: PropertyNode, caller: Requester) -> str:
     access = "rw" if node.function is not None else node.spec.access
     return access if caller.may("SET", node.name) else access.replace("w", "") or access
 
 
-def _look(service: Service, node: Node) -> None:
+def _look(service: Service, node: PropertyNode) -> None:
     """Have time, quality and revision tell of the present value, where it can be had."""
     try:
         service.value_of(node)
@@ -79,7 +79,7 @@ def _look(service: Service, node: Node) -> None:
         node.quality = "bad"
 
 
-def _kind_of_part(node: Node, path: tuple[str, ...]) -> str:
+def _kind_of_part(node: PropertyNode, path: tuple[str, ...]) -> str:
     from rtkit.property.values import kind_of
 
     whole = node.value
@@ -91,7 +91,7 @@ def _kind_of_part(node: Node, path: tuple[str, ...]) -> str:
     return kind_of(part)
 
 
-def meta_field(described: Element, place: Place) -> str:
+def meta_field(described: Element, place: NameEntry) -> str:
     """Return one field of the element as text.
 
     Raises:

@@ -26,7 +26,7 @@ _CODED |= {code[0].lower() + code[1].upper(): byte for code, byte in list(_CODED
 _NOT_IN_PARAMETER = re.compile(r"[&?=;#%\x00-\x20\x7f]")
 
 
-class Target(NamedTuple):
+class RequestTarget(NamedTuple):
     """What a request is for.
 
     Attributes:
@@ -40,7 +40,7 @@ class Target(NamedTuple):
     service: str = ""
 
 
-def parse_target(text: str) -> Target:
+def parse_target(text: str) -> RequestTarget:
     """Read ``[service/]name[?key=value&…]``.
 
     Raises:
@@ -50,7 +50,7 @@ def parse_target(text: str) -> Target:
     service, _, name = whole.rpartition("/")
     if service:
         service = "/".join(map(canonical_segment, service.split("/")))
-    return Target(canonical(name), parse_parameters(tail) if mark else {}, service)
+    return RequestTarget(canonical(name), parse_parameters(tail) if mark else {}, service)
 
 
 def canonical(name: str) -> str:

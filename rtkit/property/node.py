@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Payload
-from rtkit.property.spec import Reader, Spec, Writer
+from rtkit.property.spec import PropertySpec, Reader, Writer
 from rtkit.property.types import Content, to_payload
 from rtkit.property.writing import as_item
 
 if TYPE_CHECKING:
-    from rtkit.property.functional import Function
-    from rtkit.property.listening import Listener
+    from rtkit.property.functional import FunctionalProperty
+    from rtkit.property.subscription import Listener
 
 
 _ENDS = re.compile(r"[\r\n]")
 
 
-class Node:
+class PropertyNode:
     """A property; there may be very many, so it holds no more than it must.
 
     Attributes:
@@ -37,7 +37,7 @@ class Node:
         "quality", "reader", "revision", "spec", "time", "value", "writer",
     )  # fmt: skip
 
-    def __init__(self, name: str, spec: Spec, value: Content | None, time: float) -> None:
+    def __init__(self, name: str, spec: PropertySpec, value: Content | None, time: float) -> None:
         self.name = name
         self.spec = spec
         self.value = value
@@ -47,7 +47,7 @@ class Node:
         self.reader: Reader | None = None
         self.writer: Writer | None = None
         self.is_quick: Callable[[], bool] | None = None
-        self.function: Function | None = None
+        self.function: FunctionalProperty | None = None
         self.listeners: list[Listener] | None = None
         self.history: deque[tuple[float, str, Payload]] | None = None
         self._payload: Payload | None = None

@@ -18,11 +18,11 @@ from rtkit.property.annotations import bare, choices_of, spec_of, type_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.conversion import is_builtin, to_value
 from rtkit.property.fitting import from_value
-from rtkit.property.functional import Function
+from rtkit.property.functional import FunctionalProperty
 from rtkit.property.members import Member, is_data, is_nested, members
 from rtkit.property.naming import segment_of
 from rtkit.property.service import Service
-from rtkit.property.spec import Parameter, Spec
+from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.types import Content, parse_type
 from rtkit.property.user_code import Unfolded, is_coroutine, result_of
 from rtkit.property.values import Value
@@ -51,7 +51,7 @@ class _Found(NamedTuple):
     present: object = _UNSET
     is_plain: bool = False
     method: object = None
-    takes: Mapping[str, tuple[tuple[Parameter, ...], dict[str, Any]]] = MappingProxyType({})
+    takes: Mapping[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]] = MappingProxyType({})
 
 
 class Exported:
@@ -177,7 +177,7 @@ class Exported:
         holder, member = found.holder, found.member
         if member.kind == "method":
             function = self._function(found)
-            spec = Spec(parse_type("element"), doc=member.doc, is_functional=True)
+            spec = PropertySpec(parse_type("element"), doc=member.doc, is_functional=True)
             self._service.add(name, spec=spec, function=function)
             return
         spec = _spec(member, found.present)
@@ -235,7 +235,7 @@ class Exported:
         node.spec = replace(_spec(member, present), parameters=node.spec.parameters)
         return node.spec.type.base != "any"
 
-    def _function(self, found: _Found) -> Function:
+    def _function(self, found: _Found) -> FunctionalProperty:
         declared, hints = _parameters(found.method)  # type: ignore[arg-type]
         name, holder = found.member.name, found.holder
 
@@ -243,10 +243,10 @@ class Exported:
             given = {key: from_value(each, hints.get(key), None) for key, each in named.items()}
             return getattr(holder(), name)(*map(_positional, args), **given)
 
-        return Function(call, declared or (), to_value, is_open=declared is None)
+        return FunctionalProperty(call, declared or (), to_value, is_open=declared is None)
 
 
-def _spec(member: Member, present: object) -> Spec:
+def _spec(member: Member, present: object) -> PropertySpec:
     """Return what is declared of a property by its annotation, else by its value."""
     known = None if present is _UNSET else present
     spec = spec_of(member.hint, known, member.access, member.doc)
@@ -288,7 +288,7 @@ def _present(thing: Any, member: Member, named: Mapping[str, Any] = _NOTHING) ->
 
 def _taken(
     thing: object, member: Member
-) -> dict[str, tuple[tuple[Parameter, ...], dict[str, Any]]]:
+) -> dict[str, tuple[tuple[RequestParameter, ...], dict[str, Any]]]:
     """Return what getter and setter take beside the value, with the hints, by their names."""
     found = {}
     for accessor, own in ((member.getter, 0), (member.setter, 1)):
@@ -315,7 +315,7 @@ def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) ->
 
 def _parameters(
     method: Callable[..., object],
-) -> tuple[tuple[Parameter, ...] | None, dict[str, Any]]:
+) -> tuple[tuple[RequestParameter, ...] | None, dict[str, Any]]:
     """Return the arguments of a method, None if it does not tell them or takes any number."""
     import typing
 
@@ -334,10 +334,10 @@ def _parameters(
     return declared, {name: bare(hint) for name, hint in hints.items()}
 
 
-def _parameter(parameter: inspect.Parameter, hint: Any) -> Parameter:
+def _parameter(parameter: inspect.Parameter, hint: Any) -> RequestParameter:
     default = None
     if parameter.default is not parameter.empty:
         value = to_value(parameter.default) if is_data(parameter.default) else ()
         default = () if isinstance(value, bytes) else value
     kind = type_of(hint) if hint is not None else parse_type("any")
-    return Parameter(parameter.name, kind, default, choices_of(hint))
+    return RequestParameter(parameter.name, kind, default, choices_of(hint))

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.naming import Target
+from rtkit.property.naming import RequestTarget
 from rtkit.property.reading import read
-from rtkit.property.spec import Parameter
+from rtkit.property.spec import RequestParameter
 from rtkit.property.types import check, parse_type
 from rtkit.property.values import Element, Value, Word
 from rtkit.property.writing import write
 
 COMMON = {
-    "echo": Parameter("echo", parse_type("any"), False, (), "answer with the value in force"),
-    "timeout": Parameter("timeout", parse_type("number"), None, (), "how long to wait [s]"),
-    "if": Parameter("if", parse_type("integer"), None, (), "only at this revision"),
-    "id": Parameter("id", parse_type("any"), None, (), "repeated with it, it acts once"),
+    "echo": RequestParameter(
+        "echo", parse_type("any"), False, (), "answer with the value in force"
+    ),
+    "timeout": RequestParameter("timeout", parse_type("number"), None, (), "how long to wait [s]"),
+    "if": RequestParameter("if", parse_type("integer"), None, (), "only at this revision"),
+    "id": RequestParameter("id", parse_type("any"), None, (), "repeated with it, it acts once"),
 }
 OF_GET = {"timeout": COMMON["timeout"]}
 
 
 def checked_parameters(
-    declared: tuple[Parameter, ...], target: Target, common: dict[str, Parameter]
+    declared: tuple[RequestParameter, ...],
+    target: RequestTarget,
+    common: dict[str, RequestParameter],
 ) -> dict[str, Value]:
     """Return the parameters of a request as values.
 
@@ -47,7 +51,7 @@ def checked_parameters(
     return values
 
 
-def _given(parameter: Parameter, text: str) -> Value:
+def _given(parameter: RequestParameter, text: str) -> Value:
     if parameter.type.base == "text":
         return text
     value = read(text)

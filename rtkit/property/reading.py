@@ -13,7 +13,7 @@ from rtkit.property.codes import PropertyError
 from rtkit.property.values import Value, Word
 
 
-class Limits(NamedTuple):
+class ValueLimits(NamedTuple):
     """How large a value may be: text [characters], nesting of brackets and elements, items."""
 
     text: int = 1 << 20
@@ -21,7 +21,7 @@ class Limits(NamedTuple):
     items: int = 1_000_000
 
 
-LIMITS = Limits()
+LIMITS = ValueLimits()
 _SHORT = 32
 _LONGEST_NUMBER = 1000
 """Digits of an integer; to read one takes the square of its length."""
@@ -49,7 +49,7 @@ class Budget:
 
     __slots__ = ("items", "limits")
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: ValueLimits) -> None:
         self.limits = limits
         self.items = 0
 
@@ -79,7 +79,7 @@ def syntax(offset: int, expected: str) -> PropertyError:
     return PropertyError("syntax", f"{offset} {expected}")
 
 
-def read(text: str, limits: Limits = LIMITS) -> Value:
+def read(text: str, limits: ValueLimits = LIMITS) -> Value:
     """Return the value that a text stands for; the empty text is the empty string.
 
     Raises:

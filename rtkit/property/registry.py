@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import EXTENSIONS, check_registrable
-from rtkit.property.node import Node
+from rtkit.property.node import PropertyNode
 from rtkit.property.values import Value, Word
 from rtkit.property.writing import as_item
 
 _WITH_FIELD = frozenset({"gui", "meta"})
 
 
-class Place(NamedTuple):
+class NameEntry(NamedTuple):
     """What a name stands for.
 
     Attributes:
@@ -26,7 +26,7 @@ class Place(NamedTuple):
     """
 
     name: str
-    node: Node | None
+    node: PropertyNode | None
     path: tuple[str, ...] = ()
     extension: str = ""
     field: str = ""
@@ -36,11 +36,11 @@ class Registry:
     """All properties of one service."""
 
     def __init__(self) -> None:
-        self.nodes: dict[str, Node] = {}
+        self.nodes: dict[str, PropertyNode] = {}
         self._children: dict[str, dict[str, None]] = {"": {}}
         self._listed: dict[str, str] = {}
 
-    def add(self, node: Node) -> None:
+    def add(self, node: PropertyNode) -> None:
         """Register a property under its name.
 
         Raises:
@@ -63,7 +63,7 @@ class Registry:
             siblings[segment] = None
             name = parent
 
-    def remove(self, name: str) -> list[Node]:
+    def remove(self, name: str) -> list[PropertyNode]:
         """Take a name off with all below it; return the properties that are gone."""
         gone = [self.nodes.pop(each) for each in [name, *self.below(name)] if each in self.nodes]
         if not gone:
@@ -111,7 +111,7 @@ class Registry:
         """Whether there are names below."""
         return bool(self._children.get(name)) or not name
 
-    def find(self, name: str) -> Place:
+    def find(self, name: str) -> NameEntry:
         """Return what a name stands for.
 
         The first that fits of: a property, an inner node, an extension of what is one of these,
@@ -122,9 +122,9 @@ class Registry:
         """
         node = self.nodes.get(name)
         if node is not None:
-            return Place(name, node)
+            return NameEntry(name, node)
         if name and self.is_inner(name):
-            return Place(name, None)
+            return NameEntry(name, None)
         segments = name.split(".")
         if segments[-2:] == ["properties", "listen"]:
             whose = self._valued(".".join(segments[:-2]))
@@ -147,19 +147,19 @@ class Registry:
             raise PropertyError("unknown", f"no such property: {'.'.join(segments)}")
         return place
 
-    def _valued(self, name: str) -> Place | None:
+    def _valued(self, name: str) -> NameEntry | None:
         node = self.nodes.get(name)
         if node is not None or self.is_inner(name):
-            return Place(name, node)
+            return NameEntry(name, node)
         return self._part(name.split("."))
 
-    def _part(self, segments: list[str]) -> Place | None:
+    def _part(self, segments: list[str]) -> NameEntry | None:
         """Return the part of the property of the longest prefix that is registered."""
         for end in range(len(segments) - 1, 0, -1):
             prefix = ".".join(segments[:end])
             node = self.nodes.get(prefix)
             if node is not None:
-                return Place(prefix, node, tuple(segments[end:]))
+                return NameEntry(prefix, node, tuple(segments[end:]))
         return None
 
 

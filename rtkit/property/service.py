@@ -18,18 +18,18 @@ from rtkit.property import components
 from rtkit.property.actions import described, start
 from rtkit.property.codes import PropertyError
 from rtkit.property.extensions import get_extension, set_extension
-from rtkit.property.functional import Function
+from rtkit.property.fast_path import FastPath
+from rtkit.property.functional import FunctionalProperty
+from rtkit.property.idempotency import IdempotencyCache, identity_of
 from rtkit.property.lanes import NAMES, first_only, lane_of, wait_of
 from rtkit.property.listeners import Listeners
-from rtkit.property.messages import DONE, Answer, Ask, Caller, Payload, failed
-from rtkit.property.naming import Target, parse_target
-from rtkit.property.node import Node
-from rtkit.property.once import Once, identity_of
+from rtkit.property.messages import DONE, Answer, Payload, PropertyRequest, Requester, failed
+from rtkit.property.naming import RequestTarget, parse_target
+from rtkit.property.node import PropertyNode
 from rtkit.property.parameters import COMMON, OF_GET, checked_parameters
-from rtkit.property.quick import Quick
 from rtkit.property.reading import read
-from rtkit.property.registry import Place, Registry
-from rtkit.property.spec import Reader, Spec, Writer, plain
+from rtkit.property.registry import NameEntry, Registry
+from rtkit.property.spec import PropertySpec, Reader, Writer, plain
 from rtkit.property.types import Content, check, from_payload, parse_type, to_payload
 from rtkit.property.user_code import AT_ONCE, Unfolded, UserCode, result_of
 from rtkit.property.values import Value, is_number
@@ -67,12 +67,12 @@ class Service:
         self.listeners = Listeners(self)
         self.on_refusal: Callable[[str, str, str], object] | None = None
         self.on_names: Callable[[], object] | None = None
-        self.notifies: Callable[[str, str], Caller] | None = None
+        self.notifies: Callable[[str, str], Requester] | None = None
         self._nodes = self.registry.nodes
-        self.remembered: dict[str, Node] = {}
+        self.remembered: dict[str, PropertyNode] = {}
         self._histories: list[tuple[str, int]] = []
-        self._once = Once()
-        self._quick = Quick(self)
+        self._once = IdempotencyCache()
+        self._quick = FastPath(self)
         self.quick = self._quick.reply
         self._started = wall()
         self.user_code: UserCode = AT_ONCE
@@ -85,13 +85,13 @@ class Service:
         self,
         name: str,
         value: Content | None = None,
-        spec: Spec | str = "any",
+        spec: PropertySpec | str = "any",
         *,
         read: Reader | None = None,
         write: Writer | None = None,
-        function: Function | None = None,
+        function: FunctionalProperty | None = None,
         history: int = 0,
-    ) -> Node:
+    ) -> PropertyNode:
         """Register a property.
 
         Args:
@@ -111,7 +111,7 @@ class Service:
             declared = replace(declared, access="r")
         if value is not None:
             value = declared.admit(value)
-        node = Node(name, declared, value, self._started)
+        node = PropertyNode(name, declared, value, self._started)
         node.reader, node.writer, node.function = read, write, function
         self.registry.add(node)
         self._has_user_code = self._has_user_code or bool(read or write)
@@ -182,14 +182,14 @@ class Service:
 
     def _asked(self, target: str, payload: Payload | None) -> Payload:
         answers: list[Answer] = []
-        self._answer(Ask(target, payload, answers.append))
+        self._answer(PropertyRequest(target, payload, answers.append))
         if not answers:
             raise PropertyError("busy", f"not answered at once: {target}")
         return answers[0].value()
 
     # What doors do.
 
-    def set_plain(self, node: Node, payload: Payload) -> None:
+    def set_plain(self, node: PropertyNode, payload: Payload) -> None:
         """Carry out a SET of a property with nothing else to it, for who may.
 
         Raises:
@@ -219,7 +219,7 @@ class Service:
         node = self._nodes.get(name)
         return node is not None and not (node.reader or node.writer or node.function)
 
-    def handle(self, ask: Ask) -> None:
+    def handle(self, ask: PropertyRequest) -> None:
         """Answer a request, now or later; never raises for what is asked."""
         if ask.payload is None:
             node = self._nodes.get(ask.target)
@@ -237,7 +237,7 @@ class Service:
             work = partial(self._answer, asked)
             self.user_code.later(lane, work, asked.answer, wait_of(ask, self.clock()))
 
-    def _answer(self, ask: Ask) -> None:
+    def _answer(self, ask: PropertyRequest) -> None:
         try:
             try:
                 answer = self._perform(ask)
@@ -251,7 +251,7 @@ class Service:
         if answer is not None:
             ask.answer(answer)
 
-    def _perform(self, ask: Ask) -> Answer | None:
+    def _perform(self, ask: PropertyRequest) -> Answer | None:
         node = self._nodes.get(ask.target)
         # A name and nothing else, which most are, needs no reading.
         is_plain = node is not None and not node.function and not ask.id
@@ -317,11 +317,11 @@ class Service:
         """End the leases that are over."""
         self.listeners.tick()
 
-    def forget(self, caller: Caller) -> None:
+    def forget(self, caller: Requester) -> None:
         """Send nothing any more to who is gone."""
         self.listeners.end_caller(caller)
 
-    def permit(self, caller: Caller, method: str, name: str) -> None:
+    def permit(self, caller: Requester, method: str, name: str) -> None:
         """Refuse what the rules of a door do not let a caller do.
 
         Raises:
@@ -333,7 +333,7 @@ class Service:
             self.on_refusal(caller.identity, method, name)
         raise PropertyError("denied", f"{method} by {caller.identity or 'nobody'}: {name}")
 
-    def find(self, name: str) -> Place:
+    def find(self, name: str) -> NameEntry:
         """Return what a name stands for, looking once more when there is no such name.
 
         Raises:
@@ -349,7 +349,7 @@ class Service:
 
     # GET
 
-    def _get(self, target: Target, ask: Ask) -> Payload:
+    def _get(self, target: RequestTarget, ask: PropertyRequest) -> Payload:
         place = self.find(target.name)
         if place.extension:
             return get_extension(self, place, _read_all(target.parameters), ask.caller)
@@ -375,7 +375,7 @@ class Service:
             raise PropertyError("unknown", f"no such property: {target.name}")
         return write(part)
 
-    def value_of(self, node: Node, parameters: dict[str, Value] = _NONE) -> Content:
+    def value_of(self, node: PropertyNode, parameters: dict[str, Value] = _NONE) -> Content:
         """Return the present value of a property, read anew where it is computed.
 
         Raises:
@@ -391,7 +391,7 @@ class Service:
             self.seen(node, value)
         return value
 
-    def seen(self, node: Node, value: Content) -> None:
+    def seen(self, node: PropertyNode, value: Content) -> None:
         """Take note of a computed value: if it has changed, tell who listens."""
         if node.value is None:
             node.put(value, self.wall())
@@ -401,7 +401,7 @@ class Service:
 
     # SET
 
-    def _set(self, target: Target, ask: Ask) -> Answer | None:
+    def _set(self, target: RequestTarget, ask: PropertyRequest) -> Answer | None:
         assert ask.payload is not None
         place = self.find(target.name)
         if place.extension:
@@ -422,9 +422,9 @@ class Service:
         else:
             value = node.spec.within(from_payload(node.spec.type, ask.payload))
         self.apply(node, value, given)
-        return Answer(self._get(Target(target.name, {}), ask)) if has_echo else DONE
+        return Answer(self._get(RequestTarget(target.name, {}), ask)) if has_echo else DONE
 
-    def check_writable(self, node: Node, name: str, revision: Value | None = None) -> None:
+    def check_writable(self, node: PropertyNode, name: str, revision: Value | None = None) -> None:
         """Refuse to set what cannot be, or is no longer what the caller thinks it is.
 
         Raises:
@@ -439,7 +439,9 @@ class Service:
         if revision != node.revision:
             raise PropertyError("conflict", f"revision of {name} is {node.revision}")
 
-    def apply(self, node: Node, value: Content, parameters: dict[str, Value] = _NONE) -> None:
+    def apply(
+        self, node: PropertyNode, value: Content, parameters: dict[str, Value] = _NONE
+    ) -> None:
         """Put a value that was checked in force, and tell it.
 
         Raises:
@@ -460,12 +462,12 @@ class Service:
                 return
         self._keep(node, value)
 
-    def _keep(self, node: Node, value: Content) -> None:
+    def _keep(self, node: PropertyNode, value: Content) -> None:
         has_changed = node.put(value, self.wall())
         if node.listeners:
             self.listeners.changed(node, has_changed)
 
-    def _with_part(self, node: Node, place: Place, payload: Payload) -> Content:
+    def _with_part(self, node: PropertyNode, place: NameEntry, payload: Payload) -> Content:
         whole = _divisible(self.value_of(node), place)
         before = components.get(whole, place.path, node.spec.labels)
         if before is None:
@@ -476,14 +478,14 @@ class Service:
         return node.spec.admit(components.replace(whole, place.path, part, node.spec.labels))
 
 
-def _read_kept(node: Node) -> Answer:
+def _read_kept(node: PropertyNode) -> Answer:
     try:
         return Answer(node.payload)
     except PropertyError as error:
         return Answer(str(error), error.code)
 
 
-def _divisible(value: Content, place: Place) -> Value:
+def _divisible(value: Content, place: NameEntry) -> Value:
     if isinstance(value, bytes):
         raise PropertyError("unknown", f"no such property: {place.name}.{place.path[0]}")
     return value

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.property.codes import PropertyError
 from rtkit.property.types import Content, Type, check, parse_type
 from rtkit.property.values import Element, Value, Word, is_number, is_vector
 from rtkit.property.writing import write
-from rtkit.records import dataclass, field
 
 
-class Parameter(NamedTuple):
+class RequestParameter(NamedTuple):
     """A key that may follow the question mark, or an argument of a functional property."""
 
     key: str
@@ -32,7 +32,7 @@ _ANY = parse_type("any")
 
 
 @dataclass(frozen=True, slots=True)
-class Spec:
+class PropertySpec:
     """What is declared; many properties may share one.
 
     Attributes:
@@ -60,7 +60,7 @@ class Spec:
     alarm: Bounds | None = None
     doc: str = ""
     labels: tuple[str, ...] = ()
-    parameters: tuple[Parameter, ...] = ()
+    parameters: tuple[RequestParameter, ...] = ()
     gui: Mapping[str, str] = field(default_factory=dict)
     is_functional: bool = False
 
@@ -109,13 +109,13 @@ def _numbers(value: Content | None) -> tuple[float, ...]:
     return value if is_vector(value) else ()  # type: ignore[return-value]
 
 
-_SHARED: dict[str, Spec] = {}
+_SHARED: dict[str, PropertySpec] = {}
 
 
-def plain(type_name: str) -> Spec:
+def plain(type_name: str) -> PropertySpec:
     """Return what is declared of a property of which only the type is."""
     if type_name not in _SHARED:
-        _SHARED[type_name] = Spec(parse_type(type_name))
+        _SHARED[type_name] = PropertySpec(parse_type(type_name))
     return _SHARED[type_name]
 
 
@@ -132,7 +132,7 @@ _WIDGETS = {
 }
 
 
-def gui(spec: Spec) -> Element:
+def gui(spec: PropertySpec) -> Element:
     """Return the GUI component that suits a property, as ``.gui`` tells it."""
     numeric = spec.type.base in ("number", "integer")
     if spec.is_functional:

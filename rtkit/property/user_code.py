@@ -10,7 +10,7 @@ from collections.abc import Callable, Coroutine
 from types import CoroutineType
 from typing import Any, Protocol, TypeGuard
 
-from rtkit.guard import Outcome, guarded, kind_and_text, text_of
+from rtkit.guard import GuardedResult, guarded, kind_and_text, text_of
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
 
@@ -22,7 +22,7 @@ Cancel = Callable[[], object]
 class UserCode(Protocol):
     """Calls user code for one process."""
 
-    def call(self, work: Work) -> Outcome:
+    def call(self, work: Work) -> GuardedResult:
         """Call something now, on this thread, and await what it returns."""
         ...
 
@@ -70,7 +70,7 @@ def is_coroutine(thing: object) -> TypeGuard[Coroutine[Any, Any, object]]:
     return isinstance(thing, CoroutineType)
 
 
-def result_of(outcome: Outcome, bad: tuple[type[BaseException], ...] = ()) -> Any:
+def result_of(outcome: GuardedResult, bad: tuple[type[BaseException], ...] = ()) -> Any:
     """Return the result of a call.
 
     Args:
@@ -97,7 +97,7 @@ class Unfolded(Exception):
 class AtOnce:
     """Calls user code on the thread of whoever asks: a service without endpoints."""
 
-    def call(self, work: Work) -> Outcome:
+    def call(self, work: Work) -> GuardedResult:
         """See `UserCode.call`."""
         outcome = guarded(work)
         if isinstance(outcome.error, KeyboardInterrupt):

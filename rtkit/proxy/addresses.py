@@ -13,17 +13,17 @@ from rtkit.errors import Malformed, Refused
 from rtkit.link import places
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import canonical_segment, escape, segment_of
-from rtkit.proxy.calls import CallContact
-from rtkit.proxy.contact import Contact, Wire
-from rtkit.proxy.lines import LineContact
-from rtkit.serving.host import Host
-from rtkit.serving.owner import Owner
+from rtkit.proxy.blocking_connection import BlockingConnection
+from rtkit.proxy.line_connection import LineConnection
+from rtkit.proxy.provider_connection import ProviderConnection, Wire
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.provider import PropertyProvider
 from rtkit.tree.properties import BoundedEnd
 
 _HERE = ("", "localhost", "127.0.0.1")
 
 
-class Setting(NamedTuple):
+class ProxySettings(NamedTuple):
     """What addresses are read in.
 
     Attributes:
@@ -31,12 +31,12 @@ class Setting(NamedTuple):
         timeout_s: Bound on each attempt to connect [s].
     """
 
-    host: Host
+    host: PropertyEventLoop
     cwd: str
     timeout_s: float
 
 
-class Source(NamedTuple):
+class ProviderAddress(NamedTuple):
     """An owner to ask.
 
     Attributes:
@@ -48,7 +48,7 @@ class Source(NamedTuple):
     name: str
 
 
-def source_of(address: str, setting: Setting) -> Source:
+def source_of(address: str, setting: ProxySettings) -> ProviderAddress:
     """Return the owner that an address stands for.
 
     Raises:
@@ -62,7 +62,7 @@ def source_of(address: str, setting: Setting) -> Source:
     return SOURCES[scheme](rest, setting)
 
 
-def open_door(address: str, owner: Owner, setting: Setting) -> str:
+def open_endpoint(address: str, owner: PropertyProvider, setting: ProxySettings) -> str:
     """Open the door that an address stands for, on the loop; return where it is.
 
     Raises:
@@ -84,7 +84,7 @@ def _known(table: Mapping[str, object]) -> str:
 # Owners
 
 
-def _in_tree(path: str, setting: Setting) -> Source:
+def _in_tree(path: str, setting: ProxySettings) -> ProviderAddress:
     from rtkit.tree.live_place import open_live, split
     from rtkit.tree.properties import parse
 
@@ -94,104 +94,106 @@ def _in_tree(path: str, setting: Setting) -> Source:
     node, name = split(path, setting.cwd)
     if node and not name:
         called = _calls(lambda: open_live(node, setting.timeout_s), setting.host)
-        return Source(called, escape(node.rpartition("/")[2].rpartition(".")[0]))
+        return ProviderAddress(called, escape(node.rpartition("/")[2].rpartition(".")[0]))
     known = " ".join(places.services()) or "none"
     raise PropertyError("no-service", f"no service: {path} (there is {known})")
 
 
-def _unix(path: str, setting: Setting) -> Source:
-    from rtkit.link.line_client import connect_unix
+def _unix(path: str, setting: ProxySettings) -> ProviderAddress:
+    from rtkit.wires.line.client import connect_unix
 
-    def connect() -> Contact:
-        return LineContact(setting.host, connect_unix(path, setting.timeout_s).detach())
+    def connect() -> ProviderConnection:
+        return LineConnection(setting.host, connect_unix(path, setting.timeout_s).detach())
 
-    return Source(connect, escape(path.rpartition("/")[2].partition(".")[0]) or "service")
+    return ProviderAddress(connect, escape(path.rpartition("/")[2].partition(".")[0]) or "service")
 
 
-def _tcp(address: str, setting: Setting) -> Source:
-    from rtkit.link.line_client import connect_tcp
+def _tcp(address: str, setting: ProxySettings) -> ProviderAddress:
+    from rtkit.wires.line.client import connect_tcp
 
     place, _, service = address.partition("/")
     host, port = _host_and_port(place)
 
-    def connect() -> Contact:
+    def connect() -> ProviderConnection:
         end = connect_tcp(host, port, setting.timeout_s).detach()
-        return LineContact(setting.host, end, service)
+        return LineConnection(setting.host, end, service)
 
     if not service:
-        with connect_tcp(host, port, setting.timeout_s) as door:
-            known = str(door.ask("door/services").value()).strip("()").split()
+        with connect_tcp(host, port, setting.timeout_s) as endpoint:
+            known = str(endpoint.ask("door/services").value()).strip("()").split()
         if len(known) != 1:
             told = " ".join(known) or "none"
             raise Refused(f"which service? tcp:{place}/NAME (there is {told})")
         service = known[0]
-    return Source(connect, service)
+    return ProviderAddress(connect, service)
 
 
-def _zenoh(name: str, setting: Setting) -> Source:
+def _zenoh(name: str, setting: ProxySettings) -> ProviderAddress:
     from rtkit.link import keys
     from rtkit.link.zenoh import open_client, unix_endpoint
-    from rtkit.proxy.queries import QueryContact
+    from rtkit.proxy.zenoh_connection import ZenohConnection
 
     service = _service(name.removeprefix("/localhost/"))
     path = places.check_socket_length(places.service_key_socket(service))
     key = keys.property_service(os.uname().nodename, service)
 
-    def connect() -> Contact:
+    def connect() -> ProviderConnection:
         session = open_client(unix_endpoint(path), setting.timeout_s)
-        return QueryContact(setting.host, session, key)
+        return ZenohConnection(setting.host, session, key)
 
-    return Source(connect, service)
+    return ProviderAddress(connect, service)
 
 
-def _serial(device: str, setting: Setting) -> Source:
-    from rtkit.link.serial_client import connect_serial
-    from rtkit.link.serial_line import read_address
-    from rtkit.proxy.serial import SerialContact
+def _serial(device: str, setting: ProxySettings) -> ProviderAddress:
+    from rtkit.proxy.serial_connection import SerialConnection
+    from rtkit.wires.serial.address import read_address
+    from rtkit.wires.serial.client import connect_serial
 
     name = read_address(device).device.rpartition("/")[2]
 
-    def connect() -> Contact:
-        return SerialContact(setting.host, connect_serial(device, setting.timeout_s))
+    def connect() -> ProviderConnection:
+        return SerialConnection(setting.host, connect_serial(device, setting.timeout_s))
 
-    return Source(connect, escape(name))
+    return ProviderAddress(connect, escape(name))
 
 
-def _mqtt(address: str, setting: Setting) -> Source:
-    from rtkit.link.mqtt import read_address
-    from rtkit.proxy.topics import TopicContact
+def _mqtt(address: str, setting: ProxySettings) -> ProviderAddress:
+    from rtkit.proxy.mqtt_connection import MqttConnection
+    from rtkit.wires.mqtt.session import read_address
 
     place = read_address(address)
     name = segment_of(place.path.rpartition("/")[2])
-    return Source(lambda: TopicContact(setting.host, place, setting.timeout_s), name)
+    return ProviderAddress(lambda: MqttConnection(setting.host, place, setting.timeout_s), name)
 
 
-def _http(address: str, setting: Setting) -> Source:
-    from rtkit.link.http_client import connect_http
+def _http(address: str, setting: ProxySettings) -> ProviderAddress:
+    from rtkit.wires.http.client import connect_http
 
     place, _, service = address.removeprefix("//").partition("/")
     service = service.removeprefix("ps/").rstrip("/")
     if not service:
         raise Malformed(f"not http://HOST:PORT/ps/SERVICE: http:{address}")
     another = lambda: connect_http(f"http://{place}", setting.timeout_s, service)  # noqa: E731
-    return Source(_calls(another, setting.host), service)
+    return ProviderAddress(_calls(another, setting.host), service)
 
 
-def _ice(address: str, setting: Setting) -> Source:
-    from rtkit.link.ice import read_address
-    from rtkit.proxy.objects import ObjectContact
+def _ice(address: str, setting: ProxySettings) -> ProviderAddress:
+    from rtkit.proxy.ice_connection import IceConnection
+    from rtkit.wires.ice.protocol import read_address
 
     place = read_address(f"ice:{address}")
     if not place.service:
         raise Malformed(f"not ice://HOST:PORT/SERVICE: ice:{address}")
-    return Source(lambda: ObjectContact(setting.host, place, setting.timeout_s), place.service)
+    return ProviderAddress(
+        lambda: IceConnection(setting.host, place, setting.timeout_s), place.service
+    )
 
 
-def _calls(another: Callable[[], BoundedEnd], host: Host) -> Wire:
-    return lambda: CallContact(host, another(), another)
+def _calls(another: Callable[[], BoundedEnd], host: PropertyEventLoop) -> Wire:
+    return lambda: BlockingConnection(host, another(), another)
 
 
-SOURCES: dict[str, Callable[[str, Setting], Source]] = {
+SOURCES: dict[str, Callable[[str, ProxySettings], ProviderAddress]] = {
     "unix": _unix,
     "tcp": _tcp,
     "zenoh": _zenoh,
@@ -205,9 +207,9 @@ SOURCES: dict[str, Callable[[str, Setting], Source]] = {
 # Doors
 
 
-def _named(path: str, owner: Owner, setting: Setting) -> str:
-    from rtkit.serving.doors import open_unix
-    from rtkit.serving.zenoh_door import open_zenoh
+def _named(path: str, owner: PropertyProvider, setting: ProxySettings) -> str:
+    from rtkit.wires.line.endpoint import open_unix
+    from rtkit.wires.zenoh.endpoint import open_zenoh
 
     owner.name = _service(path.removeprefix("/localhost/"))
     setting.host.add(owner)
@@ -216,16 +218,16 @@ def _named(path: str, owner: Owner, setting: Setting) -> str:
     return f"/localhost/{owner.name}"
 
 
-def _unix_door(path: str, owner: Owner, setting: Setting) -> str:
-    from rtkit.serving.doors import open_unix_at
+def _unix_endpoint(path: str, owner: PropertyProvider, setting: ProxySettings) -> str:
+    from rtkit.wires.line.endpoint import open_unix_at
 
     if not path:
         raise Malformed("not a door: unix: (unix:PATH)")
     return f"unix:{open_unix_at(setting.host, owner.name, path)}"
 
 
-def _tcp_door(address: str, owner: Owner, setting: Setting) -> str:
-    from rtkit.serving.doors import open_tcp
+def _tcp_endpoint(address: str, owner: PropertyProvider, setting: ProxySettings) -> str:
+    from rtkit.wires.line.endpoint import open_tcp
 
     host, port = _host_and_port(address)
     if host not in _HERE:
@@ -233,8 +235,8 @@ def _tcp_door(address: str, owner: Owner, setting: Setting) -> str:
     return f"tcp:localhost:{open_tcp(setting.host, owner.name, port)}"
 
 
-def _http_door(address: str, owner: Owner, setting: Setting) -> str:
-    from rtkit.serving.http_door import open_http
+def _http_door(address: str, owner: PropertyProvider, setting: ProxySettings) -> str:
+    from rtkit.wires.http.endpoint import open_http
 
     host, port = _host_and_port(address.removeprefix("//").rstrip("/"))
     if host not in _HERE:
@@ -242,8 +244,8 @@ def _http_door(address: str, owner: Owner, setting: Setting) -> str:
     return f"http://localhost:{open_http(setting.host, port)}/ps/{owner.name}"
 
 
-def _ice_door(address: str, owner: Owner, setting: Setting) -> str:
-    from rtkit.serving.ice_door import open_ice
+def _ice_door(address: str, owner: PropertyProvider, setting: ProxySettings) -> str:
+    from rtkit.wires.ice.endpoint import open_ice
 
     host, port = _host_and_port(address.removeprefix("//").rstrip("/"))
     if host not in _HERE:
@@ -251,30 +253,30 @@ def _ice_door(address: str, owner: Owner, setting: Setting) -> str:
     return f"ice://localhost:{open_ice(setting.host, port)}/{owner.name}"
 
 
-def _serial_door(device: str, owner: Owner, setting: Setting) -> str:
-    from rtkit.link.serial_line import read_address
-    from rtkit.serving.serial_door import open_serial
+def _serial_endpoint(device: str, owner: PropertyProvider, setting: ProxySettings) -> str:
+    from rtkit.wires.serial.address import read_address
+    from rtkit.wires.serial.endpoint import open_serial
 
     # What may be set has been decided: nobody is known on a serial line.
     open_serial(setting.host, read_address(device), owner.name, ("*",))
     return f"serial:{device}"
 
 
-def _mqtt_door(address: str, owner: Owner, setting: Setting) -> str:
-    from rtkit.link.mqtt import read_address
-    from rtkit.serving.mqtt_door import MqttDoor
+def _mqtt_door(address: str, owner: PropertyProvider, setting: ProxySettings) -> str:
+    from rtkit.wires.mqtt.endpoint import MqttEndpoint
+    from rtkit.wires.mqtt.session import read_address
 
     place = read_address(address)
-    MqttDoor(setting.host, owner, place, setting.timeout_s)
+    MqttEndpoint(setting.host, owner, place, setting.timeout_s)
     return f"{place}/{owner.name}"
 
 
-DOORS: dict[str, Callable[[str, Owner, Setting], str]] = {
-    "unix": _unix_door,
-    "tcp": _tcp_door,
+DOORS: dict[str, Callable[[str, PropertyProvider, ProxySettings], str]] = {
+    "unix": _unix_endpoint,
+    "tcp": _tcp_endpoint,
     "zenoh": _named,
     "http": _http_door,
-    "serial": _serial_door,
+    "serial": _serial_endpoint,
     "mqtt": _mqtt_door,
     "ice": _ice_door,
 }

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from rtkit.closing import Closing
 from rtkit.errors import Malformed, Unreachable
 from rtkit.property.codes import PropertyError
-from rtkit.proxy.addresses import Setting, open_door, source_of
+from rtkit.proxy.addresses import ProxySettings, open_endpoint, source_of
 from rtkit.proxy.names import Allowed, Names
 from rtkit.proxy.relay import ITSELF, Relay
-from rtkit.serving.host import Host
+from rtkit.serving.event_loop import PropertyEventLoop
 
 
 class Bridge(Closing):
@@ -21,7 +21,7 @@ class Bridge(Closing):
         address: Where its door is.
     """
 
-    def __init__(self, host: Host, address: str) -> None:
+    def __init__(self, host: PropertyEventLoop, address: str) -> None:
         self._host = host
         self.address = address
 
@@ -41,15 +41,15 @@ class _Word:
 
     def __call__(self, why: str) -> None:
         # Why it cannot be reached may change with each attempt; that it is a loop is news.
-        news: bool | str = why if why == ITSELF else not why
+        delta: bool | str = why if why == ITSELF else not why
         if self._told is None:
             self.why = why
             self.is_known.set()
-        elif self._told != news and not (isinstance(self._told, str) and news is False):
+        elif self._told != delta and not (isinstance(self._told, str) and delta is False):
             self._said(why)
         else:
             return
-        self._told = news
+        self._told = delta
 
 
 def bridge(
@@ -79,8 +79,8 @@ def bridge(
         RtkitError: An address is none; the owner cannot be reached, or is this proxy itself; the
             door cannot be opened.
     """
-    host = Host()
-    setting = Setting(host, cwd, timeout_s)
+    host = PropertyEventLoop()
+    setting = ProxySettings(host, cwd, timeout_s)
     word = _Word(said)
     try:
         names = _names(prefix)
@@ -94,7 +94,7 @@ def bridge(
             raise Unreachable(f"no answer within {2 * timeout_s:g} s: {source}")
         if word.why:
             raise PropertyError("no-service", f"{source}: {word.why}")
-        address = _on_loop(host, lambda: open_door(target, relay, setting))
+        address = _on_loop(host, lambda: open_endpoint(target, relay, setting))
     except BaseException:
         host.close()
         raise
@@ -108,12 +108,12 @@ def _names(prefix: str) -> Names:
         raise Malformed(f"not a name to put in front: {prefix!r}") from None
 
 
-def _locked(host: Host, work: Callable[[], None]) -> None:
+def _locked(host: PropertyEventLoop, work: Callable[[], None]) -> None:
     with host.lock:
         work()
 
 
-def _on_loop(host: Host, work: Callable[[], str]) -> str:
+def _on_loop(host: PropertyEventLoop, work: Callable[[], str]) -> str:
     """Have the loop do something, and wait for it."""
     done = threading.Event()
     results: list[str] = []

@@ -13,18 +13,18 @@ from collections.abc import Callable, Hashable
 from time import monotonic
 
 from rtkit.property.codes import PropertyError
+from rtkit.property.idempotency import IdempotencyCache, is_shared, marked, shared
 from rtkit.property.lanes import wait_of
-from rtkit.property.messages import Answer, Ask, Caller
-from rtkit.property.naming import Target, parse_target, write_parameters
-from rtkit.property.once import Once, is_shared, marked, shared
+from rtkit.property.messages import Answer, PropertyRequest, Requester
+from rtkit.property.naming import RequestTarget, parse_target, write_parameters
 from rtkit.property.reading import read
 from rtkit.property.values import Value
-from rtkit.proxy.contact import STATUS, Contact, Wire
-from rtkit.proxy.listenings import Listenings
 from rtkit.proxy.names import Allowed, Names
 from rtkit.proxy.narrowing import narrowed, tells_access
+from rtkit.proxy.provider_connection import STATUS, ProviderConnection, Wire
+from rtkit.proxy.subscriptions import RelayedSubscriptions
 from rtkit.proxy.uplink import Uplink
-from rtkit.serving.host import Host
+from rtkit.serving.event_loop import PropertyEventLoop
 
 MOST_HOPS = 8
 _ROUTE = "~proxy.route"
@@ -48,7 +48,7 @@ class Relay:
 
     def __init__(
         self,
-        host: Host,
+        host: PropertyEventLoop,
         wire: Wire,
         *,
         names: Names,
@@ -63,9 +63,9 @@ class Relay:
         self._id = f"p{uuid.uuid4().hex[:12]}"
         self._count = itertools.count(1)
         self._numbers: dict[Hashable, int] = {}
-        self._once = Once()
+        self._once = IdempotencyCache()
         self.uplink = Uplink(host, wire, self._judge, self._came, self._went)
-        self._listenings = Listenings(self.uplink, names.outward, monotonic)
+        self._listenings = RelayedSubscriptions(self.uplink, names.outward, monotonic)
 
     # What the loop does
 
@@ -77,7 +77,7 @@ class Relay:
     def poll(self) -> None:
         """See `Owner.poll`."""
 
-    def quick(self, line: bytes, caller: Caller) -> bytes | None:
+    def quick(self, line: bytes, caller: Requester) -> bytes | None:
         """See `Owner.quick`: nothing is kept here."""
         return None
 
@@ -98,7 +98,7 @@ class Relay:
         self._listenings.tick()
         self.uplink.check(monotonic())
 
-    def forget(self, caller: Caller) -> None:
+    def forget(self, caller: Requester) -> None:
         """See `Owner.forget`."""
         if caller.origin is caller:
             self._numbers.pop(caller, None)
@@ -106,7 +106,7 @@ class Relay:
 
     # Requests
 
-    def handle(self, ask: Ask) -> None:
+    def handle(self, ask: PropertyRequest) -> None:
         """See `Owner.handle`."""
         try:
             target = parse_target(ask.target)
@@ -116,7 +116,7 @@ class Relay:
         except PropertyError as error:
             ask.answer(Answer(str(error), error.code))
 
-    def _take(self, target: Target, ask: Ask) -> None:
+    def _take(self, target: RequestTarget, ask: PropertyRequest) -> None:
         name = target.name
         if name in (STATUS, _ROUTE):
             self._answer_own(target, ask)
@@ -141,7 +141,7 @@ class Relay:
             ask = ask._replace(answer=self._narrowing(target.name, ask))
         self._forward(name, target.parameters, ask)
 
-    def _narrowing(self, name: str, ask: Ask) -> Callable[[Answer], object]:
+    def _narrowing(self, name: str, ask: PropertyRequest) -> Callable[[Answer], object]:
         """Return what answers with the access that whoever asks has through this proxy."""
 
         def may_set(property_name: str) -> bool:
@@ -154,7 +154,7 @@ class Relay:
 
         return answer
 
-    def _forward(self, name: str, parameters: dict[str, str | None], ask: Ask) -> None:
+    def _forward(self, name: str, parameters: dict[str, str | None], ask: PropertyRequest) -> None:
         given = dict(parameters)
         id, answer = "", ask.answer
         if ask.payload is not None:
@@ -180,16 +180,16 @@ class Relay:
         self._numbers[origin] = number
         return shared(self._id, str(number), id)
 
-    def _check_caller(self, method: str, name: str, caller: Caller) -> None:
+    def _check_caller(self, method: str, name: str, caller: Requester) -> None:
         if not caller.may(method, name):
             self._refuse(method, name, caller, f"by {caller.identity or 'who is not known'}")
 
-    def _refuse(self, method: str, name: str, caller: Caller, why: str) -> None:
+    def _refuse(self, method: str, name: str, caller: Requester, why: str) -> None:
         if self.on_refusal is not None:
             self.on_refusal(caller.identity, method, name)
         raise PropertyError("denied", f"{method} of {name}: {why}")
 
-    def _listen(self, name: str, target: Target, ask: Ask) -> None:
+    def _listen(self, name: str, target: RequestTarget, ask: PropertyRequest) -> None:
         payload = ask.payload
         ref = payload if isinstance(payload, str) else (payload or b"").decode("utf-8", "replace")
         if ref.strip() != "self":
@@ -203,7 +203,7 @@ class Relay:
 
     # What it answers itself
 
-    def _answer_own(self, target: Target, ask: Ask) -> None:
+    def _answer_own(self, target: RequestTarget, ask: PropertyRequest) -> None:
         if ask.payload is not None:
             raise PropertyError("read-only", f"cannot be set: {target.name}")
         if target.name == STATUS:
@@ -223,7 +223,7 @@ class Relay:
 
         self.uplink.ask(f"{_ROUTE}?hops={hops + 1}", None, "", answered)
 
-    def _judge(self, contact: Contact, judged: Callable[[str], None]) -> None:
+    def _judge(self, connection: ProviderConnection, judged: Callable[[str], None]) -> None:
         """Find out whether a connection leads back to here."""
 
         def answered(reply: Answer) -> None:
@@ -236,9 +236,9 @@ class Relay:
             else:
                 judged("")
 
-        contact.ask(f"{_ROUTE}?hops=1", None, "", answered)
+        connection.ask(f"{_ROUTE}?hops=1", None, "", answered)
 
-    def _answer_above(self, place: str, target: Target, ask: Ask) -> None:
+    def _answer_above(self, place: str, target: RequestTarget, ask: PropertyRequest) -> None:
         """Answer for the inner names that only the prefix makes."""
         self._check_caller("GET" if ask.payload is None else "SET", target.name, ask.caller)
         if ask.payload is not None:

@@ -15,8 +15,8 @@ from rtkit.errors import RtkitError
 from rtkit.property.codes import PropertyError
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer, Payload
-from rtkit.proxy.contact import Answering, Contact, Wire
-from rtkit.serving.host import Host
+from rtkit.proxy.provider_connection import Answering, ProviderConnection, Wire
+from rtkit.serving.event_loop import PropertyEventLoop
 
 _FIRST_PAUSE_S = 0.05
 _LONGEST_PAUSE_S = 2.0
@@ -24,8 +24,8 @@ _MOST_CONTACTS = 64
 _MOST_WAITING = 1 << 16
 """Requests that the owner has not answered."""
 
-Placed = Callable[[Contact | PropertyError], None]
-Judging = Callable[[Contact, Callable[[str], None]], None]
+Placed = Callable[[ProviderConnection | PropertyError], None]
+Judging = Callable[[ProviderConnection, Callable[[str], None]], None]
 
 
 class Uplink:
@@ -40,7 +40,7 @@ class Uplink:
 
     def __init__(
         self,
-        host: Host,
+        host: PropertyEventLoop,
         wire: Wire,
         judge: Judging,
         came: Callable[[], None],
@@ -51,7 +51,7 @@ class Uplink:
         self._judge = judge
         self._came = came
         self._went = went
-        self._contacts: list[Contact] = []
+        self._connections: list[ProviderConnection] = []
         self._wanted: list[tuple[str, Placed]] = []
         self._waiting = 0
         self._pause_s = _FIRST_PAUSE_S
@@ -93,18 +93,18 @@ class Uplink:
             self._waiting -= 1
             answer(reply)
 
-        self._contacts[0].ask(target, payload, id, answered, until)
+        self._connections[0].ask(target, payload, id, answered, until)
 
     def place(self, name: str, placed: Placed) -> None:
         """Give a connection on which a property can be listened to, now or later."""
         if not self._is_up:
             placed(PropertyError("no-service", self.why))
             return
-        for contact in self._contacts:
-            if contact.has_room(name):
-                placed(contact)
+        for connection in self._connections:
+            if connection.has_room(name):
+                placed(connection)
                 return
-        if len(self._contacts) >= _MOST_CONTACTS:
+        if len(self._connections) >= _MOST_CONTACTS:
             told = f"{_MOST_CONTACTS} connections listen in different ways"
             placed(PropertyError("denied", told))
             return
@@ -114,8 +114,8 @@ class Uplink:
 
     def check(self, now: float) -> None:
         """Look whether the owner has been silent for too long."""
-        for contact in list(self._contacts):
-            contact.check(now)
+        for connection in list(self._connections):
+            connection.check(now)
 
     def close(self) -> None:
         """Be connected no longer."""
@@ -124,14 +124,16 @@ class Uplink:
 
     # Connecting
 
-    def _dial(self, done: Callable[[int, Contact | RtkitError], None], pause_s: float) -> None:
+    def _dial(
+        self, done: Callable[[int, ProviderConnection | RtkitError], None], pause_s: float
+    ) -> None:
         """Make a connection on a thread of its own, after a pause."""
         number = self._round
 
         def work() -> None:
             if self._is_closed.wait(pause_s):
                 return
-            made: Contact | RtkitError
+            made: ProviderConnection | RtkitError
             try:
                 made = self._wire()
             except RtkitError as error:
@@ -140,7 +142,7 @@ class Uplink:
 
         threading.Thread(target=work, name="connecting", daemon=True).start()
 
-    def _connected(self, number: int, made: Contact | RtkitError) -> None:
+    def _connected(self, number: int, made: ProviderConnection | RtkitError) -> None:
         if self._is_old(number, made):
             return
         if isinstance(made, RtkitError):
@@ -159,7 +161,7 @@ class Uplink:
 
         self._judge(made, judged)
 
-    def _widened(self, number: int, made: Contact | RtkitError) -> None:
+    def _widened(self, number: int, made: ProviderConnection | RtkitError) -> None:
         if self._is_old(number, made):
             return
         wanted, self._wanted = self._wanted, []
@@ -171,7 +173,7 @@ class Uplink:
         for name, placed in wanted:
             self.place(name, placed)
 
-    def _is_old(self, number: int, made: Contact | RtkitError) -> bool:
+    def _is_old(self, number: int, made: ProviderConnection | RtkitError) -> bool:
         """Whether a connection comes too late."""
         if number == self._round and not self._is_closed.is_set():
             return False
@@ -179,15 +181,15 @@ class Uplink:
             made.close()
         return True
 
-    def _take(self, contact: Contact) -> None:
+    def _take(self, connection: ProviderConnection) -> None:
         number = self._round
-        self._contacts.append(contact)
+        self._connections.append(connection)
 
         def gone(why: str) -> None:
             if number == self._round:
                 self._lose(why)
 
-        contact.start(gone)
+        connection.start(gone)
 
     def _failed(self, why: str) -> None:
         self.why = why
@@ -199,9 +201,9 @@ class Uplink:
         """End all connections, tell it, and begin to connect anew."""
         self._round += 1
         self._is_up, self.why = False, why
-        contacts, self._contacts = self._contacts, []
-        for contact in contacts:
-            contact.close()
+        contacts, self._connections = self._connections, []
+        for connection in contacts:
+            connection.close()
         wanted, self._wanted = self._wanted, []
         for _, placed in wanted:
             placed(PropertyError("no-service", why))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 
 from rtkit.property.messages import Answer
-from rtkit.proxy.contact import Answering
+from rtkit.proxy.provider_connection import Answering
 
 
 class Waiting:

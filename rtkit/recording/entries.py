@@ -10,7 +10,7 @@ from rtkit.errors import Refused
 NANOSECONDS = 1_000_000_000
 
 
-class Channel(NamedTuple):
+class RecordedStream(NamedTuple):
     """One stream of a recording.
 
     Attributes:
@@ -25,7 +25,7 @@ class Channel(NamedTuple):
     definition: str = ""
 
 
-class Entry(NamedTuple):
+class RecordedValue(NamedTuple):
     """One value of a recording.
 
     Attributes:
@@ -74,7 +74,7 @@ class Info(NamedTuple):
     began_ns: int
     first_ns: int | None
     last_ns: int | None
-    channels: tuple[Channel, ...]
+    channels: tuple[RecordedStream, ...]
     counts: Mapping[str, int]
     is_whole: bool
     spans: Mapping[str, Span]
@@ -85,7 +85,7 @@ class Info(NamedTuple):
         return sum(self.counts.values())
 
 
-class Part(NamedTuple):
+class RecordingSelection(NamedTuple):
     """Which entries are wanted.
 
     Attributes:
@@ -119,7 +119,7 @@ class Part(NamedTuple):
             return f"End {what} out of bounds: the recording has {told}"
         return ""
 
-    def of(self, entries: Iterable[Entry]) -> Iterator[Entry]:
+    def of(self, entries: Iterable[RecordedValue]) -> Iterator[RecordedValue]:
         """Yield those that are wanted, of entries in the order of their times."""
         last = self.end
         if last is not None and self.is_by_index and self.start is None:

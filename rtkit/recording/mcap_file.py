@@ -15,7 +15,7 @@ from typing import IO, Any, Self
 
 from rtkit.component.definition import ENCODING, idl_of, name_of
 from rtkit.errors import Malformed
-from rtkit.recording.entries import Channel, Entry, Info, Span
+from rtkit.recording.entries import Info, RecordedStream, RecordedValue, Span
 from rtkit.rtc.data_types import scoped_name
 
 CHUNK_S = 0.5
@@ -27,7 +27,7 @@ _META = "rtkit.recording"
 _MAX_RECORD = 1 << 30
 
 
-class Writer:
+class RecordingWriter:
     """Writes a recording; use as a context manager, which finishes the file.
 
     Octets, which images consist of, hardly become shorter: to compress them takes most of the time.
@@ -66,7 +66,7 @@ class Writer:
         """When `flush` is due at the latest, monotonic [s]; None while nothing waits."""
         return self._close_at
 
-    def add_channel(self, channel: Channel, cls: type) -> None:
+    def add_channel(self, channel: RecordedStream, cls: type) -> None:
         """Declare a stream, once, before its first value."""
         text = "" if cls is bytes else _text_of(cls)
         number = self._mcap.register_schema(name_of(cls), ENCODING, text.encode()) if text else 0
@@ -77,7 +77,7 @@ class Writer:
             {"data_type": channel.data_type, "sources": "\n".join(channel.sources)},
         )
 
-    def write(self, entry: Entry) -> None:
+    def write(self, entry: RecordedValue) -> None:
         """Add a value to the present chunk."""
         sequence = self._sequence[entry.channel] = self._sequence.get(entry.channel, -1) + 1
         number = self._numbers[entry.channel]
@@ -104,7 +104,7 @@ def _text_of(cls: type) -> str:
         return ""
 
 
-class Reader:
+class RecordingReader:
     """Reads a recording, also one that was never finished."""
 
     def __init__(self, path: str) -> None:
@@ -117,12 +117,12 @@ class Reader:
             Malformed: It is no recording.
             OSError: It cannot be read.
         """
-        channels: dict[str, Channel] = {}
+        channels: dict[str, RecordedStream] = {}
         counts: dict[str, int] = {}
         spans: dict[str, Span] = {}
         began = [0]
 
-        def note(channel: Channel) -> None:
+        def note(channel: RecordedStream) -> None:
             channels[channel.name] = channel
             counts.setdefault(channel.name, 0)
 
@@ -144,7 +144,7 @@ class Reader:
             spans,
         )
 
-    def entries(self) -> Iterator[Entry]:
+    def entries(self) -> Iterator[RecordedValue]:
         """Yield all entries in the order in which they arrived.
 
         Raises:
@@ -162,7 +162,7 @@ class _Walk:
     """
 
     def __init__(
-        self, path: str, note: Callable[[Channel], object], begin: Callable[[int], object]
+        self, path: str, note: Callable[[RecordedStream], object], begin: Callable[[int], object]
     ) -> None:
         self._path = path
         self._note = note
@@ -171,7 +171,7 @@ class _Walk:
         self._schemas: dict[int, tuple[str, str]] = {}
         self.is_whole = False
 
-    def entries(self) -> Iterator[Entry]:
+    def entries(self) -> Iterator[RecordedValue]:
         from mcap import records
         from mcap.exceptions import EndOfFile, McapError
         from mcap.stream_reader import CRCValidationError, StreamReader
@@ -213,13 +213,13 @@ class _Walk:
             schema, definition = self._schemas.get(record.schema_id, ("", ""))
             named = record.metadata.get("data_type", "") or schema
             sources = tuple(filter(None, record.metadata.get("sources", "").split("\n")))
-            self._note(Channel(record.topic, scoped_name(named), sources, definition))
+            self._note(RecordedStream(record.topic, scoped_name(named), sources, definition))
         elif isinstance(record, records.Metadata) and record.name == _META:
             text = record.metadata.get("began_ns", "")
             if text.isascii() and text.isdigit():
                 self._begin(int(text))
 
-    def _entry(self, message: Any) -> Entry:
-        return Entry(
+    def _entry(self, message: Any) -> RecordedValue:
+        return RecordedValue(
             self._names[message.channel_id], message.publish_time, message.log_time, message.data
         )

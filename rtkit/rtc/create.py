@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping
 
 from rtkit.errors import Malformed
-from rtkit.records import dataclass, field
+from rtkit.fast_dataclass import dataclass, field
 
 _ESCAPED = "%&=?"
 _ESCAPES = "(?:%[0-9A-Fa-f]{2})+"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rtkit.records import dataclass, field
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 

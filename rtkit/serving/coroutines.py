@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING, Any
 
-from rtkit.guard import Outcome
+from rtkit.guard import GuardedResult
 
 if TYPE_CHECKING:
     import asyncio
@@ -83,13 +83,13 @@ async def _end_all() -> None:
     await asyncio.gather(*left, return_exceptions=True)
 
 
-async def _shielded(coroutine: Coroutine[Any, Any, object]) -> Outcome:
+async def _shielded(coroutine: Coroutine[Any, Any, object]) -> GuardedResult:
     """Await a coroutine; a SystemExit of it would end the loop that it shares with others."""
     import asyncio
 
     try:
-        return Outcome(await coroutine)
+        return GuardedResult(await coroutine)
     except asyncio.CancelledError:
         raise
     except BaseException as error:
-        return Outcome(error=error)
+        return GuardedResult(error=error)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Coroutine
 from time import monotonic
 from typing import Any
 
-from rtkit.guard import Outcome, guarded
+from rtkit.guard import GuardedResult, guarded
 from rtkit.property.codes import PropertyError
 from rtkit.property.messages import Answer
 from rtkit.property.user_code import Cancel, Finished, Work, is_coroutine
@@ -57,7 +57,7 @@ class Workers:
     def __init__(self, lock: threading.Lock, post: Callable[[Work], None]) -> None:
         self.post = post
         self._lock = lock
-        self._bell = threading.Condition(lock)
+        self._wakeup = threading.Condition(lock)
         self._lanes: dict[str, deque[_Job]] = {}
         self._due: deque[_Job] = deque()
         self._jobs: dict[_Job, None] = {}
@@ -71,7 +71,7 @@ class Workers:
 
     # What services do
 
-    def call(self, work: Work) -> Outcome:
+    def call(self, work: Work) -> GuardedResult:
         """See `UserCode.call`; a worker lets go of the lock meanwhile."""
         if threading.get_ident() not in self._threads:
             return self._called(work)
@@ -81,7 +81,7 @@ class Workers:
         finally:
             self._lock.acquire()
 
-    def _called(self, work: Work) -> Outcome:
+    def _called(self, work: Work) -> GuardedResult:
         outcome = guarded(work)
         if is_coroutine(outcome.result):
             return guarded(lambda: self.awaited(outcome.result, lambda cancel: None))
@@ -106,7 +106,7 @@ class Workers:
             raise PropertyError("busy", f"{_MOST_ACTIONS} calls are running")
         self._actions += 1
 
-        def end(outcome: Outcome) -> None:
+        def end(outcome: GuardedResult) -> None:
             self._actions -= 1
             finished(outcome.result, outcome.error)
 
@@ -165,7 +165,7 @@ class Workers:
     def _engage(self) -> None:
         """Have a worker look for what is due: one that waits, else a new one if all are slow."""
         if self._idle:
-            self._bell.notify()
+            self._wakeup.notify()
         elif len(self._threads) - self._slow < 1 and len(self._threads) < MOST_THREADS:
             thread = threading.Thread(target=self._run, name="user-code", daemon=True)
             thread.start()
@@ -185,13 +185,13 @@ class Workers:
         while not self._is_closed:
             if not self._due:
                 self._idle += 1
-                self._bell.wait()
+                self._wakeup.wait()
                 self._idle -= 1
                 continue
             job = self._due.popleft()
             self._carry_out(job)
             if job.is_slow and len(self._threads) - self._slow > 1:
-                self._bell.notify()  # another one has taken over
+                self._wakeup.notify()  # another one has taken over
                 break
 
     def _carry_out(self, job: _Job) -> None:
@@ -211,7 +211,7 @@ class Workers:
         """Begin nothing any more; user code that does not end is left behind."""
         with self._lock:
             self._is_closed = True
-            self._bell.notify_all()
+            self._wakeup.notify_all()
             busy = {job for job in self._jobs if job.began_at}
             waits = [] if busy else list(self._threads.values())
         for thread in waits:

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     from rtkit.deployment.actions import Action, Result
     from rtkit.deployment.facts import ComponentFacts, Snapshot
-    from rtkit.deployment.listing import Listing, Row
+    from rtkit.deployment.listing import Listing, ListingRow
     from rtkit.rtc.names import Path
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
     class _Calls(Protocol):
         def listing(self) -> Listing: ...
@@ -244,7 +244,7 @@ def _value(value: object, name: str) -> str:
     return str(value) if isinstance(value, int | float) else as_text(value, f"value of {name}")
 
 
-def _path_of(row: Row, listing: Listing) -> str:
+def _path_of(row: ListingRow, listing: Listing) -> str:
     """Return where a component is found: its first name, else the place below its manager."""
     from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX
     from rtkit.tree.view import shown_path
@@ -256,14 +256,14 @@ def _path_of(row: Row, listing: Listing) -> str:
     return f"{manager}/{row.instance}{COMPONENT_SUFFIX}"
 
 
-def _entry(listing: Listing, where: Path) -> Node:
+def _entry(listing: Listing, where: Path) -> TreeNode:
     from rtkit.tree.resolve import entry
     from rtkit.tree.view import build
 
     return entry(build(listing), where, listing.host)
 
 
-def _component(listing: Listing, path: str) -> Node:
+def _component(listing: Listing, path: str) -> TreeNode:
     from rtkit.tree.resolve import component
     from rtkit.tree.view import build
 
@@ -279,7 +279,7 @@ def _change(tree: _Calls, path: str, context: int | str, transition: str) -> Non
     tree.perform(ChangeState(node.instance, id, Transition(transition)))
 
 
-def _context(tree: _Calls, node: Node, index: int) -> str:
+def _context(tree: _Calls, node: TreeNode, index: int) -> str:
     if not isinstance(index, int) or isinstance(index, bool):
         raise TypeError(f"an execution context is a number or text, not {index!r}")
     if index == 0 and node.row is not None and node.row.context:

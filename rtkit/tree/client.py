@@ -16,9 +16,9 @@ from rtkit.tree.api import ByPath, as_text
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action, Result
+    from rtkit.deployment.delta import FullSnapshot
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.listing import Listing
-    from rtkit.deployment.news import Picture
     from rtkit.link.base import Link
 
 DEFAULT_TIMEOUT_S = 10.0
@@ -120,7 +120,7 @@ class Tree(ByPath, Closing):
 
     def _snapshot(self, name: str) -> Snapshot:
         from rtkit.deployment.facts import Snapshot
-        from rtkit.rtc.plain import decode
+        from rtkit.rtc.serde import decode
 
         return decode(Snapshot, self._plain(name))
 
@@ -232,20 +232,20 @@ class Tree(ByPath, Closing):
         """The connections by their managers; here there is only one."""
         return {self.manager: self}
 
-    def picture(self) -> Picture:
+    def picture(self) -> FullSnapshot:
         """Return all facts, and to which news of the manager they lead up.
 
         Raises:
             Unreachable: The manager does not answer in time.
         """
-        from rtkit.deployment.news import picture_from_text
+        from rtkit.deployment.delta import snapshot_from_text
 
-        return picture_from_text(self._ask(keys.extension_key(self._service, "picture")))
+        return snapshot_from_text(self._ask(keys.extension_key(self._service, "picture")))
 
     def listen(self, line: str, heard: Callable[[str], object]) -> Callable[[], object]:
         """Have `heard` called with what the manager tells on a line; return what ends that.
 
-        For `rtkit.tree.listening`; it is called on threads of the transport.
+        For `rtkit.tree.subscription`; it is called on threads of the transport.
         """
         return self.link.listen(keys.line_key(self._service, line), heard)
 

@@ -54,22 +54,22 @@ def connect_at(address: Address, timeout_s: float = DEFAULT_TIMEOUT_S) -> Tree:
         Unreachable: None of this user answers there, or another one than was meant.
         Refused: The secret of this user cannot be used.
     """
-    from rtkit.link import door, secret
+    from rtkit.link import secret, tcp_endpoint
     from rtkit.link.zenoh import ZenohLink
     from rtkit.rtc.names import is_local_host
 
     if not is_local_host(address.host, os.uname().nodename):
         raise Unreachable(f"managers of other hosts cannot be reached yet: {address}")
     try:
-        session = door.enter(address.port, secret.read(), bounded(timeout_s))
+        session = tcp_endpoint.log_in(address.port, secret.read(), bounded(timeout_s))
     except Unreachable as error:
-        if not door.is_free(address.port):
+        if not tcp_endpoint.is_free(address.port):
             why = "is in use, and lets nobody in: it is busy, or no manager of this user"
             raise Unreachable(f"{address} {why}") from error
         hint = f"start one there with: rtmgr start NAME -p {address.port}"
         raise Unreachable(f"no manager of this user listens at {address} ({hint})") from error
     try:
-        identity = door.ask_identity(session, bounded(timeout_s))
+        identity = tcp_endpoint.ask_identity(session, bounded(timeout_s))
         if address.id not in ("", identity.id, identity.manager):
             raise Unreachable(f"the manager at {address} is {identity.manager}, not {address.id}")
     except Unreachable:

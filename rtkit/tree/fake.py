@@ -8,23 +8,23 @@ from collections.abc import Callable
 from threading import RLock
 
 from rtkit.deployment.batch import batch_from_text, results_to_text
+from rtkit.deployment.delta import TREE, FullSnapshot, delta_between, snapshot_to_text
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.listing import listing_of, listing_to_text
-from rtkit.deployment.news import TREE, Picture, news_between, picture_to_text
 from rtkit.deployment.part import part_of
-from rtkit.deployment.world import World
 from rtkit.errors import NotFound, RtkitError
+from rtkit.fast_dataclass import replace
 from rtkit.link import keys
 from rtkit.link.inproc import InprocLink
 from rtkit.property.exchange import Reply, Request, failure
-from rtkit.records import replace
-from rtkit.rtc.plain import encode
+from rtkit.rtc.serde import encode
 from rtkit.tree.client import Tree
 
 _RUN = "fake"
 
 
-def fake_tree(world: World, timeout_s: float = 1.0) -> Tree:
+def fake_tree(world: FakeManager, timeout_s: float = 1.0) -> Tree:
     """Return the real client of a fake manager that keeps its facts in `world`."""
     link = InprocLink()
     service = keys.service(world.host, world.manager)
@@ -36,7 +36,7 @@ def fake_tree(world: World, timeout_s: float = 1.0) -> Tree:
 class _Server:
     """Answers as a manager would, and tells those who listen when the world changes."""
 
-    def __init__(self, world: World, tell: Callable[[str], object]) -> None:
+    def __init__(self, world: FakeManager, tell: Callable[[str], object]) -> None:
         self._world = world
         self._tell = tell
         self._told = self._facts()
@@ -63,16 +63,16 @@ class _Server:
         with self._lock:
             self._number += 1
             now = self._facts()
-            news = news_between(self._told, now, _RUN, self._number)
+            delta = delta_between(self._told, now, _RUN, self._number)
             self._told = now
-            self._tell(json.dumps(encode(news)))
+            self._tell(json.dumps(encode(delta)))
 
     def _picture(self) -> str:
         self._publish()
-        return picture_to_text(Picture(_RUN, self._number, self._told))
+        return snapshot_to_text(FullSnapshot(_RUN, self._number, self._told))
 
 
-def _answer(world: World, request: Request) -> str:
+def _answer(world: FakeManager, request: Request) -> str:
     if request.is_extension and request.name == "listing":
         return listing_to_text(listing_of(world.snapshot()))
     if request.is_extension and request.name == "snapshot":

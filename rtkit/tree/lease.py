@@ -9,11 +9,11 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from rtkit.closing import Closing
-from rtkit.deployment.lease import Holder, holder_from_text
+from rtkit.deployment.lease import LeaseHolder, holder_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.link.lives import Life
 from rtkit.link.ports import user_name
-from rtkit.rtc.plain import encode
+from rtkit.link.process_watch import ProcessWatch
+from rtkit.rtc.serde import encode
 from rtkit.tree.client import Tree
 
 _ASK_AGAIN_S = 0.2
@@ -32,7 +32,7 @@ class Leases(Closing):
             tell: Is told for whom it waits, and who gives none.
         """
         pid, user = os.getpid(), user_name(os.getuid())
-        self._holder = Holder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)
+        self._holder = LeaseHolder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)
         self._wait_s = wait_s
         self._tell = tell
         self._taken: list[Tree] = []
@@ -93,7 +93,7 @@ class Leases(Closing):
             time.sleep(timeout_s)  # its end cannot be seen from here
             return
         try:
-            life = Life(holder.pid)
+            life = ProcessWatch(holder.pid)
         except ProcessLookupError:
             return  # it has just ended
         try:

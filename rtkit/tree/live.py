@@ -12,24 +12,24 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from rtkit.deployment.delta import TREE
 from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.figures import FIGURES, ComponentFigures, Figures
-from rtkit.deployment.news import TREE
+from rtkit.deployment.metrics import FIGURES, ComponentMetrics, Metrics
 from rtkit.deployment.properties import Change, Shown, of_component, of_manager
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import NotFound, Unreachable
-from rtkit.property.functional import Function
-from rtkit.property.listening import Listener
-from rtkit.property.messages import Answer, Ask, Caller, Event, Payload
+from rtkit.property.functional import FunctionalProperty
+from rtkit.property.messages import Answer, Payload, PropertyEvent, PropertyRequest, Requester
 from rtkit.property.service import Service
-from rtkit.property.spec import Parameter, Spec
+from rtkit.property.spec import PropertySpec, RequestParameter
+from rtkit.property.subscription import Listener
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Value, Word
 from rtkit.tree.client import Tree
 
 if TYPE_CHECKING:
-    from rtkit.tree.listening import Ear
+    from rtkit.tree.subscription import ManagerSubscription
 
 READ = (
     "get_loaded_modules", "get_factory_profiles", "get_loadable_modules", "get_components",
@@ -48,10 +48,12 @@ DO = (
 _LEAST_S = 1e-3
 _FIGURES_S = 3.0
 """How long the first figures are waited for; they come once a second [s]."""
-_ARGUMENT = (Parameter("argument", parse_type("string"), "", (), "as the operation takes it"),)
+_ARGUMENT = (
+    RequestParameter("argument", parse_type("string"), "", (), "as the operation takes it"),
+)
 
 
-class _Me(Caller):
+class _Me(Requester):
     """Who asks and listens here."""
 
     def __init__(self) -> None:
@@ -59,19 +61,19 @@ class _Me(Caller):
         self.listeners: list[Listener] = []
 
     def listen(self, listener: Listener) -> None:
-        """See `Caller.listen`."""
+        """See `Requester.listen`."""
         self.listeners.append(listener)
 
     def unlisten(self, listener: Listener) -> None:
-        """See `Caller.unlisten`."""
+        """See `Requester.unlisten`."""
         self.listeners.remove(listener)
 
 
-def _ear(tree: Tree) -> Ear:
+def _subscription(tree: Tree) -> ManagerSubscription:
     """Listen to all that properties are made of; who only asks once does without."""
-    from rtkit.tree.listening import Ear
+    from rtkit.tree.subscription import ManagerSubscription
 
-    return Ear(tree, (TREE, FIGURES))
+    return ManagerSubscription(tree, (TREE, FIGURES))
 
 
 def _is_count(target: str) -> bool:
@@ -79,7 +81,7 @@ def _is_count(target: str) -> bool:
     return target.partition("?")[0].endswith(".count")
 
 
-class Live:
+class LiveProperties:
     """A component, or the manager itself when no instance is named, as properties.
 
     Args:
@@ -93,8 +95,8 @@ class Live:
         self._service = Service()
         self._me = _Me()
         self._changes: dict[str, Change | None] = {}
-        self._figures: ComponentFigures | None = None
-        self._ear: Ear | None = None
+        self._metrics: ComponentMetrics | None = None
+        self._subscription: ManagerSubscription | None = None
         self._is_closed = False
         if not instance:
             self._add_operations()
@@ -106,12 +108,12 @@ class Live:
             Unreachable: The manager does not answer.
         """
         self._tree.timeout_s = max(min(self._timeout_s, until - time.monotonic()), _LEAST_S)
-        if _is_count(target) and self._figures is None:
-            with _ear(self._tree) as ear:
-                self._await_figures(ear)
+        if _is_count(target) and self._metrics is None:
+            with _subscription(self._tree) as subscription:
+                self._await_metrics(subscription)
         self._refresh()
         answers: list[Answer] = []
-        self._service.handle(Ask(target, payload, answers.append, self._me))
+        self._service.handle(PropertyRequest(target, payload, answers.append, self._me))
         answer = answers[0]
         node = self._service.registry.nodes.get(target.partition("?")[0])
         if payload is not None and node is not None and node.function is not None:
@@ -126,23 +128,25 @@ class Live:
         Raises:
             PropertyError: As the service answers.
         """
-        if self._ear is None:
-            self._ear = _ear(self._tree)
+        if self._subscription is None:
+            self._subscription = _subscription(self._tree)
         name, mark, tail = target.partition("?")
-        if _is_count(target) and self._figures is None:
-            self._await_figures(self._ear)
-        self._take(self._ear.facts)
+        if _is_count(target) and self._metrics is None:
+            self._await_metrics(self._subscription)
+        self._take(self._subscription.facts)
         answers: list[Answer] = []
-        self._service.handle(Ask(f"{name}.listen{mark}{tail}", "self", answers.append, self._me))
+        self._service.handle(
+            PropertyRequest(f"{name}.listen{mark}{tail}", "self", answers.append, self._me)
+        )
         answers[0].value()
 
-    def event(self, timeout_s: float | None = None) -> Event | None:
+    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
         """Return the next event, None if none came in time.
 
         Raises:
             Unreachable: The manager has ended.
         """
-        assert self._ear is not None
+        assert self._subscription is not None
         end = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
             now = time.monotonic()
@@ -158,43 +162,43 @@ class Live:
 
     def _hear(self, wait_s: float | None) -> None:
         """Wait for word of the manager, and fold it in."""
-        from rtkit.tree.listening import Ended
+        from rtkit.tree.subscription import SubscriptionEnded
 
-        assert self._ear is not None
+        assert self._subscription is not None
         try:
-            all_heard = self._ear.wait(None if wait_s is None else max(0.0, wait_s))
+            all_heard = self._subscription.wait(None if wait_s is None else max(0.0, wait_s))
         except (OSError, ValueError):
             if not self._is_closed:
                 raise
             raise Unreachable("the connection has ended") from None
         for heard in all_heard:
-            if isinstance(heard, Ended):
+            if isinstance(heard, SubscriptionEnded):
                 raise Unreachable(heard.why)
-            if isinstance(heard, Figures):
-                self._take_figures(heard)
-        self._take(self._ear.facts)
+            if isinstance(heard, Metrics):
+                self._take_metrics(heard)
+        self._take(self._subscription.facts)
 
-    def _await_figures(self, ear: Ear) -> None:
+    def _await_metrics(self, subscription: ManagerSubscription) -> None:
         """Take the next figures, so that counters are known.
 
         Raises:
             Unreachable: The manager has ended.
         """
-        from rtkit.tree.listening import Ended
+        from rtkit.tree.subscription import SubscriptionEnded
 
         until = time.monotonic() + _FIGURES_S
-        while self._figures is None and (left := until - time.monotonic()) > 0:
-            for heard in ear.wait(left):
-                if isinstance(heard, Ended):
+        while self._metrics is None and (left := until - time.monotonic()) > 0:
+            for heard in subscription.wait(left):
+                if isinstance(heard, SubscriptionEnded):
                     raise Unreachable(heard.why)
-                if isinstance(heard, Figures):
-                    self._take_figures(heard)
+                if isinstance(heard, Metrics):
+                    self._take_metrics(heard)
 
-    def _take_figures(self, figures: Figures) -> None:
-        for process in figures.processes:
+    def _take_metrics(self, metrics: Metrics) -> None:
+        for process in metrics.processes:
             for component in process.components:
                 if component.instance == self._instance:
-                    self._figures = component
+                    self._metrics = component
 
     def _refresh(self) -> None:
         if self._instance:
@@ -211,7 +215,7 @@ class Live:
         if facts is None:
             raise NotFound(f"no such component any more: {self._instance}")
         ends = OwnEnds.of(snapshot).ends(facts) if facts.members else {}
-        self._fold(of_component(facts, snapshot.connectors, self._figures, ends))
+        self._fold(of_component(facts, snapshot.connectors, self._metrics, ends))
 
     def _fold(self, shown: Sequence[Shown]) -> None:
         nodes = self._service.registry.nodes
@@ -242,22 +246,24 @@ class Live:
 
     def _add_operations(self) -> None:
         """Register the operations of the manager."""
-        spec = Spec(parse_type("element"), is_functional=True)
+        spec = PropertySpec(parse_type("element"), is_functional=True)
         for name in DO:
-            function = Function(
+            function = FunctionalProperty(
                 lambda argument="", name=name: self._tree.set(name, argument), _ARGUMENT
             )
             self._service.add(name, spec=spec, function=function)
         for name in READ:
             self._service.add(
                 name,
-                spec=Spec(parse_type("text"), "r"),
+                spec=PropertySpec(parse_type("text"), "r"),
                 read=lambda _given, name=name: self._tree.get(name),  # type: ignore[misc]
             )
 
         self._service.add(
             FOLLOW,
-            spec=Spec(parse_type("text"), "rw", doc="Systems whose events the manager follows"),
+            spec=PropertySpec(
+                parse_type("text"), "rw", doc="Systems whose events the manager follows"
+            ),
             read=lambda _given: self._tree.get(FOLLOW),
             write=lambda value, _given: self._tree.set(FOLLOW, str(value)),
         )
@@ -265,8 +271,8 @@ class Live:
     def close(self) -> None:
         """End the connection."""
         self._is_closed = True
-        if self._ear is not None:
-            self._ear.close()
+        if self._subscription is not None:
+            self._subscription.close()
         self._tree.close()
 
 
@@ -288,8 +294,10 @@ class ThisHost:
             "services": tuple(map(Word, services)),
         }
         for name, value in told.items():
-            self._service.add(name, value, Spec(access="r"))
-        load = Spec(parse_type("vector[3]"), "r", doc="Load average over 1, 5 and 15 minutes")
+            self._service.add(name, value, PropertySpec(access="r"))
+        load = PropertySpec(
+            parse_type("vector[3]"), "r", doc="Load average over 1, 5 and 15 minutes"
+        )
         self._service.add("load", spec=load, read=lambda _given: os.getloadavg())
         self._me = _Me()
         self.names = self._service.registry.children("")
@@ -297,7 +305,7 @@ class ThisHost:
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
         """GET, or SET, which it refuses."""
         answers: list[Answer] = []
-        self._service.handle(Ask(target, payload, answers.append, self._me))
+        self._service.handle(PropertyRequest(target, payload, answers.append, self._me))
         return answers[0]
 
     def listen(self, target: str) -> None:
@@ -309,7 +317,7 @@ class ThisHost:
         name, mark, tail = target.partition("?")
         self.ask(f"{name}.listen{mark}{tail}", "self").value()
 
-    def event(self, timeout_s: float | None = None) -> Event | None:
+    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
         """Return the next event; what a host tells is looked at once a second."""
         end = None if timeout_s is None else time.monotonic() + timeout_s
         while True:

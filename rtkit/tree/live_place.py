@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from rtkit.errors import Refused
 from rtkit.rtc.names import is_local_host, parse_path
 from rtkit.tree.resolve import entry, zombie
-from rtkit.tree.view import Kind, build
+from rtkit.tree.view import NodeKind, build
 
 if TYPE_CHECKING:
-    from rtkit.tree.live import Live
+    from rtkit.tree.live import LiveProperties
 
 _NODE = r"(.+?\.(?:rtc|mgr))(?:\.(.*))?"
 
@@ -44,7 +44,7 @@ def name_of_host(path: str, cwd: str, hostname: str) -> str | None:
     return None
 
 
-def open_live(path: str, timeout_s: float) -> Live:
+def open_live(path: str, timeout_s: float) -> LiveProperties:
     """Connect to the manager that a component or manager is found through.
 
     Raises:
@@ -53,7 +53,7 @@ def open_live(path: str, timeout_s: float) -> Live:
         Unreachable: The manager does not answer.
     """
     from rtkit.tree.connect import connect
-    from rtkit.tree.live import Live
+    from rtkit.tree.live import LiveProperties
     from rtkit.tree.place import manager_of
 
     where = parse_path(path)
@@ -61,11 +61,11 @@ def open_live(path: str, timeout_s: float) -> Live:
     try:
         listing = tree.listing()
         node = entry(build(listing), where, listing.host)
-        if node.kind is Kind.ZOMBIE:
+        if node.kind is NodeKind.ZOMBIE:
             raise zombie(node, where)
-        if node.is_slave or node.kind not in (Kind.COMPONENT, Kind.MANAGER):
+        if node.is_slave or node.kind not in (NodeKind.COMPONENT, NodeKind.MANAGER):
             raise Refused(f"Not a component or manager: {path}")
-        return Live(tree, node.instance)
+        return LiveProperties(tree, node.instance)
     except BaseException:
         tree.close()
         raise

@@ -19,7 +19,7 @@ _FILE = re.compile(r"(.+)\.log(?:\.(\d+))?")
 _CHUNK = 1 << 20
 
 
-class Entry(NamedTuple):
+class LogEntry(NamedTuple):
     """One record of a log.
 
     Attributes:
@@ -41,7 +41,7 @@ class Entry(NamedTuple):
     exception: str
 
 
-Wanted = Callable[[Entry], bool]
+Wanted = Callable[[LogEntry], bool]
 
 
 class _File:
@@ -109,23 +109,23 @@ class Logbook:
         """
         self._folder = folder
         self._wanted = wanted
-        self._ear = Folder(folder)
+        self._subscription = Folder(folder)
         self._files: dict[str, _File] = {}
         self.unreadable = 0
 
     def fileno(self) -> int:
         """Return the descriptor that turns readable when something was written."""
-        return self._ear.fileno()
+        return self._subscription.fileno()
 
     def close(self) -> None:
         """Read no more."""
-        self._ear.close()
+        self._subscription.close()
         for file in self._files.values():
             file.close()
 
-    def there(self, most: int | None = None) -> list[Entry]:
-        """Return what is in the logs, or of that the latest, and have `news` begin after it."""
-        entries: list[Entry] = []
+    def there(self, most: int | None = None) -> list[LogEntry]:
+        """Return what is in the logs, or of that the latest, and have `delta` begin after it."""
+        entries: list[LogEntry] = []
         seen: set[tuple[int, int]] = set()
         for name, number in self._names():
             file = _File(os.path.join(self._folder, name), name.rpartition(".log")[0])
@@ -140,10 +140,10 @@ class Logbook:
         entries.sort(key=_moment)
         return entries if most is None else entries[max(0, len(entries) - most) :]
 
-    def news(self) -> list[Entry]:
+    def delta(self) -> list[LogEntry]:
         """Return what was written since the last time."""
-        entries: list[Entry] = []
-        for name in sorted(self._ear.take()):
+        entries: list[LogEntry] = []
+        for name in sorted(self._subscription.take()):
             match = _FILE.fullmatch(name)
             if match is None or match[2]:
                 continue
@@ -158,7 +158,7 @@ class Logbook:
         named = [(name, int(match[2] or 0)) for name, match in found if match is not None]
         return sorted(named, key=lambda each: (each[1], each[0]))
 
-    def _entries(self, file: _File) -> Iterator[Entry]:
+    def _entries(self, file: _File) -> Iterator[LogEntry]:
         for line in file.read():
             entry = _entry(file.name, line)
             if entry is None:
@@ -167,16 +167,16 @@ class Logbook:
                 yield entry
 
 
-def _moment(entry: Entry) -> str:
+def _moment(entry: LogEntry) -> str:
     return entry.time
 
 
-def _entry(file: str, line: bytes) -> Entry | None:
+def _entry(file: str, line: bytes) -> LogEntry | None:
     """Return the record of a line; None when it is none, as after a full disk."""
     try:
         fields: Any = json.loads(line)
         component = str(fields.get("component", ""))
-        return Entry(
+        return LogEntry(
             str(fields["time"]),
             file,
             str(fields["level"]),

@@ -13,7 +13,7 @@ from rtkit.rtc.address import is_address
 from rtkit.rtc.names import LOCAL, MANAGER_SUFFIX, Path, is_local_host
 from rtkit.tree.client import DEFAULT_TIMEOUT_S
 from rtkit.tree.connect import connect
-from rtkit.tree.view import Kind, Node, build, manager_node
+from rtkit.tree.view import NodeKind, TreeNode, build, manager_node
 
 if TYPE_CHECKING:
     from rtkit.tree.client import Tree
@@ -79,7 +79,7 @@ def _why_silent(address: str, timeout_s: float) -> str:
     return ""
 
 
-def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[Node, str]:
+def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[TreeNode, str]:
     """Return the tree as far as `path` shows it, and the host that ``localhost`` means.
 
     Raises:
@@ -98,7 +98,7 @@ def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[No
     return root, listing.host
 
 
-def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> Node | None:
+def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> TreeNode | None:
     """Return what there is beside the usual manager, which is in trouble; None if nothing is.
 
     On its own host only if it does not run: one that hangs is to be told.
@@ -110,8 +110,8 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> Node | None:
     usual = chosen or DEFAULT_MANAGER
     # Nobody misses the default one where only services or managers of other names were started.
     is_missed = bool(chosen) or os.path.lexists(manager_socket(usual))
-    root = Node("", Kind.ROOT, trouble=trouble * is_missed)
-    local = root.add(Node(LOCAL, Kind.HOST, trouble=trouble))
+    root = TreeNode("", NodeKind.ROOT, trouble=trouble * is_missed)
+    local = root.add(TreeNode(LOCAL, NodeKind.HOST, trouble=trouble))
     running = list(_others(""))
     if usual not in running:
         _add_services(local)
@@ -123,7 +123,7 @@ def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> Node | None:
     return root if local.children or len(root.children) > 1 else None
 
 
-def add_others(root: Node, tree: Tree, path: Path, *, is_deep: bool) -> None:
+def add_others(root: TreeNode, tree: Tree, path: Path, *, is_deep: bool) -> None:
     """Put the other managers of this host, and the servers, into a tree where `path` shows them.
 
     What they hold is asked only if it is wanted (`is_deep`); who does not answer is marked.
@@ -134,7 +134,7 @@ def add_others(root: Node, tree: Tree, path: Path, *, is_deep: bool) -> None:
         _add_services(local)
     if len(path.elements) > 1:
         return
-    asked: list[Callable[[], Node]] = []
+    asked: list[Callable[[], TreeNode]] = []
     if not path.elements:
         asked += _of(_server, servers(), tree, is_deep=is_deep)
     far = len(asked)
@@ -152,8 +152,8 @@ def add_others(root: Node, tree: Tree, path: Path, *, is_deep: bool) -> None:
 
 
 def _of(
-    ask: Callable[..., Node], names: Iterable[str], tree: Tree | None, *, is_deep: bool
-) -> list[Callable[[], Node]]:
+    ask: Callable[..., TreeNode], names: Iterable[str], tree: Tree | None, *, is_deep: bool
+) -> list[Callable[[], TreeNode]]:
     """Return what asks each, as patient as the connection is that there is."""
     return [
         partial(ask, name, tree.timeout_s if tree else DEFAULT_TIMEOUT_S, is_deep=is_deep)
@@ -180,7 +180,7 @@ def _at_once(asked: Sequence[Callable[[], _Answer]]) -> list[_Answer]:
     return [answers[number] for number in sorted(answers)]
 
 
-def _add_services(host: Node) -> None:
+def _add_services(host: TreeNode) -> None:
     """Show the property services of this user as directories."""
     from rtkit.link.places import services as sockets
 
@@ -191,7 +191,7 @@ def _add_services(host: Node) -> None:
     for name in services():
         node = host
         for step in name.split("/"):
-            node = node.children.get(step) or node.add(Node(step, Kind.DIRECTORY))
+            node = node.children.get(step) or node.add(TreeNode(step, NodeKind.DIRECTORY))
 
 
 def _others(manager: str) -> Iterator[str]:
@@ -200,7 +200,7 @@ def _others(manager: str) -> Iterator[str]:
     return (name for name in managers() if name != manager)
 
 
-def _neighbour(name: str, timeout_s: float, *, is_deep: bool) -> Node:
+def _neighbour(name: str, timeout_s: float, *, is_deep: bool) -> TreeNode:
     trouble = ""
     if is_deep:
         try:
@@ -210,10 +210,10 @@ def _neighbour(name: str, timeout_s: float, *, is_deep: bool) -> Node:
                 return node
         except RtkitError as error:
             trouble = str(error)
-    return Node(name + MANAGER_SUFFIX, Kind.MANAGER, process=name, trouble=trouble)
+    return TreeNode(name + MANAGER_SUFFIX, NodeKind.MANAGER, process=name, trouble=trouble)
 
 
-def _server(address: str, timeout_s: float, *, is_deep: bool) -> Node:
+def _server(address: str, timeout_s: float, *, is_deep: bool) -> TreeNode:
     trouble = ""
     if is_deep:
         try:
@@ -223,7 +223,7 @@ def _server(address: str, timeout_s: float, *, is_deep: bool) -> Node:
             return node
         except RtkitError as error:
             trouble = str(error)
-    return Node(address, Kind.HOST, trouble=trouble)
+    return TreeNode(address, NodeKind.HOST, trouble=trouble)
 
 
 def shown(name: str, manager: str, place: str) -> str:

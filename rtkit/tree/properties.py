@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rtkit.errors import Unreachable
 from rtkit.property.codes import PropertyError, code_of
-from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.naming import EXTENSIONS
 from rtkit.rtc.names import LOCAL, is_local_host
 
@@ -27,7 +27,7 @@ _ICE = "ice://"
 WEB_ROOT = "/ps"
 
 
-class End(Protocol):
+class ProviderConnectionEnd(Protocol):
     """A connection to the owner of properties."""
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
@@ -38,7 +38,7 @@ class End(Protocol):
         """Begin to listen."""
         ...
 
-    def event(self, timeout_s: float | None = None) -> Event | None:
+    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
         """Return the next event, None if none came in time."""
         ...
 
@@ -47,7 +47,7 @@ class End(Protocol):
         ...
 
 
-class BoundedEnd(End, Protocol):
+class BoundedEnd(ProviderConnectionEnd, Protocol):
     """A connection on which each request may be given up sooner."""
 
     def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
@@ -55,7 +55,7 @@ class BoundedEnd(End, Protocol):
         ...
 
 
-class Place(NamedTuple):
+class PropertyTarget(NamedTuple):
     """A property as it was typed.
 
     Attributes:
@@ -79,19 +79,21 @@ class Place(NamedTuple):
         return f"{name}?{'&'.join(given)}" if is_marked else name
 
 
-def bound_of(end: End, typed: str | None, parameters: Sequence[str], timeout_s: float) -> list[str]:
+def bound_of(
+    end: ProviderConnectionEnd, typed: str | None, parameters: Sequence[str], timeout_s: float
+) -> list[str]:
     """Return the parameter by which a request to set says how long its client waits.
 
     For services behind a socket, which do not begin what was given up; devices do not know it.
     """
-    from rtkit.link.line_client import LineClient
+    from rtkit.wires.line.client import LineClient
 
     is_given = any(each.startswith("timeout=") for each in (*parameters, *(typed or "").split("&")))
     is_known = isinstance(end, LineClient) and not is_given
     return [f"timeout={timeout_s:g}"] if is_known else []
 
 
-def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> Place:
+def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> PropertyTarget:
     """Read what was typed, relative to the working directory `cwd` in the tree."""
     path, mark, parameters = typed.partition("?")
     whole = path if path.startswith("/") else f"{cwd.rstrip('/')}/{path}"
@@ -99,19 +101,19 @@ def parse(typed: str, cwd: str, services: Iterable[str], hostname: str) -> Place
     if steps and is_local_host(steps[0], hostname):
         steps.pop(0)
     elif steps and path.startswith("/"):
-        return Place(typed, "", whole, parameters if mark else None)
+        return PropertyTarget(typed, "", whole, parameters if mark else None)
     rest = "/".join(steps)
     given = parameters if mark else None
     for service in sorted(services, key=len, reverse=True):
         if rest == service:
-            return Place(typed, service, "", given)
+            return PropertyTarget(typed, service, "", given)
         if rest.startswith((f"{service}.", f"{service}/")):
             name = rest[len(service) + 1 :].strip("/")
-            return Place(typed, service, name.replace("/", "."), given)
-    return Place(typed, "", rest, given)
+            return PropertyTarget(typed, service, name.replace("/", "."), given)
+    return PropertyTarget(typed, "", rest, given)
 
 
-class Places:
+class PropertyConnections:
     """Finds properties and keeps one connection for each owner.
 
     Args:
@@ -125,11 +127,11 @@ class Places:
         self._cwd = cwd
         self._at = at
         self._timeout_s = timeout_s
-        self._ends: dict[str, End] = {}
+        self._ends: dict[str, ProviderConnectionEnd] = {}
         self._services: list[str] | None = None
         self._this_host: ThisHost | None = None
 
-    def find(self, typed: str) -> tuple[Place, End]:
+    def find(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
         """Return where a property is and the connection to its owner.
 
         Raises:
@@ -143,16 +145,16 @@ class Places:
             if (self._at or typed).startswith(_SERIAL):
                 return self._on_line(typed)
         except Exception as error:
-            raise told(typed, error) from error
+            raise printed_error(typed, error) from error
         place = parse(typed, self._cwd, self._known(), os.uname().nodename)
         try:
             if not place.service and not self._at:
                 return self._in_tree(place)
             return place, self._end(place)
         except Exception as error:
-            raise told(typed, error) from error
+            raise printed_error(typed, error) from error
 
-    def _in_tree(self, place: Place) -> tuple[Place, End]:
+    def _in_tree(self, place: PropertyTarget) -> tuple[PropertyTarget, ProviderConnectionEnd]:
         """Return where a property of a component, of a manager or of this host is."""
         from rtkit.tree.live_place import name_of_host, open_live, split
 
@@ -193,29 +195,29 @@ class Places:
 
     def _at_door(self) -> list[str]:
         asked = "" if self._at.startswith(_HTTP) else "door/services"
-        answer = self._door().ask(asked).value()
+        answer = self._endpoint().ask(asked).value()
         return [] if answer == "()" else str(answer).strip("()").split()
 
-    def _door(self) -> End:
+    def _endpoint(self) -> ProviderConnectionEnd:
         if "" not in self._ends and self._at.startswith(_HTTP):
             self._ends[""] = self._web(self._at)
         elif "" not in self._ends and self._at.startswith(_ICE):
             self._ends[""] = self._objects(self._at)
         elif "" not in self._ends:
-            from rtkit.link.line_client import connect_tcp
+            from rtkit.wires.line.client import connect_tcp
 
             host, _, port = self._at.rpartition(":")
             self._ends[""] = connect_tcp(host or LOCAL, int(port), self._timeout_s)
         return self._ends[""]
 
-    def _on_web(self, typed: str) -> tuple[Place, End]:
+    def _on_web(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
         """Return what ``http://HOST:PORT/ps/SERVICE/NAME`` is."""
         address, _, rest = typed.partition(f"{WEB_ROOT}/")
         if address not in self._ends:
             self._ends[address] = self._web(address)
         return self._behind(self._ends[address], "", rest, typed)
 
-    def _on_ice(self, typed: str) -> tuple[Place, End]:
+    def _on_ice(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
         """Return what ``ice://HOST:PORT/SERVICE/NAME`` is."""
         where, _, rest = typed.removeprefix(_ICE).partition("/")
         if where not in self._ends:
@@ -223,36 +225,38 @@ class Places:
         return self._behind(self._ends[where], "door/services", rest, typed)
 
     @staticmethod
-    def _behind(door: End, asked: str, path: str, typed: str) -> tuple[Place, End]:
+    def _behind(
+        endpoint: ProviderConnectionEnd, asked: str, path: str, typed: str
+    ) -> tuple[PropertyTarget, ProviderConnectionEnd]:
         """Return what a path behind a door is; services are known by asking for them."""
-        services = str(door.ask(asked).value()).strip("()").split()
+        services = str(endpoint.ask(asked).value()).strip("()").split()
         place = parse(path, "/", services, os.uname().nodename)
         if not place.service:
             raise PropertyError("no-service", f"there is {' '.join(services) or 'none'}")
-        return place._replace(typed=typed), OfService(door, place.service)
+        return place._replace(typed=typed), OfService(endpoint, place.service)
 
-    def _on_line(self, typed: str) -> tuple[Place, End]:
+    def _on_line(self, typed: str) -> tuple[PropertyTarget, ProviderConnectionEnd]:
         """Return what a name behind a serial line, or ``serial:DEVICE/NAME``, is."""
-        from rtkit.link.serial_client import connect_serial
-        from rtkit.link.serial_line import split_target
+        from rtkit.wires.serial.address import split_target
+        from rtkit.wires.serial.client import connect_serial
 
         address, target = (self._at, typed) if self._at else split_target(typed)
         if address not in self._ends:
             self._ends[address] = connect_serial(address, self._timeout_s)
         name, mark, parameters = target.partition("?")
-        return Place(typed, "", name, parameters if mark else None), self._ends[address]
+        return PropertyTarget(typed, "", name, parameters if mark else None), self._ends[address]
 
-    def _web(self, address: str) -> End:
-        from rtkit.link.http_client import connect_http
+    def _web(self, address: str) -> ProviderConnectionEnd:
+        from rtkit.wires.http.client import connect_http
 
         return connect_http(address, self._timeout_s)
 
-    def _objects(self, address: str) -> End:
-        from rtkit.link.ice_client import connect_ice
+    def _objects(self, address: str) -> ProviderConnectionEnd:
+        from rtkit.wires.ice.client import connect_ice
 
         return connect_ice(address, self._timeout_s)
 
-    def _end(self, place: Place) -> End:
+    def _end(self, place: PropertyTarget) -> ProviderConnectionEnd:
         if not place.service:
             known = " ".join(self._known()) or "none"
             first = place.name.split(".")[0]
@@ -261,11 +265,11 @@ class Places:
             self._ends[place.service] = self._connected(place.service)
         return self._ends[place.service]
 
-    def _connected(self, service: str) -> End:
+    def _connected(self, service: str) -> ProviderConnectionEnd:
         if self._at:
-            return OfService(self._door(), service)
-        from rtkit.link.line_client import connect_unix
+            return OfService(self._endpoint(), service)
         from rtkit.link.places import service_socket
+        from rtkit.wires.line.client import connect_unix
 
         return connect_unix(service_socket(service), self._timeout_s)
 
@@ -279,22 +283,22 @@ class Places:
 class OfService:
     """One of several services behind a door."""
 
-    def __init__(self, door: End, service: str) -> None:
-        self._door = door
+    def __init__(self, endpoint: ProviderConnectionEnd, service: str) -> None:
+        self._endpoint = endpoint
         self._service = service
-        self.event = door.event
-        self.close = door.close
+        self.event = endpoint.event
+        self.close = endpoint.close
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
-        """See `End.ask`."""
-        return self._door.ask(f"{self._service}/{target}", payload)
+        """See `ProviderConnectionEnd.ask`."""
+        return self._endpoint.ask(f"{self._service}/{target}", payload)
 
     def listen(self, target: str) -> None:
-        """See `End.listen`."""
-        self._door.listen(f"{self._service}/{target}")
+        """See `ProviderConnectionEnd.listen`."""
+        self._endpoint.listen(f"{self._service}/{target}")
 
 
-def told(typed: str, error: Exception) -> PropertyError:
+def printed_error(typed: str, error: Exception) -> PropertyError:
     """Return an error as commands tell it: ``TARGET: code: text``."""
     code = "timeout" if _is_late(error) else code_of(error)
     return PropertyError(code, f"{typed}: {code}: {error}")
@@ -313,4 +317,4 @@ def asked(ask: Callable[[], Answer], typed: str) -> Payload:
     try:
         return ask().value()
     except Exception as error:
-        raise told(typed, error) from error
+        raise printed_error(typed, error) from error

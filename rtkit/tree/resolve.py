@@ -6,19 +6,19 @@ from collections.abc import Iterable
 
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, Path, is_local_host
-from rtkit.tree.view import Kind, Node
+from rtkit.tree.view import NodeKind, TreeNode
 
 
-def find(root: Node, path: Path, hostname: str) -> Node | None:
+def find(root: TreeNode, path: Path, hostname: str) -> TreeNode | None:
     """Return the node at `path`, or None; `hostname` is the machine that ``localhost`` means."""
-    node: Node | None = root
+    node: TreeNode | None = root
     for depth, element in enumerate(path.elements):
         name = LOCAL if depth == 0 and is_local_host(element, hostname) else element
         node = node.children.get(name) if node is not None else None
     return node
 
 
-def absent(root: Node, path: Path, hostname: str) -> NotFound:
+def absent(root: TreeNode, path: Path, hostname: str) -> NotFound:
     """Return the error that nothing is at `path`, with what may have been meant by it."""
     node = root
     for depth, element in enumerate(path.elements):
@@ -40,7 +40,7 @@ def _base_is_gone(path: Path, depth: int) -> str:
     return f" (the working directory /{'/'.join(base)} is not there: rtcwd, RTKIT_CWD change it)"
 
 
-def _meant(path: Path, element: str, node: Node) -> str:
+def _meant(path: Path, element: str, node: TreeNode) -> str:
     from rtkit.rtc.nearest import did_you_mean
 
     head, found, tail = path.typed.rpartition(element)
@@ -68,7 +68,7 @@ def no_port(path: Path, ports: Iterable[str]) -> NotFound:
     return NotFound(f"Port not found: {path.typed}{did_you_mean(path.port or '', ports)}")
 
 
-def entry(root: Node, path: Path, hostname: str) -> Node:
+def entry(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     """Return the node at `path`, which a trailing slash makes a directory.
 
     Raises:
@@ -80,7 +80,7 @@ def entry(root: Node, path: Path, hostname: str) -> Node:
     return node
 
 
-def component(root: Node, path: Path, hostname: str) -> Node:
+def component(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     """Return the living component at `path`, which must not name a port.
 
     Raises:
@@ -92,7 +92,7 @@ def component(root: Node, path: Path, hostname: str) -> Node:
     return _living(root, path, hostname)
 
 
-def supervised(root: Node, path: Path, hostname: str) -> Node:
+def supervised(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     """Return the component at `path`: it lives, or its policy has it in hand after its end.
 
     Raises:
@@ -107,12 +107,12 @@ def supervised(root: Node, path: Path, hostname: str) -> Node:
     return _living(root, path, hostname)
 
 
-def zombie(node: Node, path: Path) -> Refused:
+def zombie(node: TreeNode, path: Path) -> Refused:
     """Return the error that nobody is behind `path` any more, with why."""
     return Refused(f"Zombie object: {path.typed} ({node.remark})")
 
 
-def component_of_port(root: Node, path: Path, hostname: str) -> Node:
+def component_of_port(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     """Return the living component whose port `path` names.
 
     Raises:
@@ -134,7 +134,7 @@ def check_component_syntax(path: Path) -> None:
         raise Malformed(f"Not a component: {path.typed}")
 
 
-def manager(root: Node, path: Path, hostname: str) -> Node:
+def manager(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     """Return the manager at `path`; a trailing slash is ignored.
 
     Raises:
@@ -144,19 +144,19 @@ def manager(root: Node, path: Path, hostname: str) -> Node:
     node = find(root, path, hostname)
     if node is None:
         raise absent(root, path, hostname)
-    if node.kind is Kind.ZOMBIE:
+    if node.kind is NodeKind.ZOMBIE:
         raise zombie(node, path)
-    if node.kind is not Kind.MANAGER or path.port is not None:
+    if node.kind is not NodeKind.MANAGER or path.port is not None:
         raise Refused(f"Not a manager: {path.typed}")
     return node
 
 
-def _living(root: Node, path: Path, hostname: str) -> Node:
+def _living(root: TreeNode, path: Path, hostname: str) -> TreeNode:
     node = find(root, path, hostname)
     if node is None:
         raise absent(root, path, hostname)
-    if node.kind is Kind.ZOMBIE:
+    if node.kind is NodeKind.ZOMBIE:
         raise zombie(node, path)
-    if node.kind is not Kind.COMPONENT:
+    if node.kind is not NodeKind.COMPONENT:
         raise Refused(f"Not a component: {path.typed}")
     return node

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 from rtkit.deployment.creation import NOTHING_LACKS, checks, creation_plan
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.live import Live
-from rtkit.deployment.runner import Runner, regret
-from rtkit.deployment.system import System
+from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.runner import PlanRunner, roll_back
+from rtkit.deployment.system import WantedSystem
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.errors import RtkitError
 from rtkit.tree.client import Tree
@@ -16,9 +16,9 @@ from rtkit.tree.client import Tree
 
 def resurrect(
     tree: Tree,
-    system: System,
+    system: WantedSystem,
     before: Snapshot,
-    runner: Runner,
+    runner: PlanRunner,
     *,
     may_create: bool = True,
     lacks: Mapping[str, str] = NOTHING_LACKS,
@@ -29,19 +29,19 @@ def resurrect(
         Refused: Something required is missing or failed; what was made is removed again.
         KeyboardInterrupt: Interrupted; what was made is removed again. Its text tells what remains.
     """
-    live = Live(before, system)
+    live = LiveIndex(before, system)
     creation = creation_plan(system, live, may_create=may_create, lacks=lacks)
     runner.check(creation.checks)
     try:
         runner.run(creation)
         if not creation.is_done:
-            live = Live(tree.snapshot(), system)
+            live = LiveIndex(tree.snapshot(), system)
             runner.check(checks(system, live))
         runner.run(wiring_plan(system, live))
     except RtkitError as error:
-        more = regret(runner, before, error)
+        more = roll_back(runner, before, error)
         if not more:
             raise
         raise type(error)(f"{error}; {more}") from error
     except KeyboardInterrupt as error:
-        raise KeyboardInterrupt(regret(runner, before, error)) from error
+        raise KeyboardInterrupt(roll_back(runner, before, error)) from error

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.happenings import Happening
+from rtkit.deployment.user_events import UserEvent
 from rtkit.errors import Malformed
 from rtkit.rtc.names import LOCAL, Path
 from rtkit.tree.resolve import entry
-from rtkit.tree.view import Kind, Node, shown_path
+from rtkit.tree.view import NodeKind, TreeNode, shown_path
 
 
 class Scope(NamedTuple):
@@ -27,7 +27,7 @@ class Scope(NamedTuple):
     directory: str = ""
     is_one_manager: bool = True
 
-    def covers(self, what: Happening | ComponentFacts, hostname: str) -> bool:
+    def covers(self, what: UserEvent | ComponentFacts, hostname: str) -> bool:
         """Whether it is about a component, or what happened to one, at the manager of a host."""
         if self.instance:
             return what.instance == self.instance
@@ -39,7 +39,7 @@ class Scope(NamedTuple):
         return True
 
 
-def scope_of(root: Node, path: Path, hostname: str) -> Scope:
+def scope_of(root: TreeNode, path: Path, hostname: str) -> Scope:
     """Return what a path is about.
 
     Raises:
@@ -53,8 +53,8 @@ def scope_of(root: Node, path: Path, hostname: str) -> Scope:
         return Scope(instance=node.instance)
     if node.is_slave:
         return Scope(process=node.process)
-    if node.kind is Kind.MANAGER:
+    if node.kind is NodeKind.MANAGER:
         return Scope()
-    if node.kind is Kind.DIRECTORY or (node.kind is Kind.HOST and node.name != LOCAL):
+    if node.kind is NodeKind.DIRECTORY or (node.kind is NodeKind.HOST and node.name != LOCAL):
         return Scope(directory=node.path)
     return Scope(is_one_manager=False)

@@ -12,18 +12,18 @@ from threading import Event, Lock, Thread
 from time import monotonic
 
 from rtkit.deployment.actions import Action, Result
-from rtkit.deployment.execution import Execution
+from rtkit.deployment.execution import StartExecution
 from rtkit.deployment.facts import Snapshot
 from rtkit.deployment.runner import Count, Talk
-from rtkit.deployment.turns import StartPlan, Turn
+from rtkit.deployment.start_schedule import ScheduledAction, StartPlan
 from rtkit.deployment.watch import look
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.tree import grace
-from rtkit.tree.bell import Bell
 from rtkit.tree.client import Tree, bounded
-from rtkit.tree.fleet import FleetEar, ear_at
 from rtkit.tree.grace import uninterrupted
-from rtkit.tree.listening import Ear, Ended
+from rtkit.tree.manager_set import ManagerSetSubscription, subscription_at
+from rtkit.tree.subscription import ManagerSubscription, SubscriptionEnded
+from rtkit.tree.wakeup import Wakeup
 
 
 class Starter:
@@ -55,9 +55,9 @@ class Starter:
         self._report = report
         self._count = count
         self._told: set[str] = set()
-        self._execution = Execution(plan, monotonic(), timeout_s, tree.timeout_s)
-        self._bell: Bell
-        self._ear: Ear | FleetEar | None = None
+        self._execution = StartExecution(plan, monotonic(), timeout_s, tree.timeout_s)
+        self._wakeup: Wakeup
+        self._subscription: ManagerSubscription | ManagerSetSubscription | None = None
         self._lock = Lock()
         self._is_broken_off = False
         self._sent: set[int] = set()
@@ -73,13 +73,13 @@ class Starter:
             Unreachable: The manager does not answer.
             KeyboardInterrupt: Interrupted; its text tells what was not done.
         """
-        self._bell = Bell()
+        self._wakeup = Wakeup()
         try:
             self._run()
         finally:
-            if self._ear is not None:
-                self._ear.close()
-            self._bell.close()
+            if self._subscription is not None:
+                self._subscription.close()
+            self._wakeup.close()
 
     def _run(self) -> None:
         execution = self._execution
@@ -108,7 +108,7 @@ class Starter:
         if not execution.failure and not execution.is_over:
             self._hear()
 
-    def _look(self, watched: tuple[Turn, ...]) -> None:
+    def _look(self, watched: tuple[ScheduledAction, ...]) -> None:
         if not watched:
             return
         facts = uninterrupted(self._facts)
@@ -121,14 +121,14 @@ class Starter:
         Raises:
             Unreachable: It has ended.
         """
-        if self._ear is None:
-            self._ear = ear_at(self._tree)
-        for heard in self._ear.take():
-            if isinstance(heard, Ended):
+        if self._subscription is None:
+            self._subscription = subscription_at(self._tree)
+        for heard in self._subscription.take():
+            if isinstance(heard, SubscriptionEnded):
                 raise Unreachable(heard.why)
-        return self._ear.facts
+        return self._subscription.facts
 
-    def _send(self, turn: Turn) -> None:
+    def _send(self, turn: ScheduledAction) -> None:
         """Send an action and return when it is under way, so that the next one comes after it."""
         action = turn.step.action
         assert action is not None
@@ -145,7 +145,7 @@ class Starter:
                 (self._outcomes[turn.id],) = answer()
             except BaseException as error:
                 self._outcomes[turn.id] = error
-            self._bell.ring()
+            self._wakeup.ring()
             is_sent.set()
 
         self._announce(f"Executing {turn.step.line}")
@@ -156,7 +156,9 @@ class Starter:
         """Wait until something happens, or until it is time to act."""
         moment = self._execution.next_moment()
         patience_s = None if moment is None else bounded(max(0.0, moment - monotonic()))
-        self._bell.wait(self._ear.sources if self._ear is not None else (), patience_s)
+        self._wakeup.wait(
+            self._subscription.sources if self._subscription is not None else (), patience_s
+        )
         error = self._take()
         if error is not None:
             raise error
@@ -181,7 +183,7 @@ class Starter:
             self._is_broken_off = True
         end = monotonic() + grace.GRACE_S
         while self._sent - self._outcomes.keys():
-            if not self._bell.wait((), max(0.0, end - monotonic())):
+            if not self._wakeup.wait((), max(0.0, end - monotonic())):
                 break
         self._take()
         left = (*self._execution.running, *self._execution.waiting)

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Iterator
 from enum import Enum
 from time import monotonic
 
-from rtkit.deployment.listing import Listing, Row
+from rtkit.deployment.listing import Listing, ListingRow
 from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_host
 
 
-class Kind(Enum):
+class NodeKind(Enum):
     """What stands behind a node; the value is the letter that ``rtfind -t`` takes."""
 
     ROOT = "/"
@@ -25,7 +25,7 @@ class Kind(Enum):
     ZOMBIE = "z"
 
 
-class Node:
+class TreeNode:
     """An entry of the tree.
 
     Attributes:
@@ -41,8 +41,8 @@ class Node:
     def __init__(
         self,
         name: str,
-        kind: Kind,
-        row: Row | None = None,
+        kind: NodeKind,
+        row: ListingRow | None = None,
         process: str = "",
         trouble: str = "",
         pid: int = 0,
@@ -53,10 +53,10 @@ class Node:
         self.process = process
         self.trouble = trouble
         self.pid = pid
-        self.parent: Node | None = None
-        self.children: dict[str, Node] = {}
+        self.parent: TreeNode | None = None
+        self.children: dict[str, TreeNode] = {}
 
-    def add(self, node: Node) -> Node:
+    def add(self, node: TreeNode) -> TreeNode:
         """Put `node` below this one and return it."""
         node.parent = self
         self.children[node.name] = node
@@ -85,7 +85,9 @@ class Node:
     @property
     def is_slave(self) -> bool:
         """Whether it is a manager below another one."""
-        return self.kind is Kind.MANAGER and self.parent is not None and self.parent.process != ""
+        return (
+            self.kind is NodeKind.MANAGER and self.parent is not None and self.parent.process != ""
+        )
 
     @property
     def remark(self) -> str:
@@ -101,25 +103,25 @@ class Node:
             return ", ".join(filter(None, (row.zombie, row.coming(monotonic()), made)))
         return ", ".join(filter(None, (row.trouble, row.cause, row.again, made)))
 
-    def entries(self) -> list[Node]:
+    def entries(self) -> list[TreeNode]:
         """Return what is directly below, by name."""
         return [self.children[name] for name in sorted(self.children)]
 
-    def walk(self) -> Iterator[Node]:
+    def walk(self) -> Iterator[TreeNode]:
         """Yield this node and everything below it, depth first."""
         yield self
         for child in self.entries():
             yield from child.walk()
 
 
-def silent(nodes: Iterable[Node]) -> list[Node]:
+def silent(nodes: Iterable[TreeNode]) -> list[TreeNode]:
     """Return those managers and hosts of which nothing is known, because they do not answer."""
     return [node for node in nodes if node.trouble and not node.is_slave and not node.children]
 
 
-def once(nodes: Iterable[Node]) -> list[Node]:
+def once(nodes: Iterable[TreeNode]) -> list[TreeNode]:
     """Return nodes with each component once: by a name if it has one, else below its manager."""
-    found: dict[object, Node] = {}
+    found: dict[object, TreeNode] = {}
     for node in nodes:
         key = (node.pid, node.instance) if node.instance else node
         if key not in found or _rank(node) < _rank(found[key]):
@@ -127,19 +129,19 @@ def once(nodes: Iterable[Node]) -> list[Node]:
     return list(found.values())
 
 
-def _rank(node: Node) -> tuple[bool, int]:
-    is_below_manager = node.parent is not None and node.parent.kind is Kind.MANAGER
+def _rank(node: TreeNode) -> tuple[bool, int]:
+    is_below_manager = node.parent is not None and node.parent.kind is NodeKind.MANAGER
     return is_below_manager, node.path.count("/")
 
 
-def build(listing: Listing) -> Node:
+def build(listing: Listing) -> TreeNode:
     """Return the root of the tree that `listing` describes."""
-    root = Node("", Kind.ROOT)
-    root.add(Node(LOCAL, Kind.HOST))
+    root = TreeNode("", NodeKind.ROOT)
+    root.add(TreeNode(LOCAL, NodeKind.HOST))
     for name in listing.names:
         parent, leaf = _parent(root, name, listing.host)
         if parent is not None:
-            own = Node(leaf, Kind.MANAGER, process=listing.manager, trouble=listing.trouble)
+            own = TreeNode(leaf, NodeKind.MANAGER, process=listing.manager, trouble=listing.trouble)
             _fill(parent.add(own), listing)
     for row in listing.rows:
         for name in row.names:
@@ -149,7 +151,7 @@ def build(listing: Listing) -> Node:
     return root
 
 
-def manager_node(listing: Listing, slave: str = "") -> Node | None:
+def manager_node(listing: Listing, slave: str = "") -> TreeNode | None:
     """Return the manager that answered, whatever its names, or a slave of it; None without one."""
     path = f"{LOCAL}/{listing.manager}{MANAGER_SUFFIX}"
     host = build(listing._replace(names=(path,))).children[LOCAL]
@@ -163,13 +165,13 @@ def shown_path(name: str, hostname: str) -> str:
     return f"/{LOCAL if is_local_host(host, hostname) else host}{slash}{rest}"
 
 
-def _fill(manager: Node, listing: Listing) -> None:
+def _fill(manager: TreeNode, listing: Listing) -> None:
     """Put slaves and components below the manager, components below their slave too."""
     slaves = {
         name: manager.add(
-            Node(
+            TreeNode(
                 name + MANAGER_SUFFIX,
-                Kind.MANAGER,
+                NodeKind.MANAGER,
                 process=name,
                 trouble=_trouble(state, reason),
             )
@@ -189,21 +191,21 @@ def _trouble(state: str, reason: str) -> str:
     return f"{state}: {reason}" if reason and reason != state else state
 
 
-def _parent(root: Node, name: str, hostname: str) -> tuple[Node | None, str]:
+def _parent(root: TreeNode, name: str, hostname: str) -> tuple[TreeNode | None, str]:
     """Return the directory that a registered name is in, and its last element."""
     host, slash, rest = name.partition("/")
     if not slash:
         return None, ""
     *directories, leaf = rest.split("/")
-    node = _below(root, LOCAL if is_local_host(host, hostname) else host, Kind.HOST)
+    node = _below(root, LOCAL if is_local_host(host, hostname) else host, NodeKind.HOST)
     for directory in directories:
-        node = _below(node, directory, Kind.DIRECTORY)
+        node = _below(node, directory, NodeKind.DIRECTORY)
     return node, leaf
 
 
-def _below(node: Node, name: str, kind: Kind) -> Node:
-    return node.children.get(name) or node.add(Node(name, kind))
+def _below(node: TreeNode, name: str, kind: NodeKind) -> TreeNode:
+    return node.children.get(name) or node.add(TreeNode(name, kind))
 
 
-def _leaf(name: str, row: Row, pid: int) -> Node:
-    return Node(name, Kind.ZOMBIE if row.zombie else Kind.COMPONENT, row, pid=pid)
+def _leaf(name: str, row: ListingRow, pid: int) -> TreeNode:
+    return TreeNode(name, NodeKind.ZOMBIE if row.zombie else NodeKind.COMPONENT, row, pid=pid)

@@ -26,7 +26,7 @@ SERVICE_DEFAULTS = {"port.port_type": PortType.SERVICE.value}
 _NO_CHOICE = ("dataport.data_type", "port.port_type", "description")
 
 
-class End(NamedTuple):
+class ResolvedPort(NamedTuple):
     """A port that a user named, found; `ref` is its own name where a composite shows it."""
 
     path: Path
@@ -46,7 +46,7 @@ class Facts(Protocol):
         ...
 
 
-def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[End]]:
+def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[ResolvedPort]]:
     """Return the ports at these paths, and what concerns their components.
 
     Raises:
@@ -62,17 +62,17 @@ def find_ends(facts: Facts, paths: Sequence[Path]) -> tuple[Snapshot, list[End]]
     return snapshot, ends
 
 
-def _end(snapshot: Snapshot, own: OwnEnds, instance: str, path: Path) -> End:
+def _end(snapshot: Snapshot, own: OwnEnds, instance: str, path: Path) -> ResolvedPort:
     facts = snapshot.component(instance)
     if facts is None:
         raise NotFound(f"No such object: {path.typed}")
     port = facts.port(path.port or "")
     if port is None:
         raise no_port(path, (each.name for each in facts.ports))
-    return End(path, own.end(PortRef(instance, port.name)), port)
+    return ResolvedPort(path, own.end(PortRef(instance, port.name)), port)
 
 
-def check_pair(one: End, other: End, properties: Mapping[str, str]) -> None:
+def check_pair(one: ResolvedPort, other: ResolvedPort, properties: Mapping[str, str]) -> None:
     """Refuse ports that cannot be connected with these properties.
 
     Raises:
@@ -110,7 +110,7 @@ def _is_listed(value: str, listed: str) -> bool:
 
 
 def make_connector(
-    one: End, other: End, connector_id: str, name: str, given: Mapping[str, str]
+    one: ResolvedPort, other: ResolvedPort, connector_id: str, name: str, given: Mapping[str, str]
 ) -> ConnectorProfile:
     """Return the connector of two ports, out port first, defaults filled in.
 

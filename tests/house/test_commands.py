@@ -37,7 +37,7 @@ FORBIDDEN_ON_THE_WAY = (
     "rtkit.manager",
     "rtkit.planner",
     "rtkit.profile",
-    "rtkit.rtc.plain",
+    "rtkit.rtc.serde",
     "rtkit.rtc.profiles",
     "shutil",
     "signal",
@@ -79,12 +79,12 @@ def test_a_command_s_help_begins_as_the_table_says(verb: str) -> None:
 
 
 FACTS = {"rtkit.deployment.facts", "rtkit.rtc.profiles"}
-SHOWN = {*FACTS, "rtkit.rtc.plain"}
+SHOWN = {*FACTS, "rtkit.rtc.serde"}
 SYSTEM = {*FACTS, "lxml", "rtkit.profile"}
 FOR_REPAIRS_AND_CHANGES = (
     "difflib",
     "locale",
-    "rtkit.cli._meter",
+    "rtkit.cli._progress",
     "rtkit.cli.system.step_times",
     "rtkit.deployment.listing",
     "rtkit.deployment.planning",
@@ -96,7 +96,7 @@ FOR_REPAIRS_AND_CHANGES = (
     "rtkit.tree.view",
 )
 READERS: dict[str, tuple[set[str], tuple[str, ...]]] = {
-    "rtls /localhost": (set(), ("difflib", "locale", "rtkit.records")),
+    "rtls /localhost": (set(), ("difflib", "locale", "rtkit.fast_dataclass")),
     "rtls -l /localhost": (set(), ()),
     "rtcat /localhost/A.rtc": (SHOWN, ("difflib", "locale")),
     "rtconf /localhost/A.rtc list": (SHOWN, ("difflib", "locale")),
@@ -130,9 +130,9 @@ import rtkit.tree.client
 class Tree:
     host, manager, timeout_s = 'box', 'm', 10.0
     def listing(self):
-        from rtkit.deployment.listing import Listing, Row
+        from rtkit.deployment.listing import Listing, ListingRow
         row = ('A', 'Inactive', 0, 0, 0, 0, 0, 0, 'm', '', '', False, ('localhost/A.rtc',))
-        return Listing('box', 'm', 1, (), (Row(*row),))
+        return Listing('box', 'm', 1, (), (ListingRow(*row),))
     def snapshot(self):
         from rtkit.deployment.facts import ComponentFacts, Snapshot
         from rtkit.rtc.enums import ExecutionKind
@@ -189,29 +189,29 @@ FOR_WHO_MAKES_COMPONENTS = (
     "rtkit.component.factory",
     "rtkit.component.fsm",
     "rtkit.component.standin",
-    "rtkit.deployment.figures",
+    "rtkit.deployment.metrics",
     "rtkit.deployment.supervision",
     "rtkit.manager.core.events",
-    "rtkit.manager.holding.maker",
-    "rtkit.manager.holding.process_settings",
-    "rtkit.manager.logs.logs",
-    "rtkit.manager.modules",
-    "rtkit.manager.settings",
+    "rtkit.container.component_factory",
+    "rtkit.container.process_settings",
+    "rtkit.logs.logs",
+    "rtkit.modules",
+    "rtkit.settings",
     "signal",
     "traceback",
 )
 VISIT = f"""
 import queue, sys, threading
 import rtkit.cli.rtprint, rtkit.cli._printing, rtkit.probe.fields, rtkit.probe.text
-import rtkit.manager.processes.guest
+import rtkit.container.attached_process
 from rtkit.component.types import TimedLong
 from rtkit.link.streams import Streams
-from rtkit.manager.holding.connect import Wires
-from rtkit.manager.holding.holder import Holder
+from rtkit.container.port_wiring import PortWiring
+from rtkit.container.container import ComponentContainer
 from rtkit.probe.probe import Tool
 from rtkit.probe.tap import Tap
 told = queue.SimpleQueue()
-holder = Holder(told.put, Wires("box", Streams("none")), maker=None)
+holder = ComponentContainer(told.put, PortWiring("box", Streams("none")), component_factory=None)
 thread = threading.Thread(target=holder.run)
 thread.start()
 holder.post(lambda: holder.hold(Tool("Tool0", [Tap("in", {{}})], 0.0)))
@@ -242,7 +242,7 @@ from rtkit.manager.processes import zygote
 for name in zygote.AHEAD:
     import_module(name)
 late = set()
-for file in Path(zygote.__file__).parents[1].glob("holding/*.py"):
+for file in Path(zygote.__file__).parents[2].glob("container/*.py"):
     for function in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(function, ast.FunctionDef):
             late |= {n.module for n in ast.walk(function) if isinstance(n, ast.ImportFrom)}

@@ -14,7 +14,7 @@ import pytest
 from rtkit.cli import COMMANDS
 from rtkit.cli._app import App
 from rtkit.cli._examples import EXAMPLES
-from rtkit.cli._group import Group, Word
+from rtkit.cli._group import CommandGroup, Subcommand
 from rtkit.cli._man import pages
 from rtkit.cli._verbs import WORDS
 
@@ -55,8 +55,8 @@ def test_every_option_is_on_its_page() -> None:
                     assert option.replace("-", "\\-") in PAGES[f"{name}.1"], (name, option)
 
 
-def words_of(command: click.Command) -> dict[str, Word]:
-    return command.words if isinstance(command, Group) else {}
+def words_of(command: click.Command) -> dict[str, Subcommand]:
+    return command.words if isinstance(command, CommandGroup) else {}
 
 
 def test_every_option_of_a_word_is_on_the_page() -> None:

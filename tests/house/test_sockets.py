@@ -9,19 +9,19 @@ ROOT = Path(__file__).parents[2] / "rtkit"
 CONNECTS = "link/unix.py"
 LISTENS = {
     "manager/daemon.py",
-    "manager/processes/rehearsal.py",
+    "manager/processes/warm_up.py",
     "manager/processes/zygote.py",
-    "serving/doors.py",
+    "wires/line/endpoint.py",
 }
 MAKES_ENDPOINTS = "link/zenoh.py"
 KNOWS_THE_UNCHECKED_FOLDER = {
-    "cli/_ears.py",
+    "cli/_observers.py",
     "cli/doctor/folders.py",
     "cli/mgr/words.py",
     "link/places.py",
     "link/running.py",
     "manager/daemon.py",
-    "serving/doors.py",
+    "wires/line/endpoint.py",
 }
 """To make it for this user alone, or to tell what is wrong with it."""
 

@@ -12,10 +12,11 @@ import pytest
 from conformance import check_answers, check_events, subject
 from propertydoors import BOUND_S, Lines
 
-from rtkit.link.line_client import LineClient, connect_tcp, connect_unix
 from rtkit.property.service import Service
-from rtkit.serving import attendant, connection
-from rtkit.serving.serve import Served, serve
+from rtkit.serving import dedicated_worker
+from rtkit.wires.line import connection
+from rtkit.wires.line.client import LineClient, connect_tcp, connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
 _IDLE = '= <call state="idle"/>\n'
 
@@ -26,10 +27,10 @@ def service() -> Service:
 
 
 @pytest.fixture
-def served(place: str, service: Service) -> Iterator[Served]:
+def served(place: str, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", port=0, is_on_zenoh=False) as served:
         yield served
-    assert _attendants() == 0
+    assert _workers() == 0
 
 
 @pytest.fixture
@@ -38,7 +39,7 @@ def eager(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(connection, "IN_A_ROW", 1)
 
 
-def _attendants() -> int:
+def _workers() -> int:
     return sum(each.name == "attendant" for each in threading.enumerate())
 
 
@@ -52,13 +53,13 @@ def _until(holds: Callable[[], bool]) -> None:
 def _ask_on(client: LineClient) -> None:
     """Ask until it has an attendant."""
     deadline = time.monotonic() + BOUND_S
-    while not _attendants():
+    while not _workers():
         assert client.ask("speed").error == ""
         assert time.monotonic() < deadline
 
 
 @pytest.fixture(params=["unix", "tcp"])
-def door(request: pytest.FixtureRequest, eager: None, served: Served) -> Iterator[Lines]:
+def endpoint(request: pytest.FixtureRequest, eager: None, served: ServedObject) -> Iterator[Lines]:
     port = served.port or 0
     made = Lines(
         lambda: (
@@ -71,16 +72,18 @@ def door(request: pytest.FixtureRequest, eager: None, served: Served) -> Iterato
     made.close()
 
 
-def test_it_answers_like_any_door(door: Lines) -> None:
-    check_answers(door)
+def test_it_answers_like_any_door(endpoint: Lines) -> None:
+    check_answers(endpoint)
 
 
-def test_it_lets_listen_like_any_door(door: Lines, served: Served, service: Service) -> None:
-    check_events(door, service, served.owned)
+def test_it_lets_listen_like_any_door(
+    endpoint: Lines, served: ServedObject, service: Service
+) -> None:
+    check_events(endpoint, service, served.owned)
 
 
 @pytest.mark.usefixtures("eager")
-def test_replies_come_in_order_whatever_is_asked_between(served: Served) -> None:
+def test_replies_come_in_order_whatever_is_asked_between(served: ServedObject) -> None:
     with socket.socket(socket.AF_UNIX) as end:
         end.settimeout(BOUND_S)
         end.connect(served.socket)
@@ -96,12 +99,12 @@ def test_replies_come_in_order_whatever_is_asked_between(served: Served) -> None
         replies.close()
 
 
-def test_it_is_there_while_one_asks_and_gone_at_a_pause(served: Served) -> None:
+def test_it_is_there_while_one_asks_and_gone_at_a_pause(served: ServedObject) -> None:
     with connect_unix(served.socket, BOUND_S) as client:
         assert client.ask("speed").error == ""
-        assert _attendants() == 0
+        assert _workers() == 0
         _ask_on(client)
-        _until(lambda: not _attendants())
+        _until(lambda: not _workers())
         client.listen("any?initial=0")
         _ask_on_while_listening(client)
         served.update("any", 12)
@@ -113,49 +116,49 @@ def test_it_is_there_while_one_asks_and_gone_at_a_pause(served: Served) -> None:
 def _ask_on_while_listening(client: LineClient) -> None:
     for _ in range(connection.IN_A_ROW * 2):
         assert client.ask("speed").error == ""
-    assert _attendants() == 0
+    assert _workers() == 0
 
 
-def test_who_never_reads_is_left_and_told_all_later(served: Served) -> None:
+def test_who_never_reads_is_left_and_told_all_later(served: ServedObject) -> None:
     with socket.socket(socket.AF_UNIX) as end, connect_unix(served.socket, BOUND_S) as other:
         end.settimeout(BOUND_S)
         end.connect(served.socket)
         text = "x" * 3000
         assert other.ask("notes", text).error == ""
         reply = f"= {text}\n".encode()
-        _until(lambda: not _attendants())
+        _until(lambda: not _workers())
         replies = end.makefile("rb")
-        while not _attendants():
+        while not _workers():
             end.sendall(b"GET notes\n")
             assert replies.readline() == reply
         for _ in range(200):  # more than there is room for
             end.sendall(b"GET notes\n")
-        _until(lambda: not _attendants())
+        _until(lambda: not _workers())
         assert other.ask("speed").error == ""
         assert [replies.readline() for _ in range(200)] == [reply] * 200
         replies.close()
 
 
-def test_those_for_whom_there_is_none_are_served_too(served: Served) -> None:
+def test_those_for_whom_there_is_none_are_served_too(served: ServedObject) -> None:
     with ExitStack() as stack:
         clients = [
             stack.enter_context(connect_unix(served.socket, BOUND_S))
-            for _ in range(attendant.MOST * 2)
+            for _ in range(dedicated_worker.MOST * 2)
         ]
         most = 0
         for index in range(connection.IN_A_ROW * 4):
             for client in clients:
                 assert client.ask("any", str(index)).error == ""
                 assert client.ask("any").payload == str(index)
-            most = max(most, _attendants())
-        assert 1 <= most <= attendant.MOST
+            most = max(most, _workers())
+        assert 1 <= most <= dedicated_worker.MOST
 
 
-def test_who_hangs_up_is_forgotten(served: Served) -> None:
+def test_who_hangs_up_is_forgotten(served: ServedObject) -> None:
     for _ in range(3):
         with connect_unix(served.socket, BOUND_S) as client:
             _ask_on(client)
-        _until(lambda: not _attendants())
+        _until(lambda: not _workers())
     with connect_unix(served.socket, BOUND_S) as client:
         assert client.ask("speed").error == ""
 
@@ -165,5 +168,5 @@ def test_the_end_of_the_service_is_heard(place: str, service: Service) -> None:
         with serve(service, "robot", is_on_zenoh=False) as served:
             client = stack.enter_context(connect_unix(served.socket, BOUND_S))
             _ask_on(client)
-        assert _attendants() == 0
+        assert _workers() == 0
         assert client.detach().recv(1) == b""

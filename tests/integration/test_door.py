@@ -18,13 +18,14 @@ ROUNDS = 15
 SCRIPT = """
 import os, socket, sys, threading
 from contextlib import ExitStack
-from rtkit.link import door, keys, places, secret
+from rtkit.link import keys, places, secret
+from rtkit.link import tcp_endpoint as door
 from rtkit.link.zenoh import ZenohLink, open_client, open_listener, unix_endpoint
 from rtkit.manager import daemon
 from rtkit.manager.processes.tcp_endpoint import TcpEndpoint
-from rtkit.manager.settings.configuration import Wanted, read
+from rtkit.settings.configuration import CommandLineSettings, read
 
-settings = read(Wanted(overrides=("net.endpoints:localhost:0",))).settings
+settings = read(CommandLineSettings(overrides=("net.endpoints:localhost:0",))).settings
 for number in range(int(sys.argv[1])):
     name = f"m{number}"
     state = daemon._state(name, "/", settings)
@@ -43,7 +44,7 @@ for number in range(int(sys.argv[1])):
             for each in silent:
                 each.send(b"abc")
         if sys.argv[2] != "alone":
-            clients = [door.enter(state.port, secret.read(), 20.0), open_client(inner, 20.0)]
+            clients = [door.log_in(state.port, secret.read(), 20.0), open_client(inner, 20.0)]
         leaving = [threading.Thread(target=client.close) for client in clients]
         for thread in leaving[:1]:
             thread.start()

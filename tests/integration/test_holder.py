@@ -15,17 +15,17 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from rtkit.container.component_factory import ComponentFactory
+from rtkit.container.container import ComponentContainer
+from rtkit.container.port_wiring import PortWiring
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.link.streams import Streams
 from rtkit.link.zenoh import unix_endpoint
-from rtkit.manager.holding.connect import Wires
-from rtkit.manager.holding.holder import Holder
-from rtkit.manager.holding.maker import Maker
-from rtkit.manager.modules.loader import Loader
+from rtkit.modules.loader import Loader
 from rtkit.rtc.enums import Transition
-from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.rtc.serde import decode, encode
 
 PATIENCE_S = 30.0
 """Bound on what comes soon [s]."""
@@ -119,13 +119,13 @@ class Process:
     def __init__(self, folder: Path) -> None:
         (folder / "Probe.py").write_text(MODULE)
         self.heard: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
-        wires = Wires("host", Streams(f"{folder}/data"))
+        wires = PortWiring("host", Streams(f"{folder}/data"))
         self.loader = Loader([str(folder)])
-        self.holder = Holder(self.heard.put, wires, Maker(self.loader))  # type: ignore[arg-type]
+        self.container = ComponentContainer(self.heard.put, wires, ComponentFactory(self.loader))  # type: ignore[arg-type]
         self.facts: dict[str, ComponentFacts] = {}
         self.before: list[dict[str, Any]] = []
         self._numbers = itertools.count(1)
-        self._thread = threading.Thread(target=self.holder.run)
+        self._thread = threading.Thread(target=self.container.run)
         self._thread.start()
         self.ok("load", path="Probe.py", init="")
         (self.module,) = [m for n, m in sys.modules.items() if n.endswith("Probe_py")][-1:]
@@ -136,7 +136,7 @@ class Process:
         """End the holder; it finalises what it holds."""
         for component in self.living.values():
             component.gate.set()
-        self.holder.close()
+        self.container.close()
         self._thread.join(PATIENCE_S)
         assert not self._thread.is_alive()
 
@@ -153,7 +153,7 @@ class Process:
     def ask(self, op: str, **arguments: Any) -> int:
         """Send a request and return its number."""
         number = next(self._numbers)
-        self.holder.put({"op": op, "call": number, **arguments})
+        self.container.put({"op": op, "call": number, **arguments})
         return number
 
     def answer(self, number: int) -> dict[str, Any]:
@@ -241,10 +241,10 @@ def test_whatever_is_raised_in_an_operation_does_not_end_the_process(
     def fail(*_: object) -> None:
         raise error("on purpose")
 
-    monkeypatch.setattr(Maker, "load", fail)
+    monkeypatch.setattr(ComponentFactory, "load", fail)
     answer = process.call("load", path="Any.py", init="AnyInit")
     assert (answer["kind"], answer["why"]) == ("error", f"{error.__name__}: on purpose")
-    process.holder.post(fail)
+    process.container.post(fail)
     process.create("A")
 
 
@@ -569,9 +569,12 @@ def test_a_silent_receiver_holds_up_nobody_else(apart: Apart) -> None:
     wish = apart.offer()
     ends = (PortRef("A", "out"), PortRef("B", "into"))
     other = encode(ConnectorProfile("silent", "silent", ends))
-    with tempfile.TemporaryDirectory(prefix="rt") as folder, socket.socket(socket.AF_UNIX) as door:
-        door.bind(f"{folder}/silent")
-        door.listen()
+    with (
+        tempfile.TemporaryDirectory(prefix="rt") as folder,
+        socket.socket(socket.AF_UNIX) as endpoint,
+    ):
+        endpoint.bind(f"{folder}/silent")
+        endpoint.listen()
         endpoint = unix_endpoint(f"{folder}/silent")
         number = apart.sender.ask("source", connector=other, endpoint=endpoint)
         apart.sender.ok("source", **wish)
@@ -581,17 +584,17 @@ def test_a_silent_receiver_holds_up_nobody_else(apart: Apart) -> None:
     assert apart.sender.living["A"].ports["out"].connectors == ("w",)
 
 
-def figures(process: Process) -> Any:
+def metrics(process: Process) -> Any:
     """Ask for figures and return those of the first component."""
-    process.holder.put({"op": "figures"})
-    while "figures" not in (message := process.hear()):
+    process.container.put({"op": "metrics"})
+    while "metrics" not in (message := process.hear()):
         pass
-    return decode(ComponentFigures, message["figures"][0])
+    return decode(ComponentMetrics, message["metrics"][0])
 
 
 def test_what_a_component_does_is_counted(process: Process) -> None:
     process.create("A")
-    (context,) = figures(process).contexts
+    (context,) = metrics(process).contexts
     assert (context.id, context.has_work, context.is_running, context.ticks) == (
         "0",
         False,
@@ -600,14 +603,14 @@ def test_what_a_component_does_is_counted(process: Process) -> None:
     )
     process.change("A", "activate")
     deadline = time.monotonic() + PATIENCE_S
-    while not (told := figures(process)).contexts[0].ticks:
+    while not (told := metrics(process)).contexts[0].ticks:
         assert time.monotonic() < deadline
     (context,) = told.contexts
     assert context.has_work
     assert 0 < context.longest_s <= context.busy_s
     assert (set(told.written), set(told.read)) == ({"out"}, {"into"})
     process.change("A", "deactivate")
-    while (context := figures(process).contexts[0]).longest_s:
+    while (context := metrics(process).contexts[0]).longest_s:
         assert time.monotonic() < deadline
     assert not context.has_work
     assert context.ticks >= told.contexts[0].ticks
@@ -619,7 +622,7 @@ def test_one_that_rests_is_deleted_without_a_thread(
     process.create("A")
     process.change("A", "activate")
     process.change("A", "deactivate")
-    pacer = process.holder._pacers["A", "0"]
+    pacer = process.container._pacers["A", "0"]
     until = time.monotonic() + PATIENCE_S
     while not pacer.is_resting:
         assert time.monotonic() < until

@@ -5,13 +5,13 @@ from __future__ import annotations
 import threading
 
 from rtkit.property.service import Service
-from rtkit.serving.host import Host
+from rtkit.serving.event_loop import PropertyEventLoop
 
 BOUND_S = 30.0
 
 
 def test_what_is_posted_while_it_wakes_does_not_deafen_it() -> None:
-    host = Host()
+    host = PropertyEventLoop()
     first, second = threading.Event(), threading.Event()
     awaken = host._wake
 
@@ -42,7 +42,7 @@ def test_its_house_is_kept_without_any_socket() -> None:
         def tick(self) -> None:
             is_kept.set()
 
-    host = Host()
+    host = PropertyEventLoop()
     host.add(Kept("kept"))
     host.start()
     assert is_kept.wait(BOUND_S)

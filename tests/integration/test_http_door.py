@@ -17,12 +17,12 @@ import pytest
 from conformance import subject
 
 from rtkit.errors import Unreachable
-from rtkit.link import digest, places, secret
-from rtkit.link.http_client import connect_http
-from rtkit.link.line_client import connect_unix
+from rtkit.link import places, secret
 from rtkit.property.service import Service
-from rtkit.serving import http_connection
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.http import connection, digest
+from rtkit.wires.http.client import connect_http
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
 BOUND_S = 30.0
 
@@ -33,7 +33,7 @@ def service() -> Service:
 
 
 @pytest.fixture
-def served(place: str, service: Service) -> Iterator[Served]:
+def served(place: str, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", http=0, is_on_zenoh=False) as served:
         yield served
 
@@ -44,7 +44,7 @@ def served(place: str, service: Service) -> Iterator[Served]:
 class Curl:
     """curl with the secret of the user, which it reads from a file."""
 
-    def __init__(self, served: Served, folder: str) -> None:
+    def __init__(self, served: ServedObject, folder: str) -> None:
         known = secret.read()
         self._root = f"http://localhost:{served.http}"
         self._config = f"{folder}/curl.conf"
@@ -67,7 +67,7 @@ needs_curl = pytest.mark.skipif(shutil.which("curl") is None, reason="curl is no
 
 
 @needs_curl
-def test_curl_gets_sets_and_listens(served: Served, service: Service, place: str) -> None:
+def test_curl_gets_sets_and_listens(served: ServedObject, service: Service, place: str) -> None:
     curl = Curl(served, place)
     assert curl("/ps") == (200, "(robot)")
     assert curl("/ps/robot/arm") == (200, "(angle joint)")
@@ -129,7 +129,7 @@ STATUSES = [
 
 
 @needs_curl
-def test_statuses_are_those_of_the_codes(served: Served, place: str) -> None:
+def test_statuses_are_those_of_the_codes(served: ServedObject, place: str) -> None:
     curl = Curl(served, place)
     found = [(path, more, *curl(path, *more)) for path, more, _, _ in STATUSES]
     wrong = [
@@ -137,14 +137,16 @@ def test_statuses_are_those_of_the_codes(served: Served, place: str) -> None:
         if each[2] != status or not each[3].startswith(begin)
     ]  # fmt: skip
     assert wrong == []
-    assert os.path.dirname(http_connection.__file__) not in str(found)
+    assert os.path.dirname(connection.__file__) not in str(found)
 
 
 # A browser
 
 
 @pytest.mark.skipif(browser.NAME is None, reason="chromium is not installed")
-def test_a_browser_shows_a_property_live(served: Served, service: Service, place: str) -> None:
+def test_a_browser_shows_a_property_live(
+    served: ServedObject, service: Service, place: str
+) -> None:
     known = secret.read()
     with browser.opened(place, known.user, known.password) as page:
         page.go(f"http://localhost:{served.http}/#robot/count")
@@ -172,12 +174,12 @@ def test_a_browser_shows_a_property_live(served: Served, service: Service, place
         page.wait_for("element('names').children.length > 9")
 
 
-def _clients(served: Served) -> list[http_connection.HttpConnection]:
-    tenants = list(served._host._tenants.values())
-    return [each for each in tenants if isinstance(each, http_connection.HttpConnection)]
+def _clients(served: ServedObject) -> list[connection.HttpConnection]:
+    handlers = list(served._host._handlers.values())
+    return [each for each in handlers if isinstance(each, connection.HttpConnection)]
 
 
-def _streams(served: Served) -> list[http_connection.HttpConnection]:
+def _streams(served: ServedObject) -> list[connection.HttpConnection]:
     return [each for each in _clients(served) if each.is_stream]
 
 
@@ -187,7 +189,7 @@ def _streams(served: Served) -> list[http_connection.HttpConnection]:
 class Raw:
     """A connection on which anything can be said."""
 
-    def __init__(self, served: Served) -> None:
+    def __init__(self, served: ServedObject) -> None:
         self._port = served.http or 0
         self._end = socket.create_connection(("127.0.0.1", self._port), BOUND_S)
         self._nonce = ""
@@ -239,7 +241,7 @@ GET = ("GET", "/ps/robot/speed")
 LAST = "Connection: close"
 
 
-def test_only_who_knows_the_secret_is_heard_and_only_once(served: Served) -> None:
+def test_only_who_knows_the_secret_is_heard_and_only_once(served: ServedObject) -> None:
     with Raw(served) as raw:
         raw.send(
             b"GET /ps/robot/speed HTTP/1.1\r\nHost: localhost\r\n" + f"{LAST}\r\n\r\n".encode()
@@ -283,7 +285,7 @@ STRANGERS = [
 ]
 
 
-def test_pages_of_other_sites_are_denied(served: Served) -> None:
+def test_pages_of_other_sites_are_denied(served: ServedObject) -> None:
     for headers, host in STRANGERS:
         with Raw(served) as raw:
             is_host = headers[0].startswith("Host")
@@ -308,7 +310,7 @@ def test_pages_of_other_sites_are_denied(served: Served) -> None:
     "/ps/robot/speed.meta.meta.meta", "/ps/robot/" + "x" * 300, "/ps/robot/" + "a." * 40 + "a",
     "/ps/robot/speed?" + "a=1&" * 9 + "a=1",
 ])  # fmt: skip
-def test_odd_paths_find_nothing(served: Served, path: str) -> None:
+def test_odd_paths_find_nothing(served: ServedObject, path: str) -> None:
     with Raw(served) as raw:
         raw.send(raw.request("GET", path, LAST))
         told = raw.rest()
@@ -318,7 +320,7 @@ def test_odd_paths_find_nothing(served: Served, path: str) -> None:
     assert len(body) < 400
 
 
-def test_escapes_are_one_spelling(served: Served) -> None:
+def test_escapes_are_one_spelling(served: ServedObject) -> None:
     with Raw(served) as raw:
         raw.send(raw.request("GET", "/ps/%72obot/%73peed", LAST))
         assert raw.rest().endswith("\r\n\r\n0.25")
@@ -353,7 +355,9 @@ SHAPES = {
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_what_could_be_read_in_two_ways_is_refused_and_ends_all(served: Served, shape: str) -> None:
+def test_what_could_be_read_in_two_ways_is_refused_and_ends_all(
+    served: ServedObject, shape: str
+) -> None:
     with Raw(served) as raw:
         known, again = raw.known("PUT", "/ps/robot/any"), raw.known("PUT", "/ps/robot/any")
         text = (PUT + SHAPES[shape].replace("{", "{{").replace("}", "}}").replace(
@@ -367,7 +371,7 @@ def test_what_could_be_read_in_two_ways_is_refused_and_ends_all(served: Served, 
     assert _any(served) == '(a (1 2) "b c")'
 
 
-def _any(served: Served) -> object:
+def _any(served: ServedObject) -> object:
     with connect_unix(served.socket, BOUND_S) as client:
         return client.ask("any").payload
 
@@ -380,7 +384,7 @@ def _any(served: Served) -> object:
     b"OPTIONS * HTTP/1.1\r\nHost: localhost\r\n\r\n", b"GET / HTTP/1.1\r\n\r\n",
     b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
 ])  # fmt: skip
-def test_rubbish_is_answered_once_and_harms_nobody(served: Served, rubbish: bytes) -> None:
+def test_rubbish_is_answered_once_and_harms_nobody(served: ServedObject, rubbish: bytes) -> None:
     with Raw(served) as raw:
         raw.send(rubbish)
         raw._end.shutdown(socket.SHUT_WR)
@@ -389,11 +393,11 @@ def test_rubbish_is_answered_once_and_harms_nobody(served: Served, rubbish: byte
 
 
 def test_who_is_slow_is_not_waited_for(
-    served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(http_connection, "REQUEST_S", 0.4)
-    monkeypatch.setattr(http_connection, "PATIENCE_S", 0.4)
-    monkeypatch.setattr(http_connection, "STUCK_S", 0.4)
+    monkeypatch.setattr(connection, "REQUEST_S", 0.4)
+    monkeypatch.setattr(connection, "PATIENCE_S", 0.4)
+    monkeypatch.setattr(connection, "STUCK_S", 0.4)
     with Raw(served) as silent, Raw(served) as half, Raw(served) as bodiless, Raw(served) as deaf:
         half.send(b"GET /ps/robot/speed HT")
         bodiless.send(bodiless.request("PUT", "/ps/robot/any", "Content-Length: 9") + b"(1")
@@ -415,9 +419,9 @@ def test_who_is_slow_is_not_waited_for(
 
 
 def test_a_slow_loris_has_no_more_time_than_others(
-    served: Served, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(http_connection, "REQUEST_S", 0.5)
+    monkeypatch.setattr(connection, "REQUEST_S", 0.5)
     with Raw(served) as raw:
         raw._end.settimeout(0.05)
         said = 0
@@ -435,7 +439,7 @@ def test_a_slow_loris_has_no_more_time_than_others(
 def test_streams_are_bounded_and_alive(
     place: str, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(http_connection, "HEARTBEAT_S", 0.2)
+    monkeypatch.setattr(connection, "HEARTBEAT_S", 0.2)
     rules = "limit http door_listeners 2"
     served = serve(service, "robot", http=0, is_on_zenoh=False, rules=rules)
     address = f"http://localhost:{served.http}"
@@ -457,7 +461,7 @@ def test_streams_are_bounded_and_alive(
 
 
 def test_a_listener_that_comes_again_is_told_only_what_is_new(
-    served: Served, service: Service
+    served: ServedObject, service: Service
 ) -> None:
     accepts = "Accept: text/event-stream"
     with Raw(served) as raw:
@@ -479,7 +483,7 @@ def test_a_listener_that_comes_again_is_told_only_what_is_new(
         assert values == [*before, expected]
 
 
-def _wait_until(served: Served, is_so: Callable[[], bool]) -> None:
+def _wait_until(served: ServedObject, is_so: Callable[[], bool]) -> None:
     end = time.monotonic() + BOUND_S
     while not is_so():
         assert time.monotonic() < end

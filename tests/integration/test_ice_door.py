@@ -19,23 +19,25 @@ from icestranger import Stranger
 from icestranger import string as _string
 
 from rtkit.errors import Refused, RtkitError, Unreachable
-from rtkit.link import ice, ice_session, secret
-from rtkit.link.ice_client import IceClient, connect_ice
-from rtkit.link.ice_session import IceSession, Outcome
-from rtkit.link.line_client import connect_unix
+from rtkit.link import secret
 from rtkit.link.secret import Secret
 from rtkit.property.codes import PropertyError
-from rtkit.property.functional import Function
-from rtkit.property.messages import Event
+from rtkit.property.functional import FunctionalProperty
+from rtkit.property.messages import PropertyEvent
 from rtkit.property.service import Service
-from rtkit.property.spec import Spec
+from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
-from rtkit.proxy import silence
+from rtkit.proxy import keepalive
 from rtkit.proxy.bridge import bridge
-from rtkit.serving import ice_door, ice_ear, ice_guest, login
-from rtkit.serving.ice_door import IceDoor
-from rtkit.serving.ice_guest import IceGuest
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.ice import endpoint, protocol, served_client, subscriber
+from rtkit.wires.ice import session as ice_session
+from rtkit.wires.ice.client import IceClient, connect_ice
+from rtkit.wires.ice.endpoint import IceEndpoint
+from rtkit.wires.ice.served_client import ServedIceClient
+from rtkit.wires.ice.session import IceSession, Outcome
+from rtkit.wires.line import login
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
 pytestmark = pytest.mark.skipif(not icekit.IS_THERE, reason=icekit.MISSING)
 
@@ -48,32 +50,32 @@ def service() -> Service:
 
 
 @pytest.fixture
-def served(place: str, service: Service) -> Iterator[Served]:
+def served(place: str, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", ice=0, is_on_zenoh=False) as served:
         yield served
 
 
-def client(served: Served) -> IceClient:
+def client(served: ServedObject) -> IceClient:
     return connect_ice(f"ice://localhost:{served.ice}/robot", BOUND_S)
 
 
-def session(served: Served, **more: Any) -> IceSession:
-    address = ice.read_address(f"ice://localhost:{served.ice}/robot")
+def session(served: ServedObject, **more: Any) -> IceSession:
+    address = protocol.read_address(f"ice://localhost:{served.ice}/robot")
     return IceSession(address, secret.read(), BOUND_S, **more)
 
 
-def door_of(served: Served) -> IceDoor:
-    (closer,) = [each for each in served._host._closers if "IceDoor" in each.__qualname__]
-    door = closer.__self__  # type: ignore[attr-defined]
-    assert isinstance(door, IceDoor)
-    return door
+def door_of(served: ServedObject) -> IceEndpoint:
+    (closer,) = [each for each in served._host._closers if "IceEndpoint" in each.__qualname__]
+    endpoint = closer.__self__  # type: ignore[attr-defined]
+    assert isinstance(endpoint, IceEndpoint)
+    return endpoint
 
 
-def guests(served: Served) -> list[IceGuest]:
+def guests(served: ServedObject) -> list[ServedIceClient]:
     return list(door_of(served)._guests.values())
 
 
-def await_that(served: Served, is_so: Callable[[], object]) -> None:
+def await_that(served: ServedObject, is_so: Callable[[], object]) -> None:
     end = time.monotonic() + BOUND_S
     while not is_so():
         assert time.monotonic() < end
@@ -99,7 +101,7 @@ def await_that(served: Served, is_so: Callable[[], object]) -> None:
     ],
     ids=["TLS", "HTTP", "x", "1 GiB", "less than none", "packed", "batch", "bye", "Ice 2"],
 )  # fmt: skip
-def test_rubbish_ends_only_its_own_connection(served: Served, rubbish: bytes) -> None:
+def test_rubbish_ends_only_its_own_connection(served: ServedObject, rubbish: bytes) -> None:
     with client(served) as other, Stranger(served.ice) as stranger:
         sender = threading.Thread(target=_send, args=(stranger.end, rubbish))
         sender.start()
@@ -115,7 +117,7 @@ def _send(end: socket.socket, data: bytes) -> None:
         return
 
 
-def test_requests_that_cannot_be_read_are_answered(served: Served) -> None:
+def test_requests_that_cannot_be_read_are_answered(served: ServedObject) -> None:
     with Stranger(served.ice) as stranger:
         stranger.log_in()
         for body in (
@@ -138,7 +140,7 @@ def test_requests_that_cannot_be_read_are_answered(served: Served) -> None:
         assert b"0.25" in stranger.reply()
 
 
-def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
+def test_who_does_not_know_the_secret_learns_nothing(served: ServedObject) -> None:
     for operation, body in (
         ("get", _string("speed")),
         ("set", _string("speed") + _string("1") + b"\0\0"),
@@ -150,7 +152,10 @@ def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
             assert b"denied" in told
             assert b"0.25" not in told
             assert stranger.is_hung_up_on()
-    address, guess = ice.read_address(f"ice://localhost:{served.ice}"), Secret("rtkit-0", "guess")
+    address, guess = (
+        protocol.read_address(f"ice://localhost:{served.ice}"),
+        Secret("rtkit-0", "guess"),
+    )
     with pytest.raises(PropertyError) as refused:
         IceSession(address, guess, BOUND_S)
     assert refused.value.code == "denied"
@@ -160,8 +165,8 @@ def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
 
 
 def test_who_says_nothing_is_not_waited_for(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(ice_door._SETTINGS, "Ice.ACM.Server.Timeout", 2)
-    monkeypatch.setattr(ice_door, "STUCK_S", 1.0)
+    monkeypatch.setitem(endpoint._SETTINGS, "Ice.ACM.Server.Timeout", 2)
+    monkeypatch.setattr(endpoint, "STUCK_S", 1.0)
     monkeypatch.setattr(login, "PATIENCE_S", 0.3)
     with serve(subject(), "robot", ice=0, is_on_zenoh=False) as served:
         with (
@@ -178,7 +183,7 @@ def test_who_says_nothing_is_not_waited_for(place: str, monkeypatch: pytest.Monk
         await_that(served, lambda: not guests(served))
 
 
-def test_giant_values_are_refused_and_harm_nobody_else(served: Served) -> None:
+def test_giant_values_are_refused_and_harm_nobody_else(served: ServedObject) -> None:
     with client(served) as other, client(served) as giant:
         for size in ((1 << 20) + 2000, 3 << 20):
             assert giant.ask("any", "x" * size).error == "too-large"
@@ -200,7 +205,7 @@ def test_giant_values_are_refused_and_harm_nobody_else(served: Served) -> None:
 def test_who_never_reads_answers_costs_little_and_is_given_up(
     place: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ice_door, "STUCK_S", 2.0)
+    monkeypatch.setattr(endpoint, "STUCK_S", 2.0)
     service = subject()
     service.update("notes", "x" * 500_000)
     with (
@@ -220,16 +225,16 @@ def test_who_never_reads_answers_costs_little_and_is_given_up(
 
 
 def test_who_asks_without_end_is_cut_off(
-    served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ice_guest, "_MOST_WAITING", 20)
+    monkeypatch.setattr(served_client, "_MOST_WAITING", 20)
     go = threading.Event()
 
     def wait() -> None:
         go.wait(BOUND_S)
 
-    kind = Spec(parse_type("element"), is_functional=True)
-    function = Function(wait)
+    kind = PropertySpec(parse_type("element"), is_functional=True)
+    function = FunctionalProperty(wait)
     served.owned(lambda: service.add("slow", function=function, spec=kind))
     went: SimpleQueue[str] = SimpleQueue()
     told: SimpleQueue[Outcome] = SimpleQueue()
@@ -248,8 +253,8 @@ def test_who_asks_without_end_is_cut_off(
 # Listeners
 
 
-def _ear(
-    one: IceSession, target: str, take: Callable[[list[Event]], object]
+def _subscription(
+    one: IceSession, target: str, take: Callable[[list[PropertyEvent]], object]
 ) -> tuple[str, Outcome]:
     told: SimpleQueue[Outcome] = SimpleQueue()
     key = one.listen(target, take, told.put)
@@ -261,19 +266,19 @@ def _listeners(service: Service) -> int:
 
 
 def test_who_never_answers_delays_nobody_and_is_dropped(
-    served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ice_ear, "STUCK_S", 1.0)
+    monkeypatch.setattr(subscriber, "STUCK_S", 1.0)
     went: SimpleQueue[str] = SimpleQueue()
     calls: list[int] = []
-    never = ice.runtime().ice.Future()
+    never = protocol.runtime().ice.Future()
 
-    def take(events: list[Event]) -> object:
+    def take(events: list[PropertyEvent]) -> object:
         calls.append(len(events))
         return never
 
     with session(served, went=went.put) as deaf, connect_unix(served.socket, BOUND_S) as other:
-        _ear(deaf, "count?queue=10", take)
+        _subscription(deaf, "count?queue=10", take)
         other.listen("count?queue=1000")
         for value in range(100, 200):
             served.owned(lambda value=value: service.update("count", value))  # type: ignore[misc]
@@ -286,13 +291,13 @@ def test_who_never_answers_delays_nobody_and_is_dropped(
         never.set_result(None)
 
 
-def test_who_goes_leaves_nothing(served: Served, service: Service) -> None:
+def test_who_goes_leaves_nothing(served: ServedObject, service: Service) -> None:
     with client(served) as other:
         for _ in range(20):
             gone = session(served)
-            _ear(gone, "count", lambda events: None)
-            _ear(gone, "count?queue=5", lambda events: None)
-            key, _ = _ear(gone, "speed", lambda events: None)
+            _subscription(gone, "count", lambda events: None)
+            _subscription(gone, "count?queue=5", lambda events: None)
+            key, _ = _subscription(gone, "speed", lambda events: None)
             gone.leave(key)
             gone.close()
         await_that(served, lambda: _listeners(service) == 0 and len(guests(served)) == 1)
@@ -301,31 +306,31 @@ def test_who_goes_leaves_nothing(served: Served, service: Service) -> None:
     assert not door_of(served)._pending
 
 
-def test_listeners_that_fail_are_dropped(served: Served, service: Service) -> None:
+def test_listeners_that_fail_are_dropped(served: ServedObject, service: Service) -> None:
     calls: list[int] = []
 
-    def fail(events: list[Event]) -> None:
+    def fail(events: list[PropertyEvent]) -> None:
         calls.append(len(events))
         raise ValueError("not to my taste")
 
     with session(served) as one:
-        _ear(one, "count", fail)
+        _subscription(one, "count", fail)
         for value in range(100):
             served.owned(lambda value=value: service.update("count", 100 + value))  # type: ignore[misc]
             await_that(served, lambda value=value: len(calls) >= min(3, value + 1))  # type: ignore[misc]
             if not _listeners(service):
                 break
         assert len(calls) == 3
-        key, _ = _ear(one, "count", lambda events: None)
-        one._adapter.remove(ice.runtime().ice.Identity(key, ""))
+        key, _ = _subscription(one, "count", lambda events: None)
+        one._adapter.remove(protocol.runtime().ice.Identity(key, ""))
         served.owned(lambda: service.update("count", -1))
         await_that(served, lambda: not _listeners(service))
 
 
 def test_leases_are_kept_and_end(
-    served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ice_guest, "LEASE_S", 3.0)
+    monkeypatch.setattr(served_client, "LEASE_S", 3.0)
     monkeypatch.setattr(ice_session, "LEASE_S", 3.0)
     with client(served) as keeps:
         keeps.listen("count")
@@ -334,7 +339,7 @@ def test_leases_are_kept_and_end(
         ends = {listener.ends_at}
         await_that(served, lambda: ends.add(listener.ends_at) or len(ends) > 3)
         with session(served) as lets:
-            _, told = _ear(lets, "speed?lease=0.5", lambda events: None)
+            _, told = _subscription(lets, "speed?lease=0.5", lambda events: None)
             assert told == ice_session.DONE
             await_that(served, lambda: _listeners(service) == 1)
         assert listener in service.listeners._all.values()
@@ -345,14 +350,14 @@ def test_leases_are_kept_and_end(
 
 
 def test_who_takes_events_slowly_has_the_door_wait(
-    served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rtkit.link.ice_client._MOST_EVENTS", 5)
+    monkeypatch.setattr("rtkit.wires.ice.client._MOST_EVENTS", 5)
     with client(served) as slow:
         slow.listen("count?queue=100")
         for value in range(100, 300):
             served.owned(lambda value=value: service.update("count", value))  # type: ignore[misc]
-        heard: list[Event] = []
+        heard: list[PropertyEvent] = []
         while not heard or heard[-1].payload != "299":
             event = slow.event(BOUND_S)
             assert event is not None
@@ -397,49 +402,49 @@ def test_a_proxy_finds_its_owner_again(place: str, monkeypatch: pytest.MonkeyPat
     served = serve(first, "robot", ice=0, is_on_zenoh=False)
     source = f"ice://localhost:{served.ice}/robot"
     path = f"{place}/p.sock"
-    with bridge(source, f"unix:{path}", said=said.put), connect_unix(path, BOUND_S) as door:
-        door.listen("count?queue=9")
-        assert _next(door) == ("7", "good")
+    with bridge(source, f"unix:{path}", said=said.put), connect_unix(path, BOUND_S) as endpoint:
+        endpoint.listen("count?queue=9")
+        assert _next(endpoint) == ("7", "good")
         served.close()
         assert "ended" in said.get(timeout=BOUND_S)
-        assert _next(door) == ("7", "stale")
-        assert door.ask("count").error == "no-service"
+        assert _next(endpoint) == ("7", "stale")
+        assert endpoint.ask("count").error == "no-service"
         with serve(second, "robot", ice=served.ice, is_on_zenoh=False) as again:
             assert said.get(timeout=BOUND_S) == ""
-            assert _next(door) == ("8", "good")
+            assert _next(endpoint) == ("8", "good")
             is_held, go = threading.Event(), threading.Event()
 
             def hold() -> None:
                 is_held.set()
                 go.wait(BOUND_S)
 
-            monkeypatch.setattr(silence, "ASKED_S", 0.5)
-            monkeypatch.setattr(silence, "DEAD_S", 1.5)
-            holder = threading.Thread(target=again.owned, args=(hold,))
-            holder.start()
+            monkeypatch.setattr(keepalive, "ASKED_S", 0.5)
+            monkeypatch.setattr(keepalive, "DEAD_S", 1.5)
+            container = threading.Thread(target=again.owned, args=(hold,))
+            container.start()
             assert is_held.wait(BOUND_S)
-            assert door.ask("broken").error == "timeout"
-            assert _next(door) == ("8", "stale")
+            assert endpoint.ask("broken").error == "timeout"
+            assert _next(endpoint) == ("8", "stale")
             assert "no answer" in said.get(timeout=BOUND_S)
             go.set()
-            holder.join()
+            container.join()
             assert said.get(timeout=BOUND_S) == ""
-            assert _next(door) == ("8", "good")
+            assert _next(endpoint) == ("8", "good")
 
 
-def _next(door: Any) -> tuple[object, str]:
-    event = door.event(BOUND_S)
+def _next(endpoint: Any) -> tuple[object, str]:
+    event = endpoint.event(BOUND_S)
     assert event is not None
     return event.payload, event.quality
 
 
-def test_a_proxy_has_its_own_rights(place: str, served: Served) -> None:
+def test_a_proxy_has_its_own_rights(place: str, served: ServedObject) -> None:
     source = f"unix:{served.socket}"
     with bridge(source, "ice:0", allow_set=["count"]) as proxy, connect_ice(
         proxy.address, BOUND_S
-    ) as door:  # fmt: skip
-        assert door.ask("count", "3").error == ""
-        assert door.ask("speed", "0").error == "denied"
+    ) as endpoint:  # fmt: skip
+        assert endpoint.ask("count", "3").error == ""
+        assert endpoint.ask("speed", "0").error == "denied"
     with pytest.raises(Refused, match="on this host only: ice:0"):
         bridge(source, "ice:0.0.0.0:0")
     with pytest.raises(Unreachable, match=f"listen on port {served.ice}: Address already in use"):
@@ -449,32 +454,32 @@ def test_a_proxy_has_its_own_rights(place: str, served: Served) -> None:
 # What is there
 
 
-def test_several_services_have_names_with_slashes(served: Served) -> None:
+def test_several_services_have_names_with_slashes(served: ServedObject) -> None:
     with serve(subject(), "robots/left/arm", ice=0, is_on_zenoh=False) as arm:
         address = f"ice://127.0.0.1:{arm.ice}"
         with connect_ice(f"{address}/robots/left/arm", BOUND_S) as one:
             assert one.ask("speed").payload == "0.25"
             one.listen("count")
-        with connect_ice(address, BOUND_S) as door:
-            assert door.ask("robots/left/arm/speed").payload == "0.25"
-            assert door.ask("elsewhere/speed").error == "no-service"
-            assert door.ask("speed").error == "unknown"
+        with connect_ice(address, BOUND_S) as endpoint:
+            assert endpoint.ask("robots/left/arm/speed").payload == "0.25"
+            assert endpoint.ask("elsewhere/speed").error == "no-service"
+            assert endpoint.ask("speed").error == "unknown"
 
 
 def test_without_ice_one_line_tells_the_cure(
-    place: str, served: Served, monkeypatch: pytest.MonkeyPatch
+    place: str, served: ServedObject, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ice.runtime.cache_clear()
+    protocol.runtime.cache_clear()
     monkeypatch.setitem(sys.modules, "Ice", None)
     with pytest.raises(Refused, match=r"^Ice needs the package zeroc-ice: pip install 'rtkit\[ice"):
         serve(Service(), "other", ice=0, is_on_zenoh=False)
     with pytest.raises(Refused, match="zeroc-ice"):
         client(served)
     monkeypatch.undo()
-    ice.runtime.cache_clear()
+    protocol.runtime.cache_clear()
 
 
-def test_who_listens_there_may_be_somebody_else(served: Served) -> None:
+def test_who_listens_there_may_be_somebody_else(served: ServedObject) -> None:
     with socket.create_server(("127.0.0.1", 0)) as squatter:
         port = squatter.getsockname()[1]
         talker = threading.Thread(target=_talk, args=(squatter,))

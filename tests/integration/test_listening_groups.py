@@ -12,17 +12,17 @@ from propertydoors import BOUND_S, Zenoh
 
 from rtkit.errors import Unreachable
 from rtkit.link import keys, places
-from rtkit.link.ears import Ear
-from rtkit.link.property_client import PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
 from rtkit.property.service import Service
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.serve import ServedObject, serve
+from rtkit.wires.zenoh.client import PropertyClient
+from rtkit.wires.zenoh.subscriptions import ZenohSubscription
 
 _MANY = 200
 
 
 @pytest.fixture
-def served(place: str) -> Iterator[Served]:
+def served(place: str) -> Iterator[ServedObject]:
     service = Service()
     service.add("tick", 0, "integer")
     with serve(service, "robot") as served:
@@ -39,17 +39,17 @@ def _key() -> str:
     return keys.property_service(os.uname().nodename, "robot")
 
 
-def _heard(ear: Ear, last: str) -> list[str]:
+def _heard(subscription: ZenohSubscription, last: str) -> list[str]:
     told: list[str] = []
     while not told or told[-1] != last:
-        event = ear.event(BOUND_S)
+        event = subscription.event(BOUND_S)
         assert event is not None
         assert event.dropped == 0
         told.append(str(event.payload))
     return told
 
 
-def test_all_hear_all_and_each_event_is_sent_once(served: Served) -> None:
+def test_all_hear_all_and_each_event_is_sent_once(served: ServedObject) -> None:
     with ExitStack() as stack:
         sent: list[str] = []
         handler: zenoh.handlers.Callback[zenoh.Sample] = zenoh.handlers.Callback(
@@ -57,18 +57,20 @@ def test_all_hear_all_and_each_event_is_sent_once(served: Served) -> None:
         )
         _session(stack).declare_subscriber(f"{_key()}/@e/*", handler)
         clients = [PropertyClient(_session(stack), _key(), BOUND_S) for _ in range(2)]
-        ears = [
+        subscriptions = [
             stack.enter_context(client.listen("tick?queue=1000"))
             for client in clients * 3
         ]  # fmt: skip
         for value in range(1, _MANY + 1):
             served.update("tick", value)
         expected = [str(value) for value in range(_MANY + 1)]
-        assert [_heard(ear, str(_MANY)) for ear in ears] == [expected] * len(ears)
+        assert [_heard(subscription, str(_MANY)) for subscription in subscriptions] == [
+            expected
+        ] * len(subscriptions)
         assert sent == expected[1:], "the first value is told to each in the reply"
 
 
-def test_who_has_closed_its_session_is_told_so(served: Served) -> None:
+def test_who_has_closed_its_session_is_told_so(served: ServedObject) -> None:
     with ExitStack() as stack:
         session = _session(stack)
         client = PropertyClient(session, _key(), BOUND_S)
@@ -78,18 +80,18 @@ def test_who_has_closed_its_session_is_told_so(served: Served) -> None:
             client.ask("tick")
 
 
-def test_those_that_are_left_hear_on(served: Served) -> None:
-    door = Zenoh()
+def test_those_that_are_left_hear_on(served: ServedObject) -> None:
+    endpoint = Zenoh()
     with ExitStack() as stack:
         gone = PropertyClient(_session(stack), _key(), BOUND_S)
-        Ear(gone, "tick.listen?queue=9&initial=0", "queue=9").renew()
-        with door.listen("tick?queue=9&initial=0") as events:
+        ZenohSubscription(gone, "tick.listen?queue=9&initial=0", "queue=9").renew()
+        with endpoint.listen("tick?queue=9&initial=0") as events:
             stack.close()  # without a word: its session is gone, its lease is not over
             served.update("tick", 5)
             assert next(events).payload == "5"
-            with door.listen("tick?queue=9") as later:
+            with endpoint.listen("tick?queue=9") as later:
                 served.update("tick", 6)
                 assert [next(later).payload, next(later).payload] == ["5", "6"]
             served.update("tick", 7)
             assert [next(events).payload, next(events).payload] == ["6", "7"]
-    door.close()
+    endpoint.close()

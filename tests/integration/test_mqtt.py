@@ -16,10 +16,10 @@ from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto, Stranger
 from propertydoors import BOUND_S, Lines
 
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.link.line_client import connect_unix
 from rtkit.property.service import Service
 from rtkit.proxy.bridge import bridge
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
 pytestmark = pytest.mark.skipif(MOSQUITTO is None, reason="there is no mosquitto")
 
@@ -50,7 +50,7 @@ def service() -> Service:
 
 
 @pytest.fixture
-def served(place: Path, service: Service) -> Iterator[Served]:
+def served(place: Path, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", is_on_zenoh=False) as served:
         yield served
 
@@ -69,32 +69,34 @@ def stranger(broker: Mosquitto) -> Iterator[Stranger]:
 
 
 @pytest.fixture
-def door(served: Served, broker: Mosquitto, place: Path, ends: ExitStack) -> Iterator[Door]:
+def endpoint(
+    served: ServedObject, broker: Mosquitto, place: Path, ends: ExitStack
+) -> Iterator[Door]:
     """A way to the service through two proxies with the broker between them."""
     near = ends.enter_context(bridge("robot", broker.address("lab"), allow_set=["*"]))
     assert near.address == broker.address("lab/robot")
     far = f"unix:{place}/far.sock"
     ends.enter_context(bridge(near.address, far, allow_set=["*"], timeout_s=BOUND_S))
-    door = Lines(lambda: connect_unix(f"{place}/far.sock", BOUND_S))
-    yield door
-    door.close()
+    endpoint = Lines(lambda: connect_unix(f"{place}/far.sock", BOUND_S))
+    yield endpoint
+    endpoint.close()
     ends.close()
 
 
-def test_requests(door: Door) -> None:
-    check_answers(door)
+def test_requests(endpoint: Door) -> None:
+    check_answers(endpoint)
 
 
-def test_a_request_that_is_repeated_with_its_id_acts_once(door: Door, place: Path) -> None:
+def test_a_request_that_is_repeated_with_its_id_acts_once(endpoint: Door, place: Path) -> None:
     check_once(f"{place}/far.sock")
 
 
-def test_events(door: Door, served: Served, service: Service) -> None:
-    check_events(door, service, served.owned)
+def test_events(endpoint: Door, served: ServedObject, service: Service) -> None:
+    check_events(endpoint, service, served.owned)
 
 
 def test_values_are_retained_and_described(
-    served: Served, service: Service, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+    served: ServedObject, service: Service, broker: Mosquitto, stranger: Stranger, ends: ExitStack
 ) -> None:
     known = stranger.known
     ends.enter_context(bridge("robot", broker.address("lab")))
@@ -105,7 +107,7 @@ def test_values_are_retained_and_described(
         "speed/$datatype": b"float",
         "speed/$unit": b"m/s",
         "speed/$format": b"-1:1",
-        "speed/$settable": b"true",
+        "speed/$settable": b"false",  # a proxy that lets nothing be set says so
         "serial/$settable": b"false",
         "mode/$datatype": b"enum",
         "mode/$format": b"idle,drive",
@@ -132,7 +134,7 @@ def test_values_are_retained_and_described(
 
 
 def test_anybody_sets_what_is_allowed_and_hears_what_is_not(
-    served: Served, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+    served: ServedObject, broker: Mosquitto, stranger: Stranger, ends: ExitStack
 ) -> None:
     ends.enter_context(bridge("robot", broker.address("lab"), allow_set=["speed", "double"]))
     stranger.awaits(lambda: stranger.known.get("lab/robot/$state") == b"ready")
@@ -164,7 +166,7 @@ def test_anybody_sets_what_is_allowed_and_hears_what_is_not(
 
 
 def test_rubbish_is_answered_and_harms_nobody(
-    served: Served, broker: Mosquitto, stranger: Stranger, ends: ExitStack
+    served: ServedObject, broker: Mosquitto, stranger: Stranger, ends: ExitStack
 ) -> None:
     ends.enter_context(bridge("robot", broker.address("lab"), allow_set=["*"]))
     stranger.awaits(lambda: stranger.known.get("lab/robot/$state") == b"ready")
@@ -191,18 +193,18 @@ def test_rubbish_is_answered_and_harms_nobody(
 
 
 def test_the_broker_goes_and_comes_back(
-    door: Door, broker: Mosquitto, served: Served, service: Service, stranger: Stranger
+    endpoint: Door, broker: Mosquitto, served: ServedObject, service: Service, stranger: Stranger
 ) -> None:
-    with door.listen("count?queue=9") as events:
+    with endpoint.listen("count?queue=9") as events:
         assert next(events).payload == "7"
         broker.stop()
         assert next(events).quality == "stale"
-        assert door.ask("count").error == "no-service"
+        assert endpoint.ask("count").error == "no-service"
         served.owned(lambda: service.update("count", 8))
         broker.start()
         back = next(events)
         assert (back.payload, back.quality) == ("8", "good")
-        assert door.ask("count").payload == "8"
+        assert endpoint.ask("count").payload == "8"
     stranger.awaits(lambda: stranger.known.get("lab/robot/count") == b"8")
 
 
@@ -223,7 +225,7 @@ def test_the_owner_goes_and_comes_back(
 
 
 def test_what_is_refused(
-    served: Served, broker: Mosquitto, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, broker: Mosquitto, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with pytest.raises(Malformed, match="not mqtt:USER@HOST"):
         bridge("robot", f"mqtt:localhost:{broker.port}/lab")

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from rtkit.link.line_client import connect_unix
 from rtkit.property.service import Service
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
 BOUND_S = 30.0
 
@@ -22,7 +22,7 @@ def _until(holds: Callable[[], bool]) -> None:
 
 
 @pytest.fixture
-def source(place: str) -> Iterator[Served]:
+def source(place: str) -> Iterator[ServedObject]:
     service = Service()
     service.add("angle", 1.0, "number")
     with serve(service, "source", notify=["sink/shown.*"], is_on_zenoh=False) as served:
@@ -36,7 +36,7 @@ def _sink() -> Service:
     return service
 
 
-def test_what_changes_is_set_at_the_target(source: Served) -> None:
+def test_what_changes_is_set_at_the_target(source: ServedObject) -> None:
     sink = _sink()
     with serve(sink, "sink", is_on_zenoh=False), connect_unix(source.socket, BOUND_S) as client:
         assert client.ask("angle.listen", "sink/shown.angle").error == ""
@@ -53,13 +53,13 @@ def test_what_changes_is_set_at_the_target(source: Served) -> None:
     "target",
     ["sink/hidden", "other/shown.angle", "source/angle", "shown.angle", "tcp://there/x", "("],
 )
-def test_only_what_is_allowed_is_told(source: Served, target: str) -> None:
+def test_only_what_is_allowed_is_told(source: ServedObject, target: str) -> None:
     with connect_unix(source.socket, BOUND_S) as client:
         assert client.ask("angle.listen", target).error in ("denied", "syntax")
         assert client.ask("angle.listen").payload == "()"
 
 
-def test_a_target_that_is_not_there_is_given_up(source: Served) -> None:
+def test_a_target_that_is_not_there_is_given_up(source: ServedObject) -> None:
     with connect_unix(source.socket, BOUND_S) as client:
         assert client.ask("angle.listen", "sink/shown.angle").error == ""
         numbers = iter(range(10_000))

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
+from rtkit.container.control_channel import ControlChannel
+from rtkit.container.slave_checkpoint import checkpoint_path
 from rtkit.manager.core.events import SlaveEnded, SlaveForked
-from rtkit.manager.holding.estate import estate_path
-from rtkit.manager.processes.nursery import Nursery
-from rtkit.manager.processes.wire import Channel
+from rtkit.manager.processes.slave_supervisor import SlaveSupervisor
 
 KEY = 1
 
@@ -29,7 +29,7 @@ class Side:
         self._listener = socket.socket(socket.AF_UNIX)
         self._listener.bind(str(folder / "m.ctl"))
         self._listener.listen()
-        self.nursery = Nursery(
+        self.slave_supervisor = SlaveSupervisor(
             {
                 "manager": "m",
                 "is_shown": False,
@@ -44,8 +44,8 @@ class Side:
     def told(self, kind: type) -> object:
         """Return the next event of that kind."""
         while True:
-            assert select.select([self.nursery], [], [], 30.0)[0], kind
-            for event in self.nursery.receive() or ():
+            assert select.select([self.slave_supervisor], [], [], 30.0)[0], kind
+            for event in self.slave_supervisor.receive() or ():
                 if isinstance(event, kind):
                     return event
 
@@ -53,12 +53,12 @@ class Side:
         """Return what the next slave says first."""
         self._listener.settimeout(30.0)
         connection, _ = self._listener.accept()
-        (message,) = Channel(connection).receive() or [{}]
+        (message,) = ControlChannel(connection).receive() or [{}]
         connection.close()
         return dict(message)
 
     def close(self) -> None:
-        self.nursery.close()
+        self.slave_supervisor.close()
         self._listener.close()
 
 
@@ -74,31 +74,31 @@ def side(monkeypatch: pytest.MonkeyPatch) -> Iterator[Side]:
 
 def test_who_is_taken_for_its_own_and_what_is_left_of_who_is_killed(side: Side) -> None:
     """A slave of an earlier manager may have the key of one of ours: it waited long to greet."""
-    nursery = side.nursery
-    nursery.fork(KEY, "s")
+    slave_supervisor = side.slave_supervisor
+    slave_supervisor.fork(KEY, "s")
     first = side.greeting()
     pid, of = first["pid"], first["of"]
-    assert not nursery.expects(KEY, pid, "1.1")
-    assert not nursery.expects(KEY, os.getpid(), None)
+    assert not slave_supervisor.expects(KEY, pid, "1.1")
+    assert not slave_supervisor.expects(KEY, os.getpid(), None)
     assert side.told(SlaveForked) == SlaveForked(KEY, int(str(pid)))
-    assert nursery.expects(KEY, pid, of)
-    assert not nursery.expects(KEY, os.getpid(), of)
-    will = estate_path(side.data, int(str(pid)))
-    assert os.path.exists(will)
-    nursery.signal(KEY, signal.SIGKILL)
-    assert not os.path.exists(will)
+    assert slave_supervisor.expects(KEY, pid, of)
+    assert not slave_supervisor.expects(KEY, os.getpid(), of)
+    checkpoint_writer = checkpoint_path(side.data, int(str(pid)))
+    assert os.path.exists(checkpoint_writer)
+    slave_supervisor.signal(KEY, signal.SIGKILL)
+    assert not os.path.exists(checkpoint_writer)
     assert side.told(SlaveEnded) == SlaveEnded(KEY, "signal 9")
 
 
 def test_a_stranger_with_the_pid_of_a_guest_that_left_is_let_be(side: Side) -> None:
-    nursery = side.nursery
+    slave_supervisor = side.slave_supervisor
     with subprocess.Popen(["sleep", "60"]) as stranger:
-        assert nursery.adopt(KEY, stranger.pid, is_guest=True) is not None
-        assert not nursery.is_untold(KEY)
-        nursery.mistrust(KEY)
-        assert nursery.is_untold(KEY)
-        nursery.signal(KEY, signal.SIGKILL)
-        assert nursery.lost(KEY) == SlaveEnded(KEY, "exit status unknown")
-        nursery.sweep()
+        assert slave_supervisor.adopt(KEY, stranger.pid, is_guest=True) is not None
+        assert not slave_supervisor.is_untold(KEY)
+        slave_supervisor.distrust_pid(KEY)
+        assert slave_supervisor.is_untold(KEY)
+        slave_supervisor.signal(KEY, signal.SIGKILL)
+        assert slave_supervisor.lost(KEY) == SlaveEnded(KEY, "exit status unknown")
+        slave_supervisor.sweep()
         assert stranger.poll() is None
         stranger.kill()

@@ -14,15 +14,15 @@ from conformance import ROWS, Door, check_answers, check_events, check_once, sub
 from propertydoors import BOUND_S, Lines
 from serialkit import Cable
 
-from rtkit.link.ice_client import IceClient, connect_ice
-from rtkit.link.line_client import LineClient, connect_unix
-from rtkit.property.functional import Function
+from rtkit.property.functional import FunctionalProperty
 from rtkit.property.messages import Answer
 from rtkit.property.service import Service
-from rtkit.property.spec import Spec
+from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
 from rtkit.proxy.bridge import bridge
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.ice.client import IceClient, connect_ice
+from rtkit.wires.line.client import LineClient, connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def service() -> Service:
 
 
 @pytest.fixture
-def served(cable: Cable, service: Service) -> Iterator[Served]:
+def served(cable: Cable, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", http=0, ice=icekit.PORT, is_on_zenoh=False) as served:
         yield served
 
@@ -47,7 +47,7 @@ _IF_ICE = pytest.mark.skipif(not icekit.IS_THERE, reason=icekit.MISSING)
         pytest.param("to ice", marks=_IF_ICE),
     ]
 )
-def door(request: pytest.FixtureRequest, served: Served, cable: Cable) -> Iterator[Door]:
+def endpoint(request: pytest.FixtureRequest, served: ServedObject, cable: Cable) -> Iterator[Door]:
     """A way to the service through two proxies."""
     path = f"{os.path.dirname(cable.near)}/far.sock"
     with ExitStack() as ends:
@@ -68,27 +68,27 @@ def door(request: pytest.FixtureRequest, served: Served, cable: Cable) -> Iterat
         ends.enter_context(far)
         if target == "ice:0":
             connect = lambda: connect_ice(far.address, BOUND_S)  # noqa: E731
-        door = Lines(connect)
-        yield door
-        door.close()
+        endpoint = Lines(connect)
+        yield endpoint
+        endpoint.close()
 
 
-def test_requests(door: Door) -> None:
+def test_requests(endpoint: Door) -> None:
     rows = tuple(row for row in ROWS if len(str(row[1])) < 100_000)  # they take minutes on a line
-    check_answers(door, rows)
+    check_answers(endpoint, rows)
 
 
-def test_events(door: Door, served: Served, service: Service) -> None:
-    check_events(door, service, served.owned)
+def test_events(endpoint: Door, served: ServedObject, service: Service) -> None:
+    check_events(endpoint, service, served.owned)
 
 
-@pytest.mark.parametrize("door", ["serial", "http", pytest.param("ice", marks=_IF_ICE)],
+@pytest.mark.parametrize("endpoint", ["serial", "http", pytest.param("ice", marks=_IF_ICE)],
                          indirect=True)  # fmt: skip
-def test_a_request_that_is_repeated_with_its_id_acts_once(door: Door, cable: Cable) -> None:
+def test_a_request_that_is_repeated_with_its_id_acts_once(endpoint: Door, cable: Cable) -> None:
     check_once(f"{os.path.dirname(cable.near)}/far.sock")
 
 
-def test_what_is_slow_to_get_holds_nobody_up(cable: Cable, served: Served) -> None:
+def test_what_is_slow_to_get_holds_nobody_up(cable: Cable, served: ServedObject) -> None:
     """Over wires that answer one request at a time there are more of them."""
     go = threading.Event()
 
@@ -96,8 +96,8 @@ def test_what_is_slow_to_get_holds_nobody_up(cable: Cable, served: Served) -> No
         go.wait(BOUND_S)
         return 3
 
-    kind = Spec(parse_type("element"), is_functional=True)
-    function = Function(wait)
+    kind = PropertySpec(parse_type("element"), is_functional=True)
+    function = FunctionalProperty(wait)
     served.owned(lambda: served.service.add("slow", function=function, spec=kind))
     path = f"{os.path.dirname(cable.near)}/slow.sock"
     source = f"http://localhost:{served.http}/ps/robot"
@@ -120,7 +120,7 @@ def test_what_is_slow_to_get_holds_nobody_up(cable: Cable, served: Served) -> No
 
 
 def test_meta_data_tell_the_access_that_there_is_through_a_proxy(
-    served: Served, cable: Cable
+    served: ServedObject, cable: Cable
 ) -> None:
     path = f"{os.path.dirname(cable.near)}/near.sock"
     near = bridge("robot", f"unix:{path}", allow_set=["lab.mode"], prefix="lab")

@@ -10,11 +10,11 @@ from conformance import subject
 from propertydoors import BOUND_S, Lines
 from serialkit import Cable
 
-from rtkit.link.line_client import connect_unix
 from rtkit.proxy.bridge import bridge
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
-WIRES: dict[str, Callable[[Served, Cable], str]] = {
+WIRES: dict[str, Callable[[ServedObject, Cable], str]] = {
     "unix": lambda served, cable: f"unix:{served.socket}",
     "tcp": lambda served, cable: f"tcp:localhost:{served.port}",
     "zenoh": lambda served, cable: "zenoh:robot",
@@ -25,7 +25,7 @@ WIRES: dict[str, Callable[[Served, Cable], str]] = {
 
 @pytest.mark.parametrize("wire", WIRES)
 def test_who_listens_hears_the_new_owner(place: str, cable: Cable, wire: str) -> None:
-    def begin(port: int, http: int, count: int) -> Served:
+    def begin(port: int, http: int, count: int) -> ServedObject:
         service = subject()
         service.update("count", count)
         if count != 7:
@@ -39,11 +39,11 @@ def test_who_listens_hears_the_new_owner(place: str, cable: Cable, wire: str) ->
         near = bridge(WIRES[wire](served, cable), f"unix:{place}/near.sock", allow_set=["*"])
         ends.enter_context(near)
         ends.enter_context(bridge(near.address, f"unix:{place}/far.sock", allow_set=["*"]))
-        door = Lines(lambda: connect_unix(f"{place}/far.sock", BOUND_S))
-        ends.callback(door.close)
-        counts = ends.enter_context(door.listen("count?queue=100"))
-        modes = ends.enter_context(door.listen("mode?queue=100"))
-        latest = ends.enter_context(door.listen("speed"))
+        endpoint = Lines(lambda: connect_unix(f"{place}/far.sock", BOUND_S))
+        ends.callback(endpoint.close)
+        counts = ends.enter_context(endpoint.listen("count?queue=100"))
+        modes = ends.enter_context(endpoint.listen("mode?queue=100"))
+        latest = ends.enter_context(endpoint.listen("speed"))
         assert (next(counts).payload, next(modes).payload) == ("7", "idle")
         assert next(latest).payload == "0.25"
         served.close()
@@ -56,7 +56,7 @@ def test_who_listens_hears_the_new_owner(place: str, cable: Cable, wire: str) ->
         while not (event := next(modes)).code:
             assert (event.payload, event.quality) == ("idle", "stale")
         assert event.code == "unknown"
-        assert door.ask("speed", "0.5").error == ""
+        assert endpoint.ask("speed", "0.5").error == ""
         while next(latest).payload != "0.5":
             pass
         again.owned(lambda: again.service.update("count", 9))

@@ -16,13 +16,14 @@ from unruly import Unruly, check_only_its_own_request_suffers
 
 from rtkit.errors import Refused, RtkitError, Unreachable
 from rtkit.link import places, secret
-from rtkit.link.http_client import connect_http
-from rtkit.link.ice_client import connect_ice
-from rtkit.link.line_client import LineClient, connect_tcp, connect_unix, listening
 from rtkit.property.codes import PropertyError
 from rtkit.property.service import Service
-from rtkit.serving import connection, login, refusals
-from rtkit.serving.serve import Served, serve
+from rtkit.serving import refusals
+from rtkit.wires.http.client import connect_http
+from rtkit.wires.ice.client import connect_ice
+from rtkit.wires.line import connection, login
+from rtkit.wires.line.client import LineClient, connect_tcp, connect_unix, listening
+from rtkit.wires.serve import ServedObject, serve
 
 
 @pytest.fixture
@@ -31,36 +32,36 @@ def service() -> Service:
 
 
 @pytest.fixture
-def served(place: str, service: Service) -> Iterator[Served]:
+def served(place: str, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", port=0, http=0, ice=icekit.PORT) as served:
         yield served
 
 
-def _unix(served: Served) -> Lines:
+def _unix(served: ServedObject) -> Lines:
     return Lines(lambda: connect_unix(served.socket, BOUND_S))
 
 
-def _speed(served: Served) -> object:
+def _speed(served: ServedObject) -> object:
     with connect_unix(served.socket, BOUND_S) as client:
         return client.ask("speed").payload
 
 
-def _tcp(served: Served) -> Lines:
+def _tcp(served: ServedObject) -> Lines:
     port = served.port or 0
     return Lines(lambda: connect_tcp("127.0.0.1", port, BOUND_S))
 
 
-def _http(served: Served) -> Lines:
+def _http(served: ServedObject) -> Lines:
     address = f"http://127.0.0.1:{served.http}"
     return Lines(lambda: connect_http(address, BOUND_S, "robot"))
 
 
-def _ice(served: Served) -> Lines:
+def _ice(served: ServedObject) -> Lines:
     address = f"ice://127.0.0.1:{served.ice}/robot"
     return Lines(lambda: connect_ice(address, BOUND_S))
 
 
-DOORS: dict[str, Callable[[Served], Lines | Zenoh]] = {
+DOORS: dict[str, Callable[[ServedObject], Lines | Zenoh]] = {
     "unix": _unix,
     "tcp": _tcp,
     "zenoh": lambda served: Zenoh(),
@@ -71,30 +72,30 @@ _NO_ICE = [] if icekit.IS_THERE else [pytest.param("ice", marks=pytest.mark.skip
 
 
 @pytest.fixture(params=[*DOORS, *_NO_ICE])
-def door(request: pytest.FixtureRequest, served: Served) -> Iterator[Door]:
+def endpoint(request: pytest.FixtureRequest, served: ServedObject) -> Iterator[Door]:
     made = DOORS[request.param](served)
     yield made
     made.close()
 
 
-def test_requests(door: Door) -> None:
-    check_answers(door)
+def test_requests(endpoint: Door) -> None:
+    check_answers(endpoint)
 
 
 @pytest.mark.parametrize("wire", [*DOORS, *_NO_ICE])
 def test_of_code_that_does_anything_only_its_own_request_suffers(place: str, wire: str) -> None:
     thing = Unruly()
     with serve(thing, "robot", port=0, http=0, ice=icekit.PORT) as served:
-        door = DOORS[wire](served)
-        check_only_its_own_request_suffers(door, thing)
-        door.close()
+        endpoint = DOORS[wire](served)
+        check_only_its_own_request_suffers(endpoint, thing)
+        endpoint.close()
 
 
-def test_events(door: Door, served: Served, service: Service) -> None:
-    check_events(door, service, served.owned)
+def test_events(endpoint: Door, served: ServedObject, service: Service) -> None:
+    check_events(endpoint, service, served.owned)
 
 
-def test_ends_of_lines_are_as_they_like(served: Served) -> None:
+def test_ends_of_lines_are_as_they_like(served: ServedObject) -> None:
     with socket.socket(socket.AF_UNIX) as end:
         end.settimeout(BOUND_S)
         end.connect(served.socket)
@@ -105,24 +106,27 @@ def test_ends_of_lines_are_as_they_like(served: Served) -> None:
         replies.close()
 
 
-def test_changes_through_one_door_are_heard_at_the_others(served: Served) -> None:
-    doors = {name: make(served) for name, make in DOORS.items()}
+def test_changes_through_one_door_are_heard_at_the_others(served: ServedObject) -> None:
+    endpoints = {name: make(served) for name, make in DOORS.items()}
     try:
-        for name, door in doors.items():
+        for name, endpoint in endpoints.items():
             with (
-                doors["unix"].listen("any?initial=0") as here,
-                doors["zenoh"].listen("any?initial=0") as there,
+                endpoints["unix"].listen("any?initial=0") as here,
+                endpoints["zenoh"].listen("any?initial=0") as there,
             ):
-                assert door.ask("any", name).error == ""
+                assert endpoint.ask("any", name).error == ""
                 assert (next(here).payload, next(there).payload) == (name, name)
-                assert {each.ask("any").payload for each in doors.values()} == {name}
+                assert {each.ask("any").payload for each in endpoints.values()} == {name}
     finally:
-        for door in doors.values():
-            door.close()
+        for endpoint in endpoints.values():
+            endpoint.close()
 
 
-def test_a_slow_listener_sees_the_latest_value(door: Door, served: Served) -> None:
-    with door.listen("count") as slow, door.listen("count?queue=10000&initial=0") as all_of_them:
+def test_a_slow_listener_sees_the_latest_value(endpoint: Door, served: ServedObject) -> None:
+    with (
+        endpoint.listen("count") as slow,
+        endpoint.listen("count?queue=10000&initial=0") as all_of_them,
+    ):
         assert next(slow).payload == "7"
 
         def change() -> None:
@@ -140,7 +144,7 @@ def test_a_slow_listener_sees_the_latest_value(door: Door, served: Served) -> No
         assert len(taken) <= 3, "what is older than the latest was not kept for it"
 
 
-def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
+def test_who_does_not_know_the_secret_learns_nothing(served: ServedObject) -> None:
     with socket.create_connection(("127.0.0.1", served.port or 0), BOUND_S) as end:
         end.sendall(b"GET speed\nSET speed 1\n")
         assert end.makefile().readline().startswith("! denied ")
@@ -155,7 +159,7 @@ def test_who_does_not_know_the_secret_learns_nothing(served: Served) -> None:
     assert _speed(served) == "0.25"
 
 
-def test_the_name_is_taken_while_it_runs_and_free_when_it_was_killed(served: Served) -> None:
+def test_the_name_is_taken_while_it_runs_and_free_when_it_was_killed(served: ServedObject) -> None:
     with pytest.raises(Refused, match="running already"):
         serve(Service(), "robot")
     left = places.service_socket("gone")
@@ -179,7 +183,7 @@ def test_the_name_is_taken_while_it_runs_and_free_when_it_was_killed(served: Ser
         b"SET any {5}\n12",
     ],
 )
-def test_rubbish_harms_nobody_else(served: Served, rubbish: bytes) -> None:
+def test_rubbish_harms_nobody_else(served: ServedObject, rubbish: bytes) -> None:
     with socket.socket(socket.AF_UNIX) as end:
         end.settimeout(BOUND_S)
         end.connect(served.socket)
@@ -199,7 +203,7 @@ def _send(end: socket.socket, data: bytes) -> None:
 
 
 def test_who_never_reads_delays_nobody_and_costs_little(
-    served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(connection, "HALF_S", 0.5)
     served.owned(lambda: service.update("notes", "x" * 500_000))
@@ -220,13 +224,13 @@ def test_who_never_reads_delays_nobody_and_costs_little(
             served.owned(lambda: None)
 
 
-def _connections(served: Served) -> list[connection.Connection]:
-    tenants = list(served._host._tenants.values())
-    return [each for each in tenants if isinstance(each, connection.Connection)]
+def _connections(served: ServedObject) -> list[connection.Connection]:
+    handlers = list(served._host._handlers.values())
+    return [each for each in handlers if isinstance(each, connection.Connection)]
 
 
 def test_who_says_nothing_is_not_waited_for(
-    served: Served, monkeypatch: pytest.MonkeyPatch
+    served: ServedObject, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(login, "PATIENCE_S", 0.3)
     monkeypatch.setattr(connection, "HALF_S", 0.3)
@@ -327,44 +331,44 @@ def test_rules_hold_at_every_door(
     monkeypatch.setattr(refusals, "MOST", 1000)
     with _ruled() as served:
         for name, made in DOORS.items():
-            door = made(served)
+            endpoint = made(served)
             caplog.clear()
             wrong = [
                 (name, target, answer) for target, payload, code in ROWS
-                if (answer := door.ask(target, payload)).error != code
+                if (answer := endpoint.ask(target, payload)).error != code
             ]  # fmt: skip
             assert wrong == []
-            assert door.ask("count").payload == "2", "nothing of a bulk SET that was denied"
-            told = str(door.ask("properties?all&values").payload)
+            assert endpoint.ask("count").payload == "2", "nothing of a bulk SET that was denied"
+            told = str(endpoint.ask("properties?all&values").payload)
             assert "(speed 0.25)" in told
             assert "joint.1" not in told, "what may not be got is in no list of values"
-            assert "(joint.1)" in str(door.ask("arm.properties?all&meta").payload)
+            assert "(joint.1)" in str(endpoint.ask("arm.properties?all&meta").payload)
             denied = [each.getMessage() for each in caplog.records if "denied: SET" in each.message]
             assert len(denied) == 7, "every SET that was denied is in the log"
-            door.close()
+            endpoint.close()
 
 
 def test_listeners_are_bounded_at_every_door(place: str) -> None:
     with _ruled("limit * door_listeners 2") as served:
         for made in DOORS.values():
-            door = made(served)
-            with door.listen("count") as first, door.listen("speed") as second:
+            endpoint = made(served)
+            with endpoint.listen("count") as first, endpoint.listen("speed") as second:
                 next(first)
                 next(second)
-                with pytest.raises(PropertyError) as refused, door.listen("mode"):
+                with pytest.raises(PropertyError) as refused, endpoint.listen("mode"):
                     pass
                 assert refused.value.code == "denied"
-            door.close()
+            endpoint.close()
 
 
 @pytest.mark.parametrize("name", ["unix", "tcp", "http", *({"ice"} & DOORS.keys())])
 def test_who_asks_too_often_is_told(place: str, name: str) -> None:
     with _ruled("limit * rate 20") as served:
-        door = DOORS[name](served)
-        answers = [door.ask("speed") for _ in range(200)]
+        endpoint = DOORS[name](served)
+        answers = [endpoint.ask("speed") for _ in range(200)]
         assert {each.error for each in answers} == {"", "busy"}
         assert "more than 20 requests a second" in {each.payload for each in answers}
-        door.close()
+        endpoint.close()
 
 
 def test_one_connection_too_many_is_told(place: str) -> None:
@@ -377,5 +381,5 @@ def test_one_connection_too_many_is_told(place: str) -> None:
         second.close()
 
 
-def _ruled(rules: str = RULES) -> Served:
+def _ruled(rules: str = RULES) -> ServedObject:
     return serve(subject(), "robot", port=0, http=0, ice=icekit.PORT, rules=rules)

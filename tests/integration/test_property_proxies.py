@@ -14,17 +14,17 @@ from conformance import Door, check_answers, check_events, check_once, subject
 from propertydoors import BOUND_S, Lines, Zenoh
 
 from rtkit.errors import Refused, RtkitError
-from rtkit.link.line_client import connect_tcp, connect_unix
-from rtkit.property.functional import Function
-from rtkit.property.messages import Event
+from rtkit.property.functional import FunctionalProperty
+from rtkit.property.messages import PropertyEvent
 from rtkit.property.service import Service
-from rtkit.property.spec import Spec
+from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
-from rtkit.proxy import silence
+from rtkit.proxy import keepalive
 from rtkit.proxy.bridge import bridge
 from rtkit.proxy.relay import Relay
-from rtkit.serving.connection import Connection
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.line.client import connect_tcp, connect_unix
+from rtkit.wires.line.connection import Connection
+from rtkit.wires.serve import ServedObject, serve
 
 CHAINS = (
     ("unix", "tcp"),
@@ -44,7 +44,7 @@ def service() -> Service:
 
 
 @pytest.fixture
-def served(place: str, service: Service) -> Iterator[Served]:
+def served(place: str, service: Service) -> Iterator[ServedObject]:
     with serve(service, "robot", port=0) as served:
         yield served
 
@@ -55,7 +55,7 @@ def ends() -> Iterator[ExitStack]:
         yield stack
 
 
-def owner(served: Served, wire: str) -> str:
+def owner(served: ServedObject, wire: str) -> str:
     """Return the address of the owner on a wire."""
     return {
         "unix": f"unix:{served.socket}",
@@ -64,7 +64,7 @@ def owner(served: Served, wire: str) -> str:
     }[wire]
 
 
-def chain(served: Served, place: str, wires: tuple[str, ...], ends: ExitStack) -> Door:
+def chain(served: ServedObject, place: str, wires: tuple[str, ...], ends: ExitStack) -> Door:
     """Put proxies between the owner and a client, which is returned."""
     address = owner(served, wires[0])
     for number, wire in enumerate(wires[1:], 1):
@@ -75,9 +75,9 @@ def chain(served: Served, place: str, wires: tuple[str, ...], ends: ExitStack) -
         }[wire]
         opened = ends.enter_context(bridge(address, target, allow_set=["*"]))
         address = f"zenoh:p{number}" if wire == "zenoh" else opened.address
-    door = client(address)
-    ends.callback(door.close)
-    return door
+    endpoint = client(address)
+    ends.callback(endpoint.close)
+    return endpoint
 
 
 def client(address: str) -> Lines | Zenoh:
@@ -91,23 +91,26 @@ def client(address: str) -> Lines | Zenoh:
 
 
 @pytest.fixture(params=CHAINS, ids="-".join)
-def door(
-    request: pytest.FixtureRequest, served: Served, place: str, ends: ExitStack
+def endpoint(
+    request: pytest.FixtureRequest, served: ServedObject, place: str, ends: ExitStack
 ) -> Iterator[Door]:
     yield chain(served, place, request.param, ends)
     ends.close()
 
 
-def test_requests(door: Door) -> None:
-    check_answers(door)
+def test_requests(endpoint: Door) -> None:
+    check_answers(endpoint)
 
 
-def test_events(door: Door, served: Served, service: Service) -> None:
-    check_events(door, service, served.owned)
+def test_events(endpoint: Door, served: ServedObject, service: Service) -> None:
+    check_events(endpoint, service, served.owned)
 
 
-def test_a_slow_listener_sees_the_latest_value(door: Door, served: Served) -> None:
-    with door.listen("count") as slow, door.listen("count?queue=10000&initial=0") as all_of_them:
+def test_a_slow_listener_sees_the_latest_value(endpoint: Door, served: ServedObject) -> None:
+    with (
+        endpoint.listen("count") as slow,
+        endpoint.listen("count?queue=10000&initial=0") as all_of_them,
+    ):
         assert next(slow).payload == "7"
 
         def change() -> None:
@@ -129,7 +132,7 @@ def test_a_slow_listener_sees_the_latest_value(door: Door, served: Served) -> No
 class Proxied:
     """A proxy over unix sockets, clients of it, and what it says."""
 
-    def __init__(self, served: Served, place: str, ends: ExitStack) -> None:
+    def __init__(self, served: ServedObject, place: str, ends: ExitStack) -> None:
         self.said: SimpleQueue[str] = SimpleQueue()
         self.refused: list[tuple[str, str, str]] = []
         self._served, self._place, self._ends = served, place, ends
@@ -155,21 +158,21 @@ class Proxied:
 
 
 @pytest.fixture
-def proxied(served: Served, place: str, ends: ExitStack) -> Proxied:
+def proxied(served: ServedObject, place: str, ends: ExitStack) -> Proxied:
     return Proxied(served, place, ends)
 
 
 def test_listeners_that_wish_the_same_share_one_at_the_owner(
-    proxied: Proxied, served: Served, service: Service, ends: ExitStack
+    proxied: Proxied, served: ServedObject, service: Service, ends: ExitStack
 ) -> None:
-    door = proxied.open()
-    streams = [ends.enter_context(door.listen("count")) for _ in range(5)]
-    streams += [ends.enter_context(door.listen("count?queue=9")) for _ in range(5)]
+    endpoint = proxied.open()
+    streams = [ends.enter_context(endpoint.listen("count")) for _ in range(5)]
+    streams += [ends.enter_context(endpoint.listen("count?queue=9")) for _ in range(5)]
     assert [next(each).payload for each in streams] == ["7"] * 10
     assert len(service.listeners._all) == 2
     served.owned(lambda: service.update("count", 8))
     assert [next(each).payload for each in streams] == ["8"] * 10
-    late = ends.enter_context(door.listen("count"))
+    late = ends.enter_context(endpoint.listen("count"))
     assert next(late).payload == "8"
     assert len(service.listeners._all) == 2
     ends.close()
@@ -179,7 +182,7 @@ def test_listeners_that_wish_the_same_share_one_at_the_owner(
     await_that(served, lambda: not service.listeners._all)
 
 
-def await_that(served: Served, holds: Callable[[], bool]) -> None:
+def await_that(served: ServedObject, holds: Callable[[], bool]) -> None:
     """Wait, turn by turn of the owner's loop, until something holds."""
     for _ in range(100_000):
         if holds():
@@ -189,7 +192,7 @@ def await_that(served: Served, holds: Callable[[], bool]) -> None:
 
 
 def test_nothing_is_set_unless_it_is_allowed(proxied: Proxied) -> None:
-    door = proxied.open(allow_set=("arm.*", "count", "p*"))
+    endpoint = proxied.open(allow_set=("arm.*", "count", "p*"))
     allowed = [
         ("count", "8"),
         ("c%6funt", "9"),
@@ -197,7 +200,7 @@ def test_nothing_is_set_unless_it_is_allowed(proxied: Proxied) -> None:
         ("arm.properties", "((angle 5))"),
     ]
     for name, value in allowed:
-        assert door.ask(name, value).error == "", name
+        assert endpoint.ask(name, value).error == "", name
     denied = [
         ("speed", "0.5"),
         ("arm", "3"),
@@ -207,16 +210,16 @@ def test_nothing_is_set_unless_it_is_allowed(proxied: Proxied) -> None:
         ("count.listen", "tcp://elsewhere/x"),
     ]
     for name, value in denied:
-        assert door.ask(name, value).error == "denied", name
+        assert endpoint.ask(name, value).error == "denied", name
     assert [each[2] for each in proxied.refused] == [each[0] for each in denied[:-1]]
-    assert door.ask("properties?names=(count%20arm.angle)&values").payload == (
+    assert endpoint.ask("properties?names=(count%20arm.angle)&values").payload == (
         "((count 9) (arm.angle 5))")  # fmt: skip
 
 
 def test_a_prefix_is_put_in_front_of_all_names(
-    proxied: Proxied, served: Served, service: Service
+    proxied: Proxied, served: ServedObject, service: Service
 ) -> None:
-    door = proxied.open(prefix="left.hand")
+    endpoint = proxied.open(prefix="left.hand")
     below = {
         "left.hand.speed": "0.25",
         "left.hand.arm.properties": "(angle joint)",
@@ -229,16 +232,19 @@ def test_a_prefix_is_put_in_front_of_all_names(
         "left.hand.properties?names=(count)&values": "((count 7))",
     }
     for name, value in below.items():
-        assert door.ask(name).payload == value, name
-    assert door.ask("left.hand").payload == door.ask("left.hand.properties").payload
-    told = str(door.ask("properties?all&meta").payload)
+        assert endpoint.ask(name).payload == value, name
+    assert endpoint.ask("left.hand").payload == endpoint.ask("left.hand.properties").payload
+    told = str(endpoint.ask("properties?all&meta").payload)
     assert told.startswith("((left) (left.hand) (left.hand.speed <meta><type>number</type>")
     for name in ("speed", "left.speed", "left.handspeed", "right.hand.speed"):
-        assert door.ask(name).error == "unknown", name
-    assert door.ask("left.properties?nonsense").error == "bad-parameter"
-    assert door.ask("left", "1").error == "read-only"
-    assert door.ask("left.hand.count", "8").error == ""
-    with door.listen("left.hand.count") as events, door.listen("left.hand.properties") as names:
+        assert endpoint.ask(name).error == "unknown", name
+    assert endpoint.ask("left.properties?nonsense").error == "bad-parameter"
+    assert endpoint.ask("left", "1").error == "read-only"
+    assert endpoint.ask("left.hand.count", "8").error == ""
+    with (
+        endpoint.listen("left.hand.count") as events,
+        endpoint.listen("left.hand.properties") as names,
+    ):
         assert next(events)[:2] == ("left.hand.count", "8")
         assert next(names).name == "left.hand.properties"
         served.owned(lambda: service.update("count", 9))
@@ -258,21 +264,21 @@ def test_the_owner_goes_and_comes_back(place: str, ends: ExitStack) -> None:
                 said=hear,
             )
         )
-    door = Lines(lambda: connect_unix(f"{place}/run/p2.ps", BOUND_S))
-    ends.callback(door.close)
-    events = ends.enter_context(door.listen("count?queue=100"))
-    changes = ends.enter_context(door.listen("mode?initial=0"))
-    gripper = ends.enter_context(door.listen("arm.angle"))
+    endpoint = Lines(lambda: connect_unix(f"{place}/run/p2.ps", BOUND_S))
+    ends.callback(endpoint.close)
+    events = ends.enter_context(endpoint.listen("count?queue=100"))
+    changes = ends.enter_context(endpoint.listen("mode?initial=0"))
+    gripper = ends.enter_context(endpoint.listen("arm.angle"))
     assert (next(events).payload, next(gripper).payload) == ("7", "3")
     served.close()
     assert said.get(timeout=BOUND_S) == "the connection has ended"
     stale = next(events)
     assert (stale.payload, stale.quality) == ("7", "stale")
     assert next(gripper).quality == "stale"
-    answer = door.ask("count")
+    answer = endpoint.ask("count")
     assert answer.error == "no-service"
     assert answer.payload
-    assert door.ask("speed.listen", "self").error == "no-service"
+    assert endpoint.ask("speed.listen", "self").error == "no-service"
     second = subject()
     second.update("count", 8)
     second.remove("arm.angle")
@@ -284,17 +290,17 @@ def test_the_owner_goes_and_comes_back(place: str, ends: ExitStack) -> None:
         assert next(gripper).code == "unknown"
         again.owned(lambda: second.update("count", 9))
         assert next(events).payload == "9"
-        assert door.ask("count").payload == "9"
+        assert endpoint.ask("count").payload == "9"
         ends.close()
 
 
 def test_an_owner_that_does_not_answer_is_given_up(
-    proxied: Proxied, served: Served, service: Service, monkeypatch: pytest.MonkeyPatch
+    proxied: Proxied, served: ServedObject, service: Service, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(silence, "ASKED_S", 0.3)
-    monkeypatch.setattr(silence, "DEAD_S", 0.6)
-    door = proxied.open()
-    with door.listen("count") as events:
+    monkeypatch.setattr(keepalive, "ASKED_S", 0.3)
+    monkeypatch.setattr(keepalive, "DEAD_S", 0.6)
+    endpoint = proxied.open()
+    with endpoint.listen("count") as events:
         assert next(events).payload == "7"
         is_held, go = threading.Event(), threading.Event()
 
@@ -302,20 +308,20 @@ def test_an_owner_that_does_not_answer_is_given_up(
             is_held.set()
             go.wait(BOUND_S)
 
-        holder = threading.Thread(target=served.owned, args=(hold,))
-        holder.start()
+        container = threading.Thread(target=served.owned, args=(hold,))
+        container.start()
         assert is_held.wait(BOUND_S)
-        assert door.ask("count").error == "timeout"
+        assert endpoint.ask("count").error == "timeout"
         assert next(events).quality == "stale"
         assert "no answer" in proxied.said.get(timeout=BOUND_S)
         go.set()
-        holder.join()
+        container.join()
         assert proxied.said.get(timeout=BOUND_S) == ""
         assert next(events).quality == "good"
 
 
 def test_what_waits_at_the_owner_delays_nobody(
-    proxied: Proxied, served: Served, service: Service
+    proxied: Proxied, served: ServedObject, service: Service
 ) -> None:
     go = threading.Event()
 
@@ -323,13 +329,13 @@ def test_what_waits_at_the_owner_delays_nobody(
         go.wait(BOUND_S)
         return 3
 
-    kind = Spec(parse_type("element"), is_functional=True)
-    function = Function(wait)
+    kind = PropertySpec(parse_type("element"), is_functional=True)
+    function = FunctionalProperty(wait)
     served.owned(lambda: service.add("slow", function=function, spec=kind))
-    door = proxied.open()
+    endpoint = proxied.open()
     with socket.socket(socket.AF_UNIX) as end:
         end.settimeout(BOUND_S)
-        end.connect(door._client._end.getpeername())
+        end.connect(endpoint._client._end.getpeername())
         end.sendall(b"#1 SET slow?echo \n#2 GET count\nSET count 8\nGET count\n#3 GET slow.state\n")
         replies = end.makefile()
         assert [replies.readline() for _ in range(4)] == [
@@ -343,7 +349,7 @@ def test_what_waits_at_the_owner_delays_nobody(
     "wires", [("unix", "tcp", "unix"), ("zenoh", "unix"), ("tcp", "zenoh", "unix")], ids="-".join
 )
 def test_a_request_that_is_repeated_with_its_id_acts_once(
-    wires: tuple[str, ...], served: Served, place: str, ends: ExitStack
+    wires: tuple[str, ...], served: ServedObject, place: str, ends: ExitStack
 ) -> None:
     chain(served, place, wires, ends)
     check_once(f"{place}/{len(wires) - 1}.sock")
@@ -351,26 +357,26 @@ def test_a_request_that_is_repeated_with_its_id_acts_once(
 
 
 def test_what_is_repeated_after_the_connection_was_lost_acts_once(
-    proxied: Proxied, served: Served, service: Service
+    proxied: Proxied, served: ServedObject, service: Service
 ) -> None:
     """The owner acts, but its answer is lost with the connection."""
     acted: list[int] = []
-    function = Function(
+    function = FunctionalProperty(
         lambda: acted.append(1) or lose(),  # type: ignore[func-returns-value]
         run=lambda work, finished: finished(work(), None),  # before the reply
     )
-    kind = Spec(parse_type("element"), is_functional=True)
+    kind = PropertySpec(parse_type("element"), is_functional=True)
     served.owned(lambda: service.add("act", function=function, spec=kind))
-    door = proxied.open()
+    endpoint = proxied.open()
 
     def lose() -> None:
-        for tenant in list(served._host._tenants.values()):
-            if isinstance(tenant, Connection):
-                tenant._end.shutdown(socket.SHUT_RDWR)
+        for handler in list(served._host._handlers.values()):
+            if isinstance(handler, Connection):
+                handler._end.shutdown(socket.SHUT_RDWR)
 
     with socket.socket(socket.AF_UNIX) as end:
         end.settimeout(BOUND_S)
-        end.connect(door._client._end.getpeername())
+        end.connect(endpoint._client._end.getpeername())
         with end.makefile() as replies:
             end.sendall(b"#a SET act \n")
             assert replies.readline().startswith("#a ! no-service ")
@@ -381,7 +387,7 @@ def test_what_is_repeated_after_the_connection_was_lost_acts_once(
     assert len(acted) == 1
 
 
-def test_a_proxy_of_itself_is_refused(served: Served, place: str, ends: ExitStack) -> None:
+def test_a_proxy_of_itself_is_refused(served: ServedObject, place: str, ends: ExitStack) -> None:
     path = f"unix:{place}/"
     with pytest.raises(RtkitError, match="cannot reach"):
         bridge(f"{path}a.sock", f"{path}a.sock")
@@ -399,7 +405,7 @@ def test_a_proxy_of_itself_is_refused(served: Served, place: str, ends: ExitStac
     ends.close()
 
 
-def test_very_long_chains_are_refused(served: Served, place: str, ends: ExitStack) -> None:
+def test_very_long_chains_are_refused(served: ServedObject, place: str, ends: ExitStack) -> None:
     address = f"unix:{served.socket}"
     for number in range(8):
         target = f"unix:{place}/{number}.sock"
@@ -411,14 +417,17 @@ def test_very_long_chains_are_refused(served: Served, place: str, ends: ExitStac
     ends.close()
 
 
-def test_clients_that_come_and_go_leave_nothing(proxied: Proxied, served: Served) -> None:
+def test_clients_that_come_and_go_leave_nothing(proxied: Proxied, served: ServedObject) -> None:
     proxied.open()
-    opened: list[Event] = []
+    opened: list[PropertyEvent] = []
     for _ in range(50):
-        door = proxied.another()
-        with door.listen("count?queue=3") as events, door.listen("speed?every=0.01") as others:
+        endpoint = proxied.another()
+        with (
+            endpoint.listen("count?queue=3") as events,
+            endpoint.listen("speed?every=0.01") as others,
+        ):
             opened += [next(events), next(others)]
-        door.close()
+        endpoint.close()
     await_that(served, lambda: not served.service.listeners._all)
     assert len(opened) == 100
     (relay,) = [each for each in gc.get_objects() if isinstance(each, Relay) and each.uplink.is_up]

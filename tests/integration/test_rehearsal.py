@@ -13,10 +13,10 @@ from typing import Any
 
 import pytest
 
-from rtkit.manager.logs.logs import Log
-from rtkit.manager.modules.loader import Loader
-from rtkit.manager.processes import rehearsal
-from rtkit.manager.processes.rehearsal import rehearse
+from rtkit.logs.logs import Log
+from rtkit.manager.processes import warm_up as rehearsal
+from rtkit.manager.processes.warm_up import warm_up
+from rtkit.modules.loader import Loader
 
 
 @pytest.fixture
@@ -42,9 +42,9 @@ def test_nothing_is_left_of_it(folder: str) -> None:
     settings = {"data": f"{folder}/m.%p.data"}
     log.open()
     try:
-        rehearse(log, settings)
+        warm_up(log, settings)
         before = state(folder)
-        rehearse(log, settings)
+        warm_up(log, settings)
         after = state(folder)
     finally:
         log.close()
@@ -57,7 +57,7 @@ def test_slaves_find_no_modules_where_it_found_its_own(folder: str, tmp_path: Pa
     log = Log("zygote", f"{folder}/m.log")
     log.open()
     try:
-        rehearse(log, {"data": f"{folder}/m.%p.data"})
+        warm_up(log, {"data": f"{folder}/m.%p.data"})
     finally:
         log.close()
     Loader([str(tmp_path)]).load("Empty.py")
@@ -70,5 +70,5 @@ def test_what_fails_in_it_is_told(folder: str, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(rehearsal, "_LINES", (failing, rehearsal._LINES[1]))
     log = Log("zygote", f"{folder}/m.log")
     with pytest.raises(RuntimeError, match="Nobody is not known"):
-        rehearse(log, {"data": f"{folder}/m.%p.data"})
+        warm_up(log, {"data": f"{folder}/m.%p.data"})
     assert os.listdir(folder) == []

@@ -14,14 +14,14 @@ from oneline import BOUND_S, OneLine
 from serialkit import Cable, noise
 
 from rtkit.errors import Malformed, Refused, Unreachable
-from rtkit.link.serial_client import connect_serial
-from rtkit.link.serial_line import read_address, split_target
 from rtkit.property.service import Service
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.serial.address import read_address, split_target
+from rtkit.wires.serial.client import connect_serial
+from rtkit.wires.serve import ServedObject, serve
 
 
 @contextmanager
-def serving(cable: Cable, service: Service, *settable: str) -> Iterator[Served]:
+def serving(cable: Cable, service: Service, *settable: str) -> Iterator[ServedObject]:
     given = {"serial": cable.far, "settable": settable, "is_on_zenoh": False}
     with serve(service, "robot", **given) as served:  # type: ignore[arg-type]
         yield served
@@ -77,7 +77,7 @@ def test_what_is_asked_again_acts_once(cable: Cable) -> None:
 def test_the_last_value_arrives_where_lines_are_damaged(
     cable: Cable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rtkit.link.serial_client.LEASE_S", 0.6)
+    monkeypatch.setattr("rtkit.wires.serial.client.LEASE_S", 0.6)
     cable.noise = noise(3, one_in=3)
     with (
         serving(cable, subject()) as served,

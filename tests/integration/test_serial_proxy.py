@@ -12,13 +12,13 @@ from conformance import check_answers, check_events, subject
 from propertydoors import BOUND_S, Lines
 from serialkit import Cable
 
-from rtkit.link.line_client import connect_unix
 from rtkit.proxy.bridge import bridge
-from rtkit.serving.serve import Served, serve
+from rtkit.wires.line.client import connect_unix
+from rtkit.wires.serve import ServedObject, serve
 
 
 @pytest.fixture
-def served(cable: Cable) -> Iterator[Served]:
+def served(cable: Cable) -> Iterator[ServedObject]:
     service = subject()
     with serve(service, "robot", serial=cable.far, settable=["*"], is_on_zenoh=False) as served:
         yield served
@@ -34,28 +34,28 @@ def proxied(cable: Cable, said: SimpleQueue[str] | None = None) -> Iterator[Line
     word = said.put if said is not None else lambda why: None
     address = f"serial:{cable.near}?check=1"
     with bridge(address, f"unix:{path}", allow_set=["*"], said=word):
-        door = Lines(lambda: connect_unix(path, BOUND_S))
-        yield door
-        door.close()
+        endpoint = Lines(lambda: connect_unix(path, BOUND_S))
+        yield endpoint
+        endpoint.close()
 
 
-def test_requests(cable: Cable, served: Served) -> None:
-    with proxied(cable) as door:
-        check_answers(door)
+def test_requests(cable: Cable, served: ServedObject) -> None:
+    with proxied(cable) as endpoint:
+        check_answers(endpoint)
 
 
-def test_events(cable: Cable, served: Served) -> None:
-    with proxied(cable) as door:
-        check_events(door, served.service, served.owned)
+def test_events(cable: Cable, served: ServedObject) -> None:
+    with proxied(cable) as endpoint:
+        check_events(endpoint, served.service, served.owned)
 
 
-def test_while_the_device_is_gone_that_is_said(cable: Cable, served: Served) -> None:
+def test_while_the_device_is_gone_that_is_said(cable: Cable, served: ServedObject) -> None:
     said: SimpleQueue[str] = SimpleQueue()
-    with proxied(cable, said) as door, door.listen("count") as events:
+    with proxied(cable, said) as endpoint, endpoint.listen("count") as events:
         assert next(events).payload == "7"
         cable.unplug(cable.near)
         assert "unplugged" in said.get(timeout=BOUND_S)
-        assert door.ask("count").error == "no-service"
+        assert endpoint.ask("count").error == "no-service"
         assert next(events).quality == "stale"
         served.owned(lambda: served.service.update("count", 8))
         cable.plug(cable.near)
@@ -64,4 +64,4 @@ def test_while_the_device_is_gone_that_is_said(cable: Cable, served: Served) -> 
         while (event := next(events)).payload != "8":
             pass
         assert event.quality == "good"
-        assert door.ask("count").payload == "8"
+        assert endpoint.ask("count").payload == "8"

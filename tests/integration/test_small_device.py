@@ -16,8 +16,8 @@ from oneline import BOUND_S, OneLine
 from serialkit import Cable, noise
 from small_profile import LEFT_OUT, check_small_events, small_rows
 
-from rtkit.link.serial_client import SerialClient, connect_serial
 from rtkit.property.messages import Answer
+from rtkit.wires.serial.client import SerialClient, connect_serial
 
 EMBEDDED = Path(__file__).parents[2] / "examples" / "embedded"
 
@@ -147,7 +147,7 @@ def test_each_thing_left_out_is_about_something_and_is_said() -> None:
 def test_a_device_that_restarts_is_listened_to_again(
     built: Path, cable: Cable, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rtkit.link.serial_client.LEASE_S", 0.6)
+    monkeypatch.setattr("rtkit.wires.serial.client.LEASE_S", 0.6)
     with device(built, cable):
         client = connect_serial(cable.near, BOUND_S)
         client.listen("count")

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from rtkit.container.control_channel import MAX_MESSAGE, ControlChannel
 from rtkit.errors import Malformed
-from rtkit.manager.processes.wire import MAX_MESSAGE, Channel
 
 
 class Pair:
@@ -22,7 +22,7 @@ class Pair:
     def __init__(self) -> None:
         ours, self.theirs = socket.socketpair()
         ours.setblocking(False)
-        self.channel = Channel(ours)
+        self.channel = ControlChannel(ours)
 
     def close(self) -> None:
         self.channel.close()
@@ -69,7 +69,7 @@ def test_what_does_not_fit_waits_and_keeps_its_order(pair: Pair) -> None:
     for message in messages:
         pair.channel.send(message)
     assert pair.channel.has_backlog
-    other = Channel(pair.theirs)
+    other = ControlChannel(pair.theirs)
     heard: list[Any] = []
     while len(heard) < len(messages):
         heard += other.receive() or []
@@ -114,8 +114,8 @@ def test_a_length_that_nobody_means(pair: Pair) -> None:
 def test_a_line_is_over_though_something_is_still_to_be_read() -> None:
     ours, theirs = socket.socketpair()
     with ours, theirs:
-        assert not Channel(ours).is_over
-        Channel(theirs).send({"last": 1})
-        assert not Channel(ours).is_over
+        assert not ControlChannel(ours).is_over
+        ControlChannel(theirs).send({"last": 1})
+        assert not ControlChannel(ours).is_over
         theirs.close()
-        assert Channel(ours).is_over
+        assert ControlChannel(ours).is_over

@@ -17,13 +17,13 @@ from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 from rtkit.builder.build import Built, build
-from rtkit.builder.merge import Fate, merge
+from rtkit.builder.merge import MergeOutcome, merge
 from rtkit.builder.prepare import Sources
 from rtkit.builder.profile_of import profile_of
 from rtkit.builder.regions import split, stamped
 from rtkit.builder.standard_types import KNOWN
 from rtkit.idl.read import read_idl
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.read import read_rtc, read_rts
 from rtkit.profile.rtc_doc_model import (
     ActionDoc,
@@ -37,13 +37,13 @@ from rtkit.profile.rtc_model import (
     Actions,
     ActionStatus,
     BasicInfo,
-    Configuration,
-    ConfigurationSet,
-    DataPort,
-    Event,
+    ConfigurationParameter,
+    DataPortDeclaration,
+    DeclaredParameters,
+    FsmTransition,
     RtcProfile,
     ServiceInterface,
-    ServicePort,
+    ServicePortDeclaration,
 )
 from rtkit.profile.write import write_rtc
 from rtkit.testing import Trial
@@ -136,9 +136,9 @@ INFOS = st.builds(
     execution_rate=st.none() | st.sampled_from([0.0, -1.0, 10.0, 1000.0, 0.25]),
     doc=st.none() | st.builds(BasicDoc, OPTIONAL, OPTIONAL, OPTIONAL, OPTIONAL, OPTIONAL, OPTIONAL),
 )
-EVENTS = st.builds(Event, TEXTS, TEXTS, TEXTS, OPTIONAL, TYPES)
+EVENTS = st.builds(FsmTransition, TEXTS, TEXTS, TEXTS, OPTIONAL, TYPES)
 PORTS = st.builds(
-    DataPort,
+    DataPortDeclaration,
     port_type=st.sampled_from(["DataInPort", "DataOutPort", "EventPort"]),
     name=TEXTS,
     type=TYPES | TEXTS,
@@ -157,7 +157,7 @@ OFFERS = st.builds(
     doc=st.none() | st.builds(ServiceInterfaceDoc, OPTIONAL),
 )
 SERVICES = st.builds(
-    ServicePort,
+    ServicePortDeclaration,
     name=TEXTS,
     position=st.just("LEFT"),
     comment=OPTIONAL,
@@ -165,16 +165,16 @@ SERVICES = st.builds(
     doc=st.none() | st.builds(ServicePortDoc, OPTIONAL, OPTIONAL),
 )
 PARAMETERS = st.builds(
-    Configuration,
+    ConfigurationParameter,
     name=TEXTS,
     type=KINDS,
     default_value=DEFAULTS,
     unit=OPTIONAL,
     comment=OPTIONAL,
     doc=st.none() | st.builds(ConfigurationDoc, OPTIONAL, OPTIONAL, OPTIONAL, OPTIONAL),
-    properties=st.lists(st.builds(Property, st.just("__widget__"), OPTIONAL), max_size=1).map(
-        tuple
-    ),
+    properties=st.lists(
+        st.builds(ExtensionProperty, st.just("__widget__"), OPTIONAL), max_size=1
+    ).map(tuple),
 )
 PROFILES = st.builds(
     RtcProfile,
@@ -183,7 +183,7 @@ PROFILES = st.builds(
     basic_info=st.none() | INFOS,
     actions=st.none() | st.builds(Actions, *([STATUSES] * 14)),
     configuration_set=st.none()
-    | st.builds(ConfigurationSet, st.lists(PARAMETERS, max_size=4).map(tuple)),
+    | st.builds(DeclaredParameters, st.lists(PARAMETERS, max_size=4).map(tuple)),
     data_ports=st.lists(PORTS, max_size=4).map(tuple),
     service_ports=st.lists(SERVICES, max_size=3).map(tuple),
 )
@@ -217,11 +217,13 @@ def nameless(text: str) -> RtcProfile:
     info = BasicInfo(text, *["STATIC", "PERIODIC", "x"], text, text, text, text, "", "", text, text)
     doc = BasicDoc(*[text] * 6)
     status = ActionStatus(True, ActionDoc(text, text, text))
-    port = DataPort("DataInPort", text, text, "LEFT", doc=DataPortDoc(*[text] * 7))
-    event = DataPort("EventPort", text, text, "LEFT", events=(Event(text, text, text, text, text),))
+    port = DataPortDeclaration("DataInPort", text, text, "LEFT", doc=DataPortDoc(*[text] * 7))
+    event = DataPortDeclaration(
+        "EventPort", text, text, "LEFT", events=(FsmTransition(text, text, text, text, text),)
+    )
     offer = ServiceInterface(text, "Provided", text, doc=ServiceInterfaceDoc(text))
-    service = ServicePort(text, "LEFT", text, (offer,), doc=ServicePortDoc(text, text))
-    parameter = Configuration(text, text, text, text, doc=ConfigurationDoc(*[text] * 6))
+    service = ServicePortDeclaration(text, "LEFT", text, (offer,), doc=ServicePortDoc(text, text))
+    parameter = ConfigurationParameter(text, text, text, text, doc=ConfigurationDoc(*[text] * 6))
     return RtcProfile(
         id=text,
         version="0.3",
@@ -237,7 +239,7 @@ def nameless(text: str) -> RtcProfile:
             doc=doc,
         ),
         actions=Actions(*[status] * 14),
-        configuration_set=ConfigurationSet((parameter,)),
+        configuration_set=DeclaredParameters((parameter,)),
         data_ports=(port, event),
         service_ports=(service,),
     )
@@ -373,11 +375,11 @@ def test_code_of_users_survives(one: RtcProfile, other: RtcProfile, data: st.Dat
         mine = {key: data.draw(LINES) for key in split(text).regions}
         edited = with_regions(text, mine)
         again = merge(edited, file.text, has_regions=True)
-        assert again.fate is Fate.SAME
+        assert again.assignment is MergeOutcome.SAME
         assert again.text == edited
         new = list(after.files.values())[list(before.files).index(name) % 2]
         merged = merge(edited, new.text, has_regions=True)
-        if merged.fate is not Fate.CONFLICT:
+        if merged.assignment is not MergeOutcome.CONFLICT:
             kept = split(merged.text).regions
             for key, lines in mine.items():
                 assert kept.get(key, []) == lines or all(
@@ -417,5 +419,5 @@ def test_a_change_to_the_generated_part_is_noticed(profile: RtcProfile, data: An
     number = data.draw(st.sampled_from(places))
     lines[number] += "  # mine"
     merged = merge("\n".join(lines), file.text, has_regions=True)
-    assert merged.fate is Fate.CONFLICT
+    assert merged.assignment is MergeOutcome.CONFLICT
     assert merged.line == number + 1

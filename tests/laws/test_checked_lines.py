@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtkit.property.checked import QUIET_S, CheckedReplies, CheckedRequests, frame, unframe
-from rtkit.property.line import Asked, write_answer, write_request
+from rtkit.property.line import LineRequest, write_answer, write_request
 from rtkit.property.messages import Answer
 
 PAYLOADS = st.text() | st.binary()
@@ -49,7 +49,7 @@ def test_requests_and_replies_in_pieces(payload: str | bytes, cuts: list[int]) -
             rest = rest[cut:]
         reader.feed(rest)
     asked = requests.next()
-    assert isinstance(asked, Asked)
+    assert isinstance(asked, LineRequest)
     assert (asked.id, asked.target, asked.payload) == ("x1", "any", payload)
     while isinstance(told := replies.next(), bytes):
         assert told == b""
@@ -65,7 +65,7 @@ def test_what_is_in_a_value_is_never_a_request(inside: bytes) -> None:
     line = frame(write_request("any", payload))
     requests.feed(frame(b"GET any\n"))
     requests.feed(line[5:])
-    assert requests.next() == Asked("", "any", None)
+    assert requests.next() == LineRequest("", "any", None)
     refused = requests.next()
     assert refused is not None
     assert refused.error is not None
@@ -98,4 +98,4 @@ def test_bytes_that_nobody_can_place_are_not_taken_for_requests() -> None:
         assert requests.next() is None
     now[0] += QUIET_S * 1.1
     requests.feed(b"GET motor\n")
-    assert requests.next() == Asked("", "motor", None)
+    assert requests.next() == LineRequest("", "motor", None)

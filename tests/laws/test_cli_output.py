@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from rtkit.cli import _out
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.profiles import (
     ConnectorProfile,
@@ -46,8 +46,8 @@ LINES = (
 
 
 @st.composite
-def worlds(draw: st.DrawFn) -> World:
-    world = World(host="box")
+def worlds(draw: st.DrawFn) -> FakeManager:
+    world = FakeManager(host="box")
     identity = draw(st.builds(TypeProfile, TEXT, TEXT, TEXT, TEXT, TEXT, TEXT))
     interface = PortInterfaceProfile(draw(TEXT), draw(TEXT), Polarity.PROVIDED)
     ports = (
@@ -86,7 +86,7 @@ def worlds(draw: st.DrawFn) -> World:
 @pytest.mark.parametrize("is_coloured", [False, True])
 @given(world=worlds())
 @settings(deadline=None, max_examples=60)
-def test_terminals_get_printable_lines(is_coloured: bool, world: World) -> None:
+def test_terminals_get_printable_lines(is_coloured: bool, world: FakeManager) -> None:
     had_colour = _out.has_colour
     _out.has_colour = lambda: is_coloured
     try:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from rtkit.component import Component, Parameter
-from rtkit.component.lifecycle import TABLE, Event
+from rtkit.component.lifecycle import TABLE, LifeCycleEvent
 from rtkit.component.period import NANOSECONDS, Period
 from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
 
@@ -173,7 +173,7 @@ def test_every_state_can_be_reached_and_left():
         reached |= frontier
         frontier = {new for old in frontier for new in TABLE[old].values()} - reached
     assert reached == set(LifeCycleState)
-    assert {event for row in TABLE.values() for event in row} == set(Event)
+    assert {event for row in TABLE.values() for event in row} == set(LifeCycleEvent)
 
 
 @given(

@@ -13,11 +13,11 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.check import deviations
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.goal import Goal
-from rtkit.deployment.live import Live
-from rtkit.deployment.planning.whole import judge
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.planning.reference_model import judge
 from rtkit.deployment.wanted import wanted
-from rtkit.deployment.world import World
 from rtkit.errors import RtkitError
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
@@ -26,12 +26,14 @@ from rtkit.tree.fake import fake_tree
 few = settings(max_examples=20, deadline=None)
 
 
-def goal_of(world: World, profile, state=ACTIVE, parallel=0) -> Goal:
+def goal_of(world: FakeManager, profile, state=ACTIVE, parallel=0) -> DeploymentGoal:
     stand_ins = {c.instance for c in world.components.values() if c.is_stand_in}
-    return Goal(wanted(profile, world.host, stand_ins=stand_ins), state, parallel=parallel)
+    return DeploymentGoal(
+        wanted(profile, world.host, stand_ins=stand_ins), state, parallel=parallel
+    )
 
 
-def reach(world: World, goal: Goal, *, rolls_back: bool = False) -> list[str]:
+def reach(world: FakeManager, goal: DeploymentGoal, *, rolls_back: bool = False) -> list[str]:
     """Plan and apply; return the steps that were told."""
     tree = fake_tree(world)
     before = tree.snapshot()
@@ -42,7 +44,7 @@ def reach(world: World, goal: Goal, *, rolls_back: bool = False) -> list[str]:
     return done
 
 
-def attempt(world: World, goal: Goal, *, rolls_back: bool = False) -> str:
+def attempt(world: FakeManager, goal: DeploymentGoal, *, rolls_back: bool = False) -> str:
     """Return what is told when the goal is not reached; empty when it is."""
     try:
         reach(world, goal, rolls_back=rolls_back)
@@ -51,13 +53,13 @@ def attempt(world: World, goal: Goal, *, rolls_back: bool = False) -> str:
     return ""
 
 
-def is_left(world: World, goal: Goal) -> bool:
+def is_left(world: FakeManager, goal: DeploymentGoal) -> bool:
     return bool(goal.plan(world.snapshot()).moves)
 
 
-def differs(world: World, goal: Goal) -> list[str]:
+def differs(world: FakeManager, goal: DeploymentGoal) -> list[str]:
     """Return what deviates but for sets and parameters that a type does not have."""
-    live = Live(world.snapshot(), goal.system)
+    live = LiveIndex(world.snapshot(), goal.system)
     found = deviations(goal.system, live, goal.state)
     return [d.text for d in found if d.kind not in ("parameter", "active-set")]
 
@@ -107,7 +109,7 @@ def test_one_system_becomes_another(first, second):
     assert ended <= moved
 
 
-def is_elsewhere(world: World, component) -> bool:
+def is_elsewhere(world: FakeManager, component) -> bool:
     facts = world.components.get(component.instance)
     place = component.create.partition("manager_name=")[2].partition("&")[0] or world.manager
     return facts is not None and facts.process != place
@@ -202,7 +204,7 @@ def test_steps_that_fail_activate_nothing_before_what_it_needs(
     assert not is_left(world, goal)
 
 
-def lacking_at_activations(world: World, goal: Goal) -> list[list[str]]:
+def lacking_at_activations(world: FakeManager, goal: DeploymentGoal) -> list[list[str]]:
     """Return a list to which is added what each activation lacks at the moment that it begins."""
     begun: list[list[str]] = []
     perform = world.perform
@@ -216,8 +218,8 @@ def lacking_at_activations(world: World, goal: Goal) -> list[list[str]]:
     return begun
 
 
-def lacking(world: World, goal: Goal, instance: str) -> list[str]:
-    live = Live(world.snapshot(), goal.system)
+def lacking(world: FakeManager, goal: DeploymentGoal, instance: str) -> list[str]:
+    live = LiveIndex(world.snapshot(), goal.system)
     path = goal.system.component(instance).path
     found = deviations(goal.system, live, goal.state)
     return [d.text for d in found if path in d.path.split() and d.kind == "connection"]

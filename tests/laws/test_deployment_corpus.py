@@ -7,16 +7,16 @@ from collections.abc import Mapping
 
 import pytest
 
-from rtkit.deployment.capture import Heading, capture
+from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import Live
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.stated import Stated, stated
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.wiring import wiring_plan
-from rtkit.deployment.world import World
 from rtkit.profile.read import read_rts
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.write import write_rts
@@ -26,7 +26,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 FOLDER = os.path.join(os.path.dirname(ROOT), "shared", "corpus", "rts")
 FILES = sorted(os.listdir(FOLDER)) if os.path.isdir(FOLDER) else []
 needs_corpus = pytest.mark.skipif(not FILES, reason="corpus absent")
-HEADING = Heading("2025-01-01T00:00:00")
+HEADING = SystemHeading("2025-01-01T00:00:00")
 
 
 def read(name: str) -> RtsProfile:
@@ -34,10 +34,10 @@ def read(name: str) -> RtsProfile:
         return read_rts(stream.read(), name).profile
 
 
-def bring_up(world: World, profile: RtsProfile, **how: bool) -> None:
+def bring_up(world: FakeManager, profile: RtsProfile, **how: bool) -> None:
     system = wanted(profile, world.host, **how)
     for plan_for in (creation_plan, wiring_plan):
-        plan = plan_for(system, Live(world.snapshot(), system))
+        plan = plan_for(system, LiveIndex(world.snapshot(), system))
         for action, _ in merged(plan.steps):
             assert world.perform(action).ok, action
         assert not [step.blocked for step in plan.steps if step.blocked]
@@ -64,15 +64,15 @@ def test_the_corpus_is_there():
 @pytest.mark.parametrize("name", FILES or ["none"])
 def test_from_file_to_world_and_back(name):
     profile = read(name)
-    world = World()
+    world = FakeManager()
     bring_up(world, profile, stand_in=True)
     system = wanted(profile, world.host)
     for plan_for, state in ((start_plan, "ACTIVE"), (stop_plan, "INACTIVE")):
-        plan = plan_for(system, Live(world.snapshot(), system))
+        plan = plan_for(system, LiveIndex(world.snapshot(), system))
         assert not any(check.failure for check in plan.checks)
         for action, _ in merged(plan.steps):
             assert world.perform(action).ok, action
-        live = Live(world.snapshot(), system)
+        live = LiveIndex(world.snapshot(), system)
         assert list(deviations(system, live, LifeCycleState[state])) == []
     saved = capture(world.snapshot(), HEADING, takes_all=True)
     first, second = stated(profile), stated(saved)
@@ -82,17 +82,17 @@ def test_from_file_to_world_and_back(name):
         assert component._replace(data_ports=ports) == first.components[instance]
     assert first.components.keys() == second.components.keys()
     assert first.connectors == second.connectors
-    assert list(creation_plan(system, Live(world.snapshot(), system)).steps) == []
-    plan = teardown_plan(system, Live(world.snapshot(), system), ends_components=True)
+    assert list(creation_plan(system, LiveIndex(world.snapshot(), system)).steps) == []
+    plan = teardown_plan(system, LiveIndex(world.snapshot(), system), ends_components=True)
     for action, _ in merged(plan.steps):
         assert world.perform(action).ok, action
-    assert world.snapshot() == World().snapshot()
+    assert world.snapshot() == FakeManager().snapshot()
 
 
 @needs_corpus
 @pytest.mark.parametrize("name", FILES or ["none"])
 def test_what_was_saved_resurrects_by_itself(name):
-    world, again = World(), World()
+    world, again = FakeManager(), FakeManager()
     bring_up(world, read(name), stand_in=True)
     saved = capture(world.snapshot(), HEADING, takes_all=True)
     reading = read_rts(write_rts(saved), name, strict=True)

@@ -14,13 +14,13 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.check import deviations, surplus
 from rtkit.deployment.extension import policy_in
-from rtkit.deployment.goal import Goal
-from rtkit.deployment.live import Live
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.wanted import wanted
-from rtkit.deployment.world import World
 from rtkit.errors import RtkitError
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortRef, TypeProfile
@@ -56,35 +56,38 @@ DRIFTS = st.lists(
 )
 
 
-def new_world() -> World:
+def new_world() -> FakeManager:
     world = make_world()
     world.types["Other"] = OTHER
     return world
 
 
 def one_component() -> rts.RtsProfile:
-    made = rts.Component(
+    made = rts.ComponentInstance(
         "RTC:::Node:",
         "localhost/A.rtc",
         "A",
-        execution_contexts=(rts.ExecutionContext("0", "PERIODIC", 10.0),),
-        properties=(Property("rtkit.create", "Node"), Property("rtkit.restart", "always")),
+        execution_contexts=(rts.OwnedContext("0", "PERIODIC", 10.0),),
+        properties=(
+            ExtensionProperty("rtkit.create", "Node"),
+            ExtensionProperty("rtkit.restart", "always"),
+        ),
     )
     return rts.RtsProfile("RTSystem:a:b:1", "0.2", DATE, DATE, components=(made,))
 
 
-def goal_of(world: World, profile: rts.RtsProfile) -> Goal:
-    return Goal(wanted(profile, world.host), replaces=True, prunes=True)
+def goal_of(world: FakeManager, profile: rts.RtsProfile) -> DeploymentGoal:
+    return DeploymentGoal(wanted(profile, world.host), replaces=True, prunes=True)
 
 
-def reach(world: World, goal: Goal, *, rolls_back: bool = False) -> None:
+def reach(world: FakeManager, goal: DeploymentGoal, *, rolls_back: bool = False) -> None:
     tree = fake_tree(world)
     before = tree.snapshot()
     applier = Applier(tree, goal, lambda _: None, lambda _: None)
     applier.run(goal.plan(before), before, rolls_back=rolls_back)
 
 
-def attempt(world: World, goal: Goal, *, rolls_back: bool = False) -> str:
+def attempt(world: FakeManager, goal: DeploymentGoal, *, rolls_back: bool = False) -> str:
     """Return what is told when the goal is not reached; empty when it is."""
     try:
         reach(world, goal, rolls_back=rolls_back)
@@ -93,15 +96,15 @@ def attempt(world: World, goal: Goal, *, rolls_back: bool = False) -> str:
     return ""
 
 
-def found(world: World, goal: Goal) -> list[str]:
+def found(world: FakeManager, goal: DeploymentGoal) -> list[str]:
     """Return what a check finds, and what there is besides that a prune removes."""
-    live = Live(world.snapshot(), goal.system)
+    live = LiveIndex(world.snapshot(), goal.system)
     besides = (s for s in surplus(goal.system, live) if s.kind in ("component", "connection"))
     differing = deviations(goal.system, live, LifeCycleState.ACTIVE)
     return [each.text for each in (*differing, *besides)]
 
 
-def drift(world: World, drifts: list[Drift]) -> None:
+def drift(world: FakeManager, drifts: list[Drift]) -> None:
     for each in drifts:
         disturb(world, list(each))
 
@@ -161,7 +164,7 @@ def test_after_a_failure_the_way_back_leads_to_the_drift_that_was(profile, drift
         assert essence(world) == before
 
 
-def essence(world: World) -> dict[str, object]:
+def essence(world: FakeManager) -> dict[str, object]:
     """Return what a way back restores of each component that lives, and the connections."""
     parts: dict[str, object] = {
         name: (

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtkit.deployment.actions import ChangeState, Result
-from rtkit.deployment.conditions import Condition, Target, sequence_of
-from rtkit.deployment.execution import Execution
-from rtkit.deployment.plan import Step
-from rtkit.deployment.turns import StartPlan, Turn, arrange, expected_order
-from rtkit.deployment.watch import Watched
+from rtkit.deployment.conditions import OrderTarget, StartCondition, sequence_of
+from rtkit.deployment.execution import StartExecution
+from rtkit.deployment.plan import PlannedAction
+from rtkit.deployment.start_schedule import ScheduledAction, StartPlan, arrange, expected_order
+from rtkit.deployment.watch import WatchedComponent
 from rtkit.rtc.enums import ReturnCode, Transition
 
 NO = Result(ReturnCode.ERROR, "refused", "no luck")
@@ -31,28 +31,28 @@ def plans(draw: st.DrawFn) -> StartPlan:
     count = draw(st.integers(1, 7))
     order = draw(st.permutations(range(count)))
     times = st.sampled_from([0, 0, 1, 10, 50, 200])
-    orders: dict[Target, tuple[Condition, ...]] = {}
+    orders: dict[OrderTarget, tuple[StartCondition, ...]] = {}
     for place, number in enumerate(order):
         entries = []
         for _ in range(draw(st.integers(0, 3))):
             sequence = draw(st.integers(0, 3))
             if place and draw(st.booleans()):
-                first = Target(str(order[draw(st.integers(0, place - 1))]), 0)
-                entries.append(Condition(sequence, 0, first, draw(st.booleans()), draw(times)))
+                first = OrderTarget(str(order[draw(st.integers(0, place - 1))]), 0)
+                entries.append(StartCondition(sequence, 0, first, draw(st.booleans()), draw(times)))
             else:
-                entries.append(Condition(sequence, draw(times)))
-        orders[Target(str(number), 0)] = tuple(entries)
+                entries.append(StartCondition(sequence, draw(times)))
+        orders[OrderTarget(str(number), 0)] = tuple(entries)
     transition = draw(transitions)
     turns = [turn(draw, str(number), transition) for number in range(count)]
     return arrange(transition, turns, orders)
 
 
-def turn(draw: st.DrawFn, name: str, transition: Transition) -> Turn:
+def turn(draw: st.DrawFn, name: str, transition: Transition) -> ScheduledAction:
     is_required = transition is Transition.ACTIVATE and draw(st.booleans())
     is_blocked = draw(st.integers(0, 5)) == 0
     action = None if is_blocked else ChangeState(name, "0", transition)
-    step = Step(name, action, is_required, "missing" if is_blocked else "")
-    return Turn(Target(name, 0), name, Watched(name, "0"), step)
+    step = PlannedAction(name, action, is_required, "missing" if is_blocked else "")
+    return ScheduledAction(OrderTarget(name, 0), name, WatchedComponent(name, "0"), step)
 
 
 class Behaviour(NamedTuple):
@@ -81,20 +81,20 @@ class Simulation:
     ) -> None:
         self.plan = plan
         self.now = 0.0
-        self.execution = Execution(plan, 0.0, timeout_s, PATIENCE_S)
+        self.execution = StartExecution(plan, 0.0, timeout_s, PATIENCE_S)
         goal = plan.transition is Transition.ACTIVATE
         self.goal, before = ("Active", "Inactive") if goal else ("Inactive", "Active")
         self.states = {turn.target: before for turn in plan.turns}
         self.behaviours = behaviours
-        self.begun: dict[Target, float] = {}
-        self.answers: dict[Target, tuple[float, bool]] = {}
+        self.begun: dict[OrderTarget, float] = {}
+        self.answers: dict[OrderTarget, tuple[float, bool]] = {}
         self.reports: list[str] = []
         self.armed_at = FAR
-        self.unmet: dict[tuple[int, Condition], float] = {}
+        self.unmet: dict[tuple[int, StartCondition], float] = {}
         self._numbers = iter(range(10_000))
         self._events: list[tuple[float, int, object]] = []
         for moment, number, state in disturbed:
-            self.later(moment, (Target(str(number), 0), state))
+            self.later(moment, (OrderTarget(str(number), 0), state))
 
     def later(self, moment: float, event: object) -> None:
         heapq.heappush(self._events, (moment, next(self._numbers), event))
@@ -136,7 +136,7 @@ class Simulation:
             self.happen(heapq.heappop(self._events)[2])
 
     def happen(self, event: object) -> None:
-        if isinstance(event, Turn):
+        if isinstance(event, ScheduledAction):
             is_good = self.behaviours[int(event.target.instance)].is_good
             self.answers[event.target] = (self.now, is_good)
             self.execution.answered(event, Result() if is_good else NO, self.now)
@@ -147,7 +147,7 @@ class Simulation:
             if target in self.states:
                 self.states[target] = state
 
-    def check(self, turn: Turn, watched: Mapping[Target, str]) -> None:
+    def check(self, turn: ScheduledAction, watched: Mapping[OrderTarget, str]) -> None:
         """Judge the beginning of an action by the meaning of its conditions."""
         assert turn.step.action is not None
         assert turn.target not in self.begun
@@ -187,7 +187,7 @@ class Simulation:
                     assert bool(self.execution.failure) or not is_late
         self.unmet = unmet
 
-    def is_met(self, condition: Condition) -> bool:
+    def is_met(self, condition: StartCondition) -> bool:
         first = condition.preceding
         if first is None:
             return True
@@ -196,7 +196,7 @@ class Simulation:
         is_over = first not in {turn.target for turn in self.execution.waiting}
         return first in self.begun or (is_over and self.goal != "Active")
 
-    def failures(self) -> Iterator[Turn]:
+    def failures(self) -> Iterator[ScheduledAction]:
         """Yield the actions that went wrong by themselves."""
         for turn in self.plan.turns:
             answer = self.answers.get(turn.target)
@@ -242,12 +242,17 @@ def test_a_bound_on_the_whole_is_kept(simulation, timeout_s):
 @settings(max_examples=200, deadline=None)
 def test_when_all_goes_well_all_is_done_as_expected(plan):
     turns = [
-        Turn(t.target, t.name, t.watched, Step(t.name, ChangeState(t.name, "0", plan.transition)))
+        ScheduledAction(
+            t.target,
+            t.name,
+            t.watched,
+            PlannedAction(t.name, ChangeState(t.name, "0", plan.transition)),
+        )
         for t in sorted(plan.turns, key=lambda turn: turn.target)
     ]
     patient = {
         t.target: tuple(
-            Condition(c.sequence, c.wait_ms, c.preceding, c.is_sync) for c in t.conditions
+            StartCondition(c.sequence, c.wait_ms, c.preceding, c.is_sync) for c in t.conditions
         )
         for t in plan.turns
     }

@@ -11,21 +11,21 @@ from systems import ACTIVE, INACTIVE, INSTANCES, disturb, disturbances, make_wor
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.capture import Heading, capture
+from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.check import deviations
-from rtkit.deployment.goal import Goal
-from rtkit.deployment.joint import homes_in
-from rtkit.deployment.live import Live
-from rtkit.deployment.planning.whole import judge
-from rtkit.deployment.runner import Runner
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.multi_manager import homes_in
+from rtkit.deployment.planning.reference_model import judge
+from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import RtkitError, Unreachable
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import ReturnCode
 from rtkit.tree.fake import fake_tree
-from rtkit.tree.fleet import Fleet
+from rtkit.tree.manager_set import ManagerSet
 from rtkit.tree.resurrect import resurrect
 from rtkit.tree.start import Starter
 
@@ -72,7 +72,7 @@ class Managers:
 
     def fleet(self):
         trees = {name: fake_tree(world) for name, world in self.worlds.items()}
-        return Fleet(NAMES, trees, self.homes)
+        return ManagerSet(NAMES, trees, self.homes)
 
     def snapshot(self):
         return self.fleet().snapshot()
@@ -80,7 +80,7 @@ class Managers:
     def goal(self, profile, state=ACTIVE, ranks=None):
         stand_ins = {c.instance for c in self.snapshot().components if c.is_stand_in}
         system = wanted(profile, "box", stand_ins=stand_ins, managers=NAMES[1:])
-        return Goal(system, state, ranks=ranks or {})
+        return DeploymentGoal(system, state, ranks=ranks or {})
 
     def reach(self, goal, *, rolls_back=False):
         fleet = self.fleet()
@@ -93,7 +93,7 @@ class Managers:
     def check(self, goal):
         """All is as wanted, where it is wanted, and there is nothing left to do."""
         now = self.snapshot()
-        live = Live(now, goal.system)
+        live = LiveIndex(now, goal.system)
         found = deviations(goal.system, live, goal.state)
         assert [d.text for d in found if d.kind not in ("parameter", "active-set")] == []
         assert homes_in(now).items() >= self.homes.items()
@@ -107,12 +107,12 @@ class Managers:
 def plain_profile(homes):
     """Return four components without connections."""
     made = tuple(
-        rts.Component(
+        rts.ComponentInstance(
             "RTC:::Node:",
             f"localhost/{name}.rtc",
             name,
-            execution_contexts=(rts.ExecutionContext("0", "PERIODIC", 10.0),),
-            properties=(Property("rtkit.create", "Node"),),
+            execution_contexts=(rts.OwnedContext("0", "PERIODIC", 10.0),),
+            properties=(ExtensionProperty("rtkit.create", "Node"),),
         )
         for name in homes
     )
@@ -153,7 +153,7 @@ def test_what_is_saved_of_it_is_wanted_again_as_it_is(drawn):
     profile, homes = drawn
     managers = Managers(homes)
     managers.reach(managers.goal(profile))
-    saved = capture(managers.snapshot(), Heading("2025-01-01T00:00:00"), takes_all=True)
+    saved = capture(managers.snapshot(), SystemHeading("2025-01-01T00:00:00"), takes_all=True)
     goal = managers.goal(saved)
     assert {c.instance: c.manager or NAMES[0] for c in goal.system.components} == homes
     managers.check(goal)
@@ -271,17 +271,17 @@ def test_the_commands_of_one_purpose_lead_where_plans_lead(drawn):
     goal = by_plan.goal(profile)
     by_plan.reach(goal)
     fleet = by_commands.fleet()
-    resurrect(fleet, goal.system, fleet.snapshot(), Runner(fleet, silent))
+    resurrect(fleet, goal.system, fleet.snapshot(), PlanRunner(fleet, silent))
     Starter(
-        fleet, start_plan(goal.system, Live(fleet.snapshot(), goal.system)), silent, silent
+        fleet, start_plan(goal.system, LiveIndex(fleet.snapshot(), goal.system)), silent, silent
     ).run()
     by_commands.check(goal)
     Starter(
-        fleet, stop_plan(goal.system, Live(fleet.snapshot(), goal.system)), silent, silent
+        fleet, stop_plan(goal.system, LiveIndex(fleet.snapshot(), goal.system)), silent, silent
     ).run()
     by_commands.check(by_commands.goal(profile, INACTIVE))
-    live = Live(fleet.snapshot(), goal.system)
-    Runner(fleet, silent).run(teardown_plan(goal.system, live, ends_components=True))
+    live = LiveIndex(fleet.snapshot(), goal.system)
+    PlanRunner(fleet, silent).run(teardown_plan(goal.system, live, ends_components=True))
     assert not any(world.components for world in by_commands.worlds.values())
 
 

@@ -9,17 +9,17 @@ from systems import ACTIVE, INACTIVE, by_key, disturb, disturbances, make_world,
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.capture import Heading, capture
+from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.check import deviations
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import Live
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
-from rtkit.deployment.runner import Runner
+from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
-from rtkit.deployment.system import System
+from rtkit.deployment.system import WantedSystem
 from rtkit.deployment.wanted import wanted
 from rtkit.deployment.wiring import wiring_plan
-from rtkit.deployment.world import World
 from rtkit.errors import Refused
 from rtkit.profile import rts_model as rts
 from rtkit.rtc.enums import ReturnCode
@@ -29,26 +29,26 @@ from rtkit.tree.resurrect import resurrect
 few = settings(max_examples=40, deadline=None)
 
 
-def bring_up(world: World, profile: rts.RtsProfile) -> tuple[System, list[str]]:
+def bring_up(world: FakeManager, profile: rts.RtsProfile) -> tuple[WantedSystem, list[str]]:
     """Bring the system up through the real client, all checks included; return what it told."""
     tree = fake_tree(world)
     before = tree.snapshot()
     system = wanted(profile, world.host)
     told: list[str] = []
-    resurrect(tree, system, before, Runner(tree, told.append))
+    resurrect(tree, system, before, PlanRunner(tree, told.append))
     return system, told
 
 
-def reach(world: World, profile: rts.RtsProfile) -> System:
+def reach(world: FakeManager, profile: rts.RtsProfile) -> WantedSystem:
     """Bring the system up; only sets and parameters that a type does not have may be missing."""
     system, told = bring_up(world, profile)
     assert all("No such configuration" in line for line in told), told
     return system
 
 
-def rest(world: World, system: System) -> list[str]:
+def rest(world: FakeManager, system: WantedSystem) -> list[str]:
     """Return what a further plan would still do."""
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     steps = (*creation_plan(system, live).steps, *wiring_plan(system, live).steps)
     return [step.text for step in steps if step.action is not None]
 
@@ -59,7 +59,7 @@ def test_from_nothing_the_goal_is_reached_and_a_second_plan_is_empty(profile):
     world = make_world()
     system = reach(world, profile)
     assert rest(world, system) == []
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     assert not [d for d in deviations(system, live, INACTIVE) if d.kind != "parameter"]
 
 
@@ -80,7 +80,7 @@ def test_start_check_stop_teardown(profile):
     system = reach(world, profile)
 
     def run(plan_for):
-        plan = plan_for(system, Live(world.snapshot(), system))
+        plan = plan_for(system, LiveIndex(world.snapshot(), system))
         assert not any(step.blocked for step in plan.steps)
         assert all(world.perform(action).ok for action, _ in merged(plan.steps))
 
@@ -124,7 +124,7 @@ def test_a_failed_or_interrupted_run_leaves_no_trace(profile, disturbances, when
 def test_saved_and_brought_up_again_is_the_same(profile):
     world, again = make_world(), make_world()
     reach(world, profile)
-    heading = Heading("2025-01-01T00:00:00")
+    heading = SystemHeading("2025-01-01T00:00:00")
     saved = capture(world.snapshot(), heading, takes_all=True)
     reach(again, saved)
     assert capture(again.snapshot(), heading, takes_all=True) == saved
@@ -139,7 +139,7 @@ def test_a_check_finds_just_what_a_plan_would_change(state, profile, disturbance
     world = make_world()
     system = reach(world, profile)
     disturb(world, disturbances)
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     kinds = {d.kind for d in deviations(system, live, state)} - {"state"}
     changes = {
         step.text.split()[0] + step.text.split()[1]

@@ -10,29 +10,36 @@ from systems import INSTANCES, disturb, disturbances, make_world, profiles
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.goal import Goal
-from rtkit.deployment.states.wishes import Wish, variant
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.states.variants import StateDifference, variant
 from rtkit.deployment.wanted import wanted
-from rtkit.deployment.world import World
 from rtkit.tree.fake import fake_tree
 
 few = settings(max_examples=25, deadline=None)
 systems = profiles(stand_ins=False)
 names = st.sampled_from(["*", *INSTANCES])
 wish = st.one_of(
-    st.builds(Wish, names, st.just(""), st.sampled_from(["Active", "Inactive", "Absent", "Any"])),
-    st.builds(Wish, st.sampled_from(INSTANCES), st.just(".a"), st.sampled_from(["0", "1", "7"])),
-    st.builds(Wish, st.sampled_from(INSTANCES), st.just("active_set"), st.just("fast")),
+    st.builds(
+        StateDifference,
+        names,
+        st.just(""),
+        st.sampled_from(["Active", "Inactive", "Absent", "Any"]),
+    ),
+    st.builds(
+        StateDifference, st.sampled_from(INSTANCES), st.just(".a"), st.sampled_from(["0", "1", "7"])
+    ),
+    st.builds(StateDifference, st.sampled_from(INSTANCES), st.just("active_set"), st.just("fast")),
 )
 states = st.lists(st.lists(wish, max_size=4), min_size=2, max_size=3)
 
 
-def goal_in(goal: Goal, wished: list[Wish]) -> Goal:
+def goal_in(goal: DeploymentGoal, wished: list[StateDifference]) -> DeploymentGoal:
     made = variant(goal.system, wished)
     return replace(goal, system=made.system, states=made.states, absent=made.absent)
 
 
-def lead(world: World, goal: Goal) -> None:
+def lead(world: FakeManager, goal: DeploymentGoal) -> None:
     tree = fake_tree(world)
     before = tree.snapshot()
     Applier(tree, goal, lambda _: None, lambda _: None).run(goal.plan(before), before)
@@ -42,7 +49,7 @@ def lead(world: World, goal: Goal) -> None:
 @few
 def test_every_state_is_reached_from_every_other_and_then_holds(profile, told, way, others):
     world = make_world()
-    usual = Goal(wanted(profile, world.host))
+    usual = DeploymentGoal(wanted(profile, world.host))
     goals = [goal_in(usual, wished) for wished in told]
     for number, index in enumerate(way):
         goal = goals[index % len(goals)]
@@ -63,7 +70,7 @@ def test_every_state_is_reached_from_every_other_and_then_holds(profile, told, w
 @few
 def test_what_two_states_wish_alike_is_not_touched(profile, told):
     world = make_world()
-    usual = Goal(wanted(profile, world.host))
+    usual = DeploymentGoal(wanted(profile, world.host))
     one, other = (variant(usual.system, wished) for wished in told[:2])
     goals = [goal_in(usual, wished) for wished in told[:2]]
     lead(world, goals[0])

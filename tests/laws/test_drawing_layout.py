@@ -17,19 +17,19 @@ from rtkit.drawing.scene import (
     RIGHT,
     SERVICE,
     Box,
-    End,
-    Port,
+    PortPin,
     Scene,
     Wire,
+    WireEnd,
     box_size,
     port_offset,
 )
 from rtkit.drawing.sides import with_sides
 
 PORTS = {
-    IN: Port("in", LEFT, IN),
-    OUT: Port("a longer name", RIGHT, OUT),
-    SERVICE: Port("service", LEFT, SERVICE),
+    IN: PortPin("in", LEFT, IN),
+    OUT: PortPin("a longer name", RIGHT, OUT),
+    SERVICE: PortPin("service", LEFT, SERVICE),
 }
 
 
@@ -41,9 +41,9 @@ def scenes(draw: st.DrawFn) -> Scene:
         Box(f"Box{index}", "Type", tuple(PORTS[kind] for kind in sorted(listed)))
         for index, listed in enumerate(layouts)
     )
-    ends = [End(b, p) for b, box in enumerate(boxes) for p in range(len(box.ports))]
+    ends = [WireEnd(b, p) for b, box in enumerate(boxes) for p in range(len(box.ports))]
 
-    def of_kind(kind: str) -> list[End]:
+    def of_kind(kind: str) -> list[WireEnd]:
         return [end for end in ends if boxes[end.box].ports[end.port].kind == kind]
 
     wires: list[Wire] = []
@@ -58,7 +58,7 @@ def scenes(draw: st.DrawFn) -> Scene:
     return with_sides(Scene(boxes, tuple(wires)))
 
 
-def place_of(scene: Scene, layout: Layout, end: End) -> Point:
+def place_of(scene: Scene, layout: Layout, end: WireEnd) -> Point:
     box = scene.boxes[end.box]
     x, y = layout.places[end.box]
     is_right = box.ports[end.port].side == RIGHT

@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_to_text
-from rtkit.deployment.world import World
 from rtkit.errors import Refused
-from rtkit.manager.following.attendant import Attendant
 from rtkit.manager.following.own_site import Ended
+from rtkit.manager.following.worker import FollowingWorker
 from rtkit.tree.fake import fake_tree
 
 STATES = statekit.robot()
@@ -28,7 +28,7 @@ class Dying:
 
     is_over = False
 
-    def __init__(self, world: World, calls: int | None) -> None:
+    def __init__(self, world: FakeManager, calls: int | None) -> None:
         self.world = world
         self.left = calls
         self.changed: Callable[[], object] = lambda: None
@@ -74,7 +74,7 @@ class Dying:
         pass
 
 
-def live(world: World, kept: list[Followed], calls: int | None) -> None:
+def live(world: FakeManager, kept: list[Followed], calls: int | None) -> None:
     """Live one life of a manager, from what is kept to the given call."""
     site = Dying(world, calls)
 
@@ -83,12 +83,12 @@ def live(world: World, kept: list[Followed], calls: int | None) -> None:
         kept.append(told)
         site._count()
 
-    attendant = Attendant(TEXT, kept[-1], site, say, lambda _lines: None)
-    site.changed = attendant.changed
-    attendant.run()
+    worker = FollowingWorker(TEXT, kept[-1], site, say, lambda _lines: None)
+    site.changed = worker.changed
+    worker.run()
 
 
-def lead(world: World, state: str) -> None:
+def lead(world: FakeManager, state: str) -> None:
     tree, goal = fake_tree(world), STATES.goal(state)
     before = tree.snapshot()
     Applier(tree, goal, lambda _: None, lambda _: None).run(goal.plan(before), before)

@@ -21,15 +21,15 @@ from rtkit.idl.model import (
     ArrayOf,
     Basic,
     Definitions,
-    Enumeration,
+    EnumDeclaration,
     Field,
-    Interface,
+    InterfaceDeclaration,
     Named,
     Operation,
-    Parameter,
+    OperationParameter,
     Path,
     SequenceOf,
-    Struct,
+    StructDeclaration,
     Type,
     Typedef,
 )
@@ -80,16 +80,16 @@ def definitions(draw: Any) -> list[Any]:
         taken.add(path)
         kind = draw(st.sampled_from(["struct", "struct", "enum", "typedef", "interface"]))
         if kind == "struct":
-            made.append(Struct(path, place, members(draw, values)))
+            made.append(StructDeclaration(path, place, members(draw, values)))
         elif kind == "typedef":
             made.append(Typedef(path, place, types(draw, values)))
         elif kind == "enum":
             words = [f"{path[-1]}_{n}" for n in range(draw(st.integers(1, 3)))]
-            made.append(Enumeration(path, place, tuple(words)))
+            made.append(EnumDeclaration(path, place, tuple(words)))
         else:
             names = draw(st.lists(st.sampled_from(NAMES), min_size=1, max_size=3, unique=True))
             made.append(
-                Interface(
+                InterfaceDeclaration(
                     path, place, operations=tuple(operation(draw, name, values) for name in names)
                 )
             )
@@ -101,7 +101,7 @@ def definitions(draw: Any) -> list[Any]:
 def operation(draw: Any, name: str, known: list[Path]) -> Operation:
     names = draw(st.lists(st.sampled_from(NAMES), max_size=3, unique=True))
     ways = st.sampled_from(["in", "out", "inout"])
-    given_ = tuple(Parameter(draw(ways), each, types(draw, known)) for each in names)
+    given_ = tuple(OperationParameter(draw(ways), each, types(draw, known)) for each in names)
     result = types(draw, known) if draw(st.booleans()) else None
     return Operation(name, result, given_)
 
@@ -119,9 +119,9 @@ def _inside(module: Path, text: str) -> str:
 
 def _text(each: Any) -> str:
     name = f"_{each.path[-1]}"
-    if isinstance(each, Struct):
+    if isinstance(each, StructDeclaration):
         return f"struct {name} {{ {' '.join(map(_member, each.fields))} }};"
-    if isinstance(each, Enumeration):
+    if isinstance(each, EnumDeclaration):
         return f"enum {name} {{ {', '.join(each.members)} }};"
     if isinstance(each, Typedef):
         return f"typedef {_type(each.type)} {name};"
@@ -176,10 +176,10 @@ def test_what_is_read_becomes_python_that_is_carried(declarations: list[Any]) ->
         exec(compile(text, "law_idl.py", "exec"), module.__dict__)
         for path, each in found.by_path.items():
             made = getattr(module, code.name(path))
-            if isinstance(each, Struct):
+            if isinstance(each, StructDeclaration):
                 codec = codec_for(made)
                 assert codec.decode(codec.encode(made())) == made()
-            elif isinstance(each, Interface):
+            elif isinstance(each, InterfaceDeclaration):
                 assert len(Read(made).methods) == len(each.operations)
     finally:
         del sys.modules["law_idl"]

@@ -126,7 +126,7 @@ class CoreMachine(RuleBasedStateMachine):
     @rule(really=st.integers(0, 4))
     def hurry(self, really):
         if not really:
-            self.shell.feed(ev.StopAsked(is_urgent=True))
+            self.shell.feed(ev.StopRequested(is_urgent=True))
 
     # time
 
@@ -184,13 +184,13 @@ class CoreMachine(RuleBasedStateMachine):
 
     @rule(why=st.sampled_from(["", "the zygote ended"]))
     def bar(self, why):
-        self.shell.feed(ev.BirthsBarred(why))
+        self.shell.feed(ev.SpawnDisabled(why))
 
     @precondition(lambda self: self.slaves("starting", "up", "stopped"))
     @rule(index=indexes, is_halted=st.booleans())
     def halt(self, index, is_halted):
         living = self.slaves("starting", "up", "stopped")
-        self.shell.feed(ev.SlaveHalted(living[index % len(living)].key, is_halted))
+        self.shell.feed(ev.SlaveStopped(living[index % len(living)].key, is_halted))
 
     # holders
 
@@ -233,7 +233,7 @@ class CoreMachine(RuleBasedStateMachine):
 
     @rule(index=indexes, message=st.sampled_from(WRONG))
     def say_what_is_wrong(self, index, message):
-        self.shell.feed(ev.Tick())
+        self.shell.feed(ev.TimerExpired())
         before = self.shell.state.snapshot()
         keys = sorted(self.shell.state.processes)
         with suppress(Malformed):
@@ -253,7 +253,7 @@ class CoreMachine(RuleBasedStateMachine):
 
     @rule(components=st.sampled_from([None, [1], [{}], [facts("a/b")]]))
     def find_nonsense(self, components):
-        self.shell.feed(ev.Tick())
+        self.shell.feed(ev.TimerExpired())
         before = self.shell.state.snapshot()
         with suppress(Malformed):
             self.shell.feed(ev.SlaveFound(999, "s", components, []))
@@ -263,7 +263,7 @@ class CoreMachine(RuleBasedStateMachine):
     def the_dead_are_heard(self, instance, key):
         process = self.shell.state.processes.get(key)
         if process is None or not process.is_alive:
-            self.shell.feed(ev.Tick())  # what is due is done by any event
+            self.shell.feed(ev.TimerExpired())  # what is due is done by any event
             before = self.shell.state.snapshot()
             self.shell.say(key, facts=facts(instance))
             self.shell.say(key, gone=instance)

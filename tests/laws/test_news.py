@@ -10,11 +10,10 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rtkit.deployment.delta import Delta, applied, delta_between, delta_from_text
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.happenings import KINDS, happenings
-from rtkit.deployment.news import News, applied, news_between, news_from_text
+from rtkit.deployment.user_events import KINDS, user_events
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
-from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import (
     ConnectorProfile,
     ExecutionContextProfile,
@@ -22,6 +21,7 @@ from rtkit.rtc.profiles import (
     PortRef,
     TypeProfile,
 )
+from rtkit.rtc.serde import encode
 
 NAMES = ("A", "B", "C")
 STATES = tuple(LifeCycleState)
@@ -94,14 +94,14 @@ def known(facts: Snapshot) -> Any:
 
 @given(snapshots(), snapshots())
 def test_news_lead_from_one_picture_to_the_next(before: Snapshot, after: Snapshot) -> None:
-    news = news_between(before, after, "run", 7)
-    assert news_from_text(json.dumps(encode(news))) == news
-    assert known(applied(before, news)) == known(after)
+    delta = delta_between(before, after, "run", 7)
+    assert delta_from_text(json.dumps(encode(delta))) == delta
+    assert known(applied(before, delta)) == known(after)
 
 
 @given(snapshots(), snapshots())
 def test_what_they_mean_can_be_told(before: Snapshot, after: Snapshot) -> None:
-    told = list(happenings(before, news_between(before, after, "run", 7)))
+    told = list(user_events(before, delta_between(before, after, "run", 7)))
     assert {each.kind for each in told} <= set(KINDS)
     assert all(each.event and isinstance(each.detail, str) for each in told)
     instances = {c.instance for c in (*before.components, *after.components)}
@@ -110,6 +110,6 @@ def test_what_they_mean_can_be_told(before: Snapshot, after: Snapshot) -> None:
 
 @given(snapshots())
 def test_nothing_is_told_when_nothing_changed(facts: Snapshot) -> None:
-    news = news_between(facts, facts, "run", 7)
-    assert news == News("run", 7)
-    assert list(happenings(facts, news)) == []
+    delta = delta_between(facts, facts, "run", 7)
+    assert delta == Delta("run", 7)
+    assert list(user_events(facts, delta)) == []

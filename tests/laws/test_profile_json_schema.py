@@ -56,18 +56,18 @@ def parts(kind: str) -> tuple[str, Draft202012Validator]:
     return (SAMPLES / f"{kind}.json").read_text(encoding="utf-8"), Draft202012Validator(schema)
 
 
-def holders(value: Any) -> list[Any]:
+def containers(value: Any) -> list[Any]:
     """Every table and list inside that is not empty."""
     found = [value] if isinstance(value, dict | list) and value else []
     below = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
     for item in below:
-        found += holders(item)
+        found += containers(item)
     return found
 
 
 def change(data: Any, how: str, which: int, what: int, value: Any) -> None:
     """Do one thing to the tree; `which` picks a table or list, `what` a place in it."""
-    every = holders(data)
+    every = containers(data)
     if not every:
         return
     holder = every[which % len(every)]

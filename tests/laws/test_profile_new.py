@@ -10,7 +10,7 @@ from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile
 from rtkit.profile.write import write_profile
 from rtkit.profile_tools import new_component as new
-from rtkit.profile_tools.new_system import Member, default_instance, new_system
+from rtkit.profile_tools.new_system import NewMember, default_instance, new_system
 from rtkit.profile_tools.validation import validated
 
 DATE = "2025-01-01T00:00:00+09:00"
@@ -64,7 +64,7 @@ def test_new_components_are_strictly_valid(
         ports += [new.data_port(each, "DataOutPort") for each in outs]
         wishes = [new.interface(each, "Provided") for each in services]
         made = new.new_component(
-            new.Heading(name, DATE, vendor=text, description=text, rate=rate),
+            new.ComponentHeading(name, DATE, vendor=text, description=text, rate=rate),
             ports,
             new.service_ports(wishes),
             [new.parameter(each) for each in parameters],
@@ -76,11 +76,11 @@ def test_new_components_are_strictly_valid(
     check(made, "RTC profile")
 
 
-def component(name: str, ins: list[str], outs: list[str]) -> Member:
+def component(name: str, ins: list[str], outs: list[str]) -> NewMember:
     ports = [new.data_port(each, "DataInPort") for each in ins]
     ports += [new.data_port(each, "DataOutPort") for each in outs]
     services = new.service_ports([new.interface("service:Clock", "Provided")])
-    return Member(new.new_component(new.Heading(name, DATE), ports, services), name)
+    return NewMember(new.new_component(new.ComponentHeading(name, DATE), ports, services), name)
 
 
 ENDS = st.builds(

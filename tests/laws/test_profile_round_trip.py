@@ -21,18 +21,18 @@ from rtkit.profile.constraint_text import parse_constraint
 from rtkit.profile.constraint_value import allows
 from rtkit.profile.forms import FORMS
 from rtkit.profile.read import read_profile, read_rtc, read_rts
-from rtkit.profile.rtc_model import Configuration, ConfigurationSet, RtcProfile
+from rtkit.profile.rtc_model import ConfigurationParameter, DeclaredParameters, RtcProfile
 from rtkit.profile.rtc_spec import COMPARISONS, RTC_PROFILE
 from rtkit.profile.rts_model import (
-    Component,
+    ComponentInstance,
     ComponentRef,
-    Port,
+    InstancePort,
     RtsProfile,
     TargetComponent,
     TargetPort,
 )
 from rtkit.profile.rts_spec import RTS_PROFILE
-from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, Spec
+from rtkit.profile.spec import DATE, FLAG, REAL, WHOLE, Attr, ElementSpec
 from rtkit.profile.words import normal_data_type, strip_instance
 from rtkit.profile.write import write_profile, write_rtc, write_rts
 from rtkit.profile.xmlnames import NAMESPACES
@@ -109,7 +109,7 @@ def value(attribute: Attr) -> st.SearchStrategy[Any]:
     )
 
 
-def instances(spec: Spec) -> st.SearchStrategy[Any]:
+def instances(spec: ElementSpec) -> st.SearchStrategy[Any]:
     """Generate models along the tables; constraints have a strategy of their own."""
     if spec.make is c.Constraint:
         return CONSTRAINTS
@@ -117,7 +117,7 @@ def instances(spec: Spec) -> st.SearchStrategy[Any]:
 
 
 @cache
-def of(spec: Spec) -> st.SearchStrategy[Any]:
+def of(spec: ElementSpec) -> st.SearchStrategy[Any]:
     if spec.wraps:
         inner = instances(spec.children[0].spec)  # type: ignore[arg-type]
         return st.builds(lambda item, around: replace(item, around=around), inner, FOREIGN)
@@ -174,9 +174,9 @@ def referring(profile: RtsProfile) -> RtsProfile:
     """Make a generated system whole: unique names, references that lead somewhere."""
     components = [
         replace(item, instance_name=f"{item.instance_name.strip()}{number}")
-        for number, item in enumerate(profile.components or (Component("i", "", ""),))
+        for number, item in enumerate(profile.components or (ComponentInstance("i", "", ""),))
     ]
-    port = (Port("p"),)
+    port = (InstancePort("p"),)
     components[0] = replace(
         components[0],
         data_ports=components[0].data_ports + port,
@@ -187,7 +187,7 @@ def referring(profile: RtsProfile) -> RtsProfile:
     return referred
 
 
-def pointing_at(home: Component, item: Any) -> Any:
+def pointing_at(home: ComponentInstance, item: Any) -> Any:
     """Let every reference inside `item` name the port ``p`` of `home`."""
     if isinstance(item, tuple):
         return tuple(pointing_at(home, one) for one in item)
@@ -303,8 +303,8 @@ def test_every_form_becomes_every_other(profile: RtsProfile | RtcProfile, forms:
 def test_a_constraint_comes_back_equal_from_its_line(constraint: c.Constraint) -> None:
     line = format_constraint(constraint)
     assert parse_constraint(line) == constraint
-    configuration = Configuration("p", "double", "0", constraint=constraint)
-    profile = RtcProfile("", "0.3", configuration_set=ConfigurationSet((configuration,)))
+    configuration = ConfigurationParameter("p", "double", "0", constraint=constraint)
+    profile = RtcProfile("", "0.3", configuration_set=DeclaredParameters((configuration,)))
     read = read_rtc(write_rtc(profile)).profile.configuration_set
     assert read is not None
     assert read.configurations[0].constraint == constraint

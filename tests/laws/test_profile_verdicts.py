@@ -16,7 +16,7 @@ from lxml import etree
 from rtkit.profile import constraint_model as c
 from rtkit.profile import rtc_model as rtc
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.read import profile_kind, read_rtc, read_rts
 from rtkit.profile.rtc_doc_model import ActionDoc, BasicDoc, ConfigurationDoc
@@ -25,7 +25,9 @@ from rtkit.resources import resource
 
 DATE = "2024-01-02T03:04:05+09:00"
 REF = rts.ComponentRef("RTC:v:c:A:1", "A0")
-END = rts.TargetPort("RTC:v:c:A:1", "A0", "A0.p", (Property("COMPONENT_PATH_ID", "h/A0.rtc"),))
+END = rts.TargetPort(
+    "RTC:v:c:A:1", "A0", "A0.p", (ExtensionProperty("COMPONENT_PATH_ID", "h/A0.rtc"),)
+)
 STEP = rts.TargetComponent("RTC:v:c:A:1", "A0", "0")
 SYSTEM = rts.RtsProfile(
     "RTSystem:v:s:1",
@@ -33,37 +35,37 @@ SYSTEM = rts.RtsProfile(
     DATE,
     DATE,
     components=(
-        rts.Component(
+        rts.ComponentInstance(
             "RTC:v:c:A:1",
             "h/A0.rtc",
             "A0",
             composite_type="Grouping",
             visible=True,
-            data_ports=(rts.Port("A0.p", True),),
-            service_ports=(rts.Port("p"),),
+            data_ports=(rts.InstancePort("A0.p", True),),
+            service_ports=(rts.InstancePort("p"),),
             configuration_sets=(
                 rts.ConfigurationSet("default", (rts.ConfigurationData("a", "1"),)),
             ),
-            execution_contexts=(rts.ExecutionContext("0", "PERIODIC", 10.0, (REF,)),),
+            execution_contexts=(rts.OwnedContext("0", "PERIODIC", 10.0, (REF,)),),
             participants=(REF,),
             location=rts.Location(1, 2, 3, 4, "UP"),
-            properties=(Property("a", "b"),),
+            properties=(ExtensionProperty("a", "b"),),
         ),
     ),
-    groups=(rts.Group("g", (REF,)),),
+    groups=(rts.ComponentGroup("g", (REF,)),),
     data_port_connectors=(
         rts.DataPortConnector("c", "n", "T", "corba_cdr", "push", END, END, push_interval=1.0),
     ),
     service_port_connectors=(rts.ServicePortConnector("s", "n", END, END),),
     start_up=rts.Order(
         (
-            rts.Condition(1, STEP, wait_time=rts.WaitTime(5)),
-            rts.Condition(2, STEP, preceding=rts.Preceding((STEP,), 100, "SYNC")),
+            rts.OrderStep(1, STEP, wait_time=rts.WaitTime(5)),
+            rts.OrderStep(2, STEP, preceding=rts.Preceding((STEP,), 100, "SYNC")),
         )
     ),
     version_up_logs=("one",),
-    properties=(Property("a"),),
-    systems=(rts.System("x.xml"),),
+    properties=(ExtensionProperty("a"),),
+    systems=(rts.NestedSystem("x.xml"),),
 )
 ONE = c.Constraint(c.ConstraintUnit(c.Comparison("propertyIsEqualTo", "1")))
 COMPONENT = rtc.RtcProfile(
@@ -84,14 +86,14 @@ COMPONENT = rtc.RtcProfile(
         max_instances=1,
         doc=BasicDoc("d"),
         version_up_logs=("one",),
-        properties=(Property("FSM", "true"),),
+        properties=(ExtensionProperty("FSM", "true"),),
     ),
     rtc.Actions(
         on_initialize=rtc.ActionStatus(True, ActionDoc("d")), on_reset=rtc.ActionStatus(False)
     ),
-    rtc.ConfigurationSet(
+    rtc.DeclaredParameters(
         (
-            rtc.Configuration(
+            rtc.ConfigurationParameter(
                 "a",
                 "int",
                 "1",
@@ -100,10 +102,14 @@ COMPONENT = rtc.RtcProfile(
             ),
         )
     ),
-    (rtc.Parameter("p", "1"),),
-    (rtc.DataPort("EventPort", "e", "Any", "LEFT", events=(rtc.Event("", "a", "b"),)),),
+    (rtc.SystemParameter("p", "1"),),
     (
-        rtc.ServicePort(
+        rtc.DataPortDeclaration(
+            "EventPort", "e", "Any", "LEFT", events=(rtc.FsmTransition("", "a", "b"),)
+        ),
+    ),
+    (
+        rtc.ServicePortDeclaration(
             "s",
             "TOP",
             service_interfaces=(rtc.ServiceInterface("i", "Provided", "M::I"),),

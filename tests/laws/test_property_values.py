@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rtkit.property import components
 from rtkit.property.codes import PropertyError
 from rtkit.property.naming import canonical, escape, parse_parameters, unescape, write_parameters
-from rtkit.property.reading import Limits, read
+from rtkit.property.reading import ValueLimits, read
 from rtkit.property.values import Element, Value, Word, is_number
 from rtkit.property.writing import write
 
@@ -151,7 +151,7 @@ def test_leaves_in_leaves_are_as_deep_as_brackets() -> None:
 
 
 def test_limits_are_those_that_were_stated() -> None:
-    small = Limits(text=128, depth=4, items=5)
+    small = ValueLimits(text=128, depth=4, items=5)
     assert read("((1) (2))", small) == ((1,), (2,))
     for text in ("1" * 129, "(((((1)))))", "((1)(2)(3)(4))"):
         with pytest.raises(PropertyError) as refused:

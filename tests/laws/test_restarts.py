@@ -15,12 +15,12 @@ from systems import ACTIVE, INSTANCES, disturbances, make_world, profiles
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.goal import Goal
-from rtkit.deployment.live import Live
-from rtkit.deployment.runner import Runner
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.restart_status import RestartStatus
+from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.running import start_plan
-from rtkit.deployment.system import System
-from rtkit.deployment.upkeep import Upkeep
+from rtkit.deployment.system import WantedSystem
 from rtkit.deployment.wanted import wanted
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.resurrect import resurrect
@@ -42,11 +42,11 @@ def managed() -> Managed:
     return world
 
 
-def brought_up(world: Managed, profile: object) -> System:
+def brought_up(world: Managed, profile: object) -> WantedSystem:
     tree = fake_tree(world)
     system = wanted(profile, world.host)
-    resurrect(tree, system, tree.snapshot(), Runner(tree, silent))
-    plan = start_plan(system, Live(tree.snapshot(), system))
+    resurrect(tree, system, tree.snapshot(), PlanRunner(tree, silent))
+    plan = start_plan(system, LiveIndex(tree.snapshot(), system))
     Starter(tree, plan, silent, silent).run()
     return system
 
@@ -64,7 +64,7 @@ def end(world: Managed, what: str) -> None:
 
 def shown(facts: Snapshot) -> tuple[object, ...]:
     """Return what is to be the same again: all but pids, and what was done about ends."""
-    components = {c.instance: replace(c, upkeep=Upkeep()) for c in facts.components}
+    components = {c.instance: replace(c, restart_status=RestartStatus()) for c in facts.components}
     return components, {wire.connector_id: wire for wire in facts.connectors}
 
 
@@ -73,7 +73,7 @@ def shown(facts: Snapshot) -> tuple[object, ...]:
 def test_after_restarts_there_is_nothing_to_plan(profile, ended):
     world = managed()
     system = brought_up(world, profile)
-    goal = Goal(system, ACTIVE)
+    goal = DeploymentGoal(system, ACTIVE)
     assert not goal.plan(world.snapshot()).moves
     for each in ended:
         end(world, each)
@@ -102,7 +102,7 @@ def test_after_a_loss_of_power_there_is_nothing_to_plan(profile):
     system = brought_up(world, profile)
     world.settle()
     world.lose_power()
-    assert not Goal(system, ACTIVE).plan(world.snapshot()).moves
+    assert not DeploymentGoal(system, ACTIVE).plan(world.snapshot()).moves
 
 
 @given(
@@ -123,7 +123,7 @@ def test_managers_killed_while_they_restore_leave_nothing_out(profile, kills):
     world.begin_anew()
     world.settle()
     assert shown(world.snapshot()) == before
-    assert not Goal(system, ACTIVE).plan(world.snapshot()).moves
+    assert not DeploymentGoal(system, ACTIVE).plan(world.snapshot()).moves
 
 
 @given(profiles(stand_ins=False), disturbances(), st.booleans())

@@ -19,7 +19,7 @@ from rtkit.deployment.listing import Listing, listing_from_text, listing_of, lis
 from rtkit.errors import Malformed
 from rtkit.rtc.create import CreateString, parse_create
 from rtkit.rtc.names import parse_path
-from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.serde import decode, encode
 
 FIELD = st.text(st.characters(exclude_characters=":?", exclude_categories=["Cs"]), max_size=8)
 NAME = FIELD.filter(lambda text: text.strip() != "")

@@ -15,19 +15,19 @@ from rtkit.deployment.identity import type_of
 from rtkit.profile.read import read_rts
 from rtkit.profile.rtc_model import (
     BasicInfo,
-    Configuration,
-    ConfigurationSet,
-    DataPort,
+    ConfigurationParameter,
+    DataPortDeclaration,
+    DeclaredParameters,
     RtcProfile,
-    ServicePort,
+    ServicePortDeclaration,
 )
-from rtkit.profile.rts_model import Component, Port, RtsProfile
+from rtkit.profile.rts_model import ComponentInstance, InstancePort, RtsProfile
 from rtkit.profile.words import strip_instance
 from rtkit.report.finding import ERROR
-from rtkit.statics.catalogue import Catalogue
-from rtkit.statics.check import remarks
-from rtkit.statics.stock import Document, stocked
-from rtkit.statics.verdict import opened, verdict
+from rtkit.static_check.catalogue import Catalogue
+from rtkit.static_check.check import findings
+from rtkit.static_check.stock import CandidateDocument, stocked
+from rtkit.static_check.verdict import opened, verdict
 
 ROOT = Path(__file__).parents[2]
 CORPUS = ROOT.parent / "shared" / "corpus"
@@ -60,7 +60,7 @@ KNOWN = {
 
 def catalogue(types: set[str]) -> Catalogue:
     files = sorted([*(CORPUS / "rtc").iterdir(), *(ROOT / "profiles").glob("*.xml")])
-    found, troubles = stocked((Document(str(f), f.read_bytes()) for f in files), types)
+    found, troubles = stocked((CandidateDocument(str(f), f.read_bytes()) for f in files), types)
     assert troubles == []
     return found
 
@@ -83,7 +83,7 @@ def test_what_is_found_in_real_systems_is_true(file: str) -> None:
     assert all(f.line > 0 and f.path.startswith("/rts:RtsProfile") for f in checked.findings)
 
 
-def derived(component: Component) -> RtcProfile:
+def derived(component: ComponentInstance) -> RtcProfile:
     """Return the profile of a type that is just what this component is."""
     type = type_of(component.id)
     kinds = {context.kind for context in component.execution_contexts}
@@ -96,24 +96,25 @@ def derived(component: Component) -> RtcProfile:
     )
     sets = [each for each in component.configuration_sets if not each.id.startswith("__")]
     parameters = {data.name: data.data or "" for each in sets for data in each.data}
-    made = tuple(Configuration(name, "string", text) for name, text in parameters.items())
+    made = tuple(ConfigurationParameter(name, "string", text) for name, text in parameters.items())
     own = component.instance_name
     return RtcProfile(
         component.id,
         "0.3",
         info,
-        configuration_set=ConfigurationSet(made),
+        configuration_set=DeclaredParameters(made),
         data_ports=tuple(derived_port(port, own) for port in component.data_ports),
         service_ports=tuple(
-            ServicePort(strip_instance(port.name, own), "LEFT") for port in component.service_ports
+            ServicePortDeclaration(strip_instance(port.name, own), "LEFT")
+            for port in component.service_ports
         ),
     )
 
 
-def derived_port(port: Port, instance: str) -> DataPort:
+def derived_port(port: InstancePort, instance: str) -> DataPortDeclaration:
     known = data_port(port, instance, None, "")
     told = properties_of(port.properties)
-    return DataPort(
+    return DataPortDeclaration(
         known.port_type.value,
         known.name,
         known.data_type or "Any",
@@ -126,7 +127,7 @@ def derived_port(port: Port, instance: str) -> DataPort:
 
 def errors_of(profile: RtsProfile, types: list[RtcProfile]) -> set[str]:
     known = Catalogue((each, str(number)) for number, each in enumerate(types))
-    return {each.rule for each in remarks(profile, known) if each.severity == ERROR}
+    return {each.rule for each in findings(profile, known) if each.severity == ERROR}
 
 
 @pytest.mark.parametrize("file", FILES, ids=os.path.basename)

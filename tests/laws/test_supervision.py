@@ -15,8 +15,8 @@ from rtkit.deployment.supervision import (
     MOST,
     WINDOW_S,
     Ledger,
-    Policy,
-    Restart,
+    RestartPolicy,
+    RestartRule,
     at_end,
     at_health,
     read_policy,
@@ -24,8 +24,8 @@ from rtkit.deployment.supervision import (
 from rtkit.errors import Malformed
 
 policies = st.builds(
-    Policy,
-    st.just(Restart.ALWAYS),
+    RestartPolicy,
+    st.just(RestartRule.ALWAYS),
     st.floats(0.0, LONGEST_S),
     st.integers(1, MOST),
 )
@@ -80,7 +80,7 @@ def test_who_dies_at_every_start_is_given_up(policy, spreads):
 
 @given(st.floats(-1.0, 1.0))
 def test_who_was_well_for_long_begins_anew(spread):
-    policy = Policy(Restart.ALWAYS)
+    policy = RestartPolicy(RestartRule.ALWAYS)
     ledger = Ledger()
     first = at_end(ledger, policy, 0.0, spread)[1]
     for start in itertools.islice(itertools.count(0.0, 100.0), 20):
@@ -91,12 +91,12 @@ def test_who_was_well_for_long_begins_anew(spread):
 
 
 def test_health_that_is_broken_off_counts_from_anew():
-    ledger, _ = at_end(Ledger(), Policy(Restart.ALWAYS), 0.0, 0.0)
+    ledger, _ = at_end(Ledger(), RestartPolicy(RestartRule.ALWAYS), 0.0, 0.0)
     ledger = at_health(ledger, 1.0, is_well=True)
     ledger = at_health(ledger, 25.0, is_well=False)
     ledger = at_health(ledger, 26.0, is_well=True)
-    assert at_end(ledger, Policy(Restart.ALWAYS), 40.0, 0.0)[1] == pytest.approx(0.2)
-    assert at_end(ledger, Policy(Restart.ALWAYS), 57.0, 0.0)[1] == pytest.approx(0.1)
+    assert at_end(ledger, RestartPolicy(RestartRule.ALWAYS), 40.0, 0.0)[1] == pytest.approx(0.2)
+    assert at_end(ledger, RestartPolicy(RestartRule.ALWAYS), 57.0, 0.0)[1] == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from typing import Protocol
 
-from rtkit.property.functional import Function
-from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.functional import FunctionalProperty
+from rtkit.property.messages import Answer, Payload, PropertyEvent
 from rtkit.property.service import Service
-from rtkit.property.spec import Parameter, Spec
+from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.types import Content, parse_type
 from rtkit.property.values import Element, Value, Word
 
@@ -27,7 +27,7 @@ class Door(Protocol):
         """GET, or SET."""
         ...
 
-    def listen(self, target: str) -> AbstractContextManager[Iterator[Event]]:
+    def listen(self, target: str) -> AbstractContextManager[Iterator[PropertyEvent]]:
         """Listen to ``P`` or ``P?queue=…``; what is iterated waits for the next event."""
         ...
 
@@ -55,11 +55,13 @@ def subject() -> Service:
     """Return the service that the rows are about; each test has its own."""
     service = Service("robot")
     number, word = parse_type("number"), parse_type("word")
-    speed = Spec(number, unit="m/s", minimum=-1, maximum=1, step=0.1, warn=(-0.5, 0.5), doc="Ahead")
+    speed = PropertySpec(
+        number, unit="m/s", minimum=-1, maximum=1, step=0.1, warn=(-0.5, 0.5), doc="Ahead"
+    )
     service.add("speed", 0.25, speed, history=4)
     service.add("location", (1.0, 2.0, 0.0, 0.0, 0.0, 0.5), "vector[6]")
-    service.add("colour", (1, 0, 0), Spec(parse_type("vector[3]"), labels=("r", "g", "b")))
-    service.add("mode", Word("idle"), Spec(word, choices=(Word("idle"), Word("drive"))))
+    service.add("colour", (1, 0, 0), PropertySpec(parse_type("vector[3]"), labels=("r", "g", "b")))
+    service.add("mode", Word("idle"), PropertySpec(word, choices=(Word("idle"), Word("drive"))))
     service.add("name", "rover", "string")
     service.add("label", "two words", "string")
     service.add("is_on", True, "boolean")
@@ -74,21 +76,29 @@ def subject() -> Service:
     service.add("arm.joint.1", 0.5, "number")
     service.add("image.jpg", "not a picture", "text")
     service.add("a%20b", 1, "any")
-    service.add("serial", Word("X1"), Spec(word, access="r"))
-    service.add("door_code", None, Spec(word, access="w"), write=lambda value, given: None)
-    frame = Parameter("frame", word, Word("global"), (Word("global"), Word("robot")), "of what")
-    service.add("pose", spec=Spec(parse_type("vector"), "r", parameters=(frame,)), read=_frame)
-    service.add("broken", spec=Spec(number, "r"), read=_broken)
+    service.add("serial", Word("X1"), PropertySpec(word, access="r"))
+    service.add("door_code", None, PropertySpec(word, access="w"), write=lambda value, given: None)
+    frame = RequestParameter(
+        "frame", word, Word("global"), (Word("global"), Word("robot")), "of what"
+    )
+    service.add(
+        "pose", spec=PropertySpec(parse_type("vector"), "r", parameters=(frame,)), read=_frame
+    )
+    service.add("broken", spec=PropertySpec(number, "r"), read=_broken)
     service.add("clamped", 5, "number", write=_clamped)
-    service.add("fussy", Word("even"), Spec(word), write=_refusing)
-    double = Function(lambda x, times=2: x * times, (
-        Parameter("x", number), Parameter("times", number, 2)))  # fmt: skip
-    service.add("double", function=double, spec=Spec(parse_type("element"), is_functional=True))
+    service.add("fussy", Word("even"), PropertySpec(word), write=_refusing)
+    double = FunctionalProperty(lambda x, times=2: x * times, (
+        RequestParameter("x", number), RequestParameter("times", number, 2)))  # fmt: skip
+    service.add(
+        "double", function=double, spec=PropertySpec(parse_type("element"), is_functional=True)
+    )
     tallies = itertools.count(1)
-    tally = Function(lambda: next(tallies))
-    service.add("tally", function=tally, spec=Spec(parse_type("element"), is_functional=True))
-    fail = Function(lambda: 1 / 0)
-    service.add("fail", function=fail, spec=Spec(parse_type("element"), is_functional=True))
+    tally = FunctionalProperty(lambda: next(tallies))
+    service.add(
+        "tally", function=tally, spec=PropertySpec(parse_type("element"), is_functional=True)
+    )
+    fail = FunctionalProperty(lambda: 1 / 0)
+    service.add("fail", function=fail, spec=PropertySpec(parse_type("element"), is_functional=True))
     return service
 
 
@@ -314,15 +324,15 @@ ROWS: tuple[Row, ...] = (
 )
 
 
-def check_answers(door: Door, rows: tuple[Row, ...] = ROWS) -> None:
+def check_answers(endpoint: Door, rows: tuple[Row, ...] = ROWS) -> None:
     """Ask everything of a fresh subject in order, and compare."""
-    wrong = [told for row in rows if (told := _compared(door, row))]
+    wrong = [told for row in rows if (told := _compared(endpoint, row))]
     assert not wrong, "\n" + "\n".join(wrong)
 
 
-def _compared(door: Door, row: Row) -> str:
+def _compared(endpoint: Door, row: Row) -> str:
     target, payload, expected = row
-    answer = door.ask(target, payload)
+    answer = endpoint.ask(target, payload)
     asked = f"{'GET' if payload is None else 'SET'} {target[:60]} {str(payload)[:60]}"
     if isinstance(expected, str) and expected.startswith("!"):
         found: Payload = f"!{answer.error}"
@@ -355,10 +365,10 @@ def check_once(path: str) -> None:
 
 
 def check_events(
-    door: Door, service: Service, as_owner: Callable[[Callable[[], None]], None]
+    endpoint: Door, service: Service, as_owner: Callable[[Callable[[], None]], None]
 ) -> None:
     """Listen in every way there is; `as_owner` runs something as the service's owner."""
-    with door.listen("count?queue=100") as events:
+    with endpoint.listen("count?queue=100") as events:
         assert next(events).payload == "7"
         for value in range(20, 25):
             as_owner(lambda value=value: service.update("count", value))  # type: ignore[misc]
@@ -371,22 +381,22 @@ def check_events(
         as_owner(lambda: service.update("count", 25, "uncertain"))
         last = next(events)
         assert (last.payload, last.quality) == ("25", "uncertain")
-    with door.listen("location.x?initial=0") as events:
+    with endpoint.listen("location.x?initial=0") as events:
         as_owner(lambda: service.update("location", (1.0, 9.0, 0.0, 0.0, 0.0, 0.5)))
         as_owner(lambda: service.update("location", (8.0, 9.0, 0.0, 0.0, 0.0, 0.5)))
         assert next(events).payload == "8.0"
-    with door.listen("arm.angle?deadband=0.5&queue=9") as events:
+    with endpoint.listen("arm.angle?deadband=0.5&queue=9") as events:
         for value in (3.2, 3.4, 3.6, 3.7, 4.2):
             as_owner(lambda value=value: service.update("arm.angle", value))  # type: ignore[misc]
         assert [next(events).payload for _ in range(3)] == ["3", "3.6", "4.2"]
-    with door.listen("mode?mode=all&queue=9&initial=0") as events:
+    with endpoint.listen("mode?mode=all&queue=9&initial=0") as events:
         for _ in range(2):
-            assert door.ask("mode", "idle").error == ""
+            assert endpoint.ask("mode", "idle").error == ""
         assert [next(events).payload for _ in range(2)] == ["idle", "idle"]
-    with door.listen("properties?mode=diff&queue=9&initial=0") as events:
+    with endpoint.listen("properties?mode=diff&queue=9&initial=0") as events:
         as_owner(lambda: _hotplug(service))
         assert next(events).payload == "((added gripper) (removed))"
-        with door.listen("gripper") as of_gripper:
+        with endpoint.listen("gripper") as of_gripper:
             assert next(of_gripper).payload == "0"
             as_owner(lambda: service.remove("gripper"))
             gone = next(of_gripper)
@@ -403,8 +413,8 @@ def check_events(
         ("door_code", "write-only"),
     ):
         name, mark, tail = target.partition("?")
-        assert door.ask(f"{name}.listen{mark}{tail}", "self").error == code, target
-    assert door.ask("count.listen", "tcp://elsewhere/x").error == "denied"
+        assert endpoint.ask(f"{name}.listen{mark}{tail}", "self").error == code, target
+    assert endpoint.ask("count.listen", "tcp://elsewhere/x").error == "denied"
 
 
 def _hotplug(service: Service) -> None:

@@ -7,13 +7,19 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from rtkit.deployment.planning.model import Key, Model, Unit, Wire, Wish
+from rtkit.deployment.planning.model import (
+    ComponentVariable,
+    ConnectionVariable,
+    Model,
+    ParameterVariable,
+    Wish,
+)
 
 
 def model_from(plain: Mapping[str, Any], costs: Mapping[str, float]) -> Model:
     """Return the deployment that an instance file describes."""
     units = {
-        name: Unit(
+        name: ComponentVariable(
             name,
             each["module"],
             tuple(f"{manager}:{mode}" for manager in each["managers"] for mode in each["modes"]),
@@ -21,11 +27,12 @@ def model_from(plain: Mapping[str, Any], costs: Mapping[str, float]) -> Model:
         for name, each in plain["components"].items()
     }
     wires = {
-        name: Wire(tuple(end.partition(".")[0] for end in ends))
+        name: ConnectionVariable(tuple(end.partition(".")[0] for end in ends))
         for name, ends in plain["connections"].items()
     }
     keys = {
-        name: Key(each["default"], each.get("hot", False)) for name, each in plain["config"].items()
+        name: ParameterVariable(each["default"], each.get("hot", False))
+        for name, each in plain["config"].items()
     }
     managers = {name: frozenset(each["modules"]) for name, each in plain["managers"].items()}
     desired = {
@@ -42,17 +49,17 @@ def large(components: int, connections: int, *, is_free: bool = False) -> Model:
     for number in range(components):
         name = f"c{number}"
         places = (f"m1:slave/s{number % 7}", "m1:inproc") if is_free else ("m1:inproc",)
-        units[name] = Unit(name, f"T{number % 20}", places)
+        units[name] = ComponentVariable(name, f"T{number % 20}", places)
         desired[f"cmp:{name}"] = "*" if is_free else "m1:inproc"
         desired[f"act:{name}"] = "active"
-        keys[f"{name}.gain"] = Key("0")
+        keys[f"{name}.gain"] = ParameterVariable("0")
         desired[f"cfg:{name}.gain"] = str(number % 3)
     for number in range(connections):
         ends = (
             f"c{number % components}",
             f"c{(number * 37 + number // components + 1) % components}",
         )
-        wires[f"k{number}"] = Wire(ends)
+        wires[f"k{number}"] = ConnectionVariable(ends)
         desired[f"con:k{number}"] = "yes"
     return Model({"m1": None}, units, wires, keys, {}, desired)
 
@@ -78,7 +85,7 @@ def models(draw: st.DrawFn, most: int = 3) -> Model:
         places = draw(st.lists(st.sampled_from(PLACES), min_size=1, max_size=2, unique=True))
         members = tuple(draw(st.sets(st.sampled_from(names), max_size=1)) - {name})
         is_whole = name == names[-1] and draw(st.booleans())
-        units[name] = Unit(
+        units[name] = ComponentVariable(
             name, draw(st.sampled_from("XY")), tuple(places), members=members if is_whole else ()
         )
         live[f"cmp:{name}"] = draw(st.sampled_from(["absent", *PLACES]))
@@ -89,7 +96,7 @@ def models(draw: st.DrawFn, most: int = 3) -> Model:
         for key in ("k", "l")[: draw(st.integers(0, 2))]:
             kinds = st.sampled_from(["cold", "hot", "hot", "fixed"])
             kind = draw(kinds)
-            keys[f"{name}.{key}"] = Key("0", kind == "hot", is_fixed=kind == "fixed")
+            keys[f"{name}.{key}"] = ParameterVariable("0", kind == "hot", is_fixed=kind == "fixed")
             desired[f"cfg:{name}.{key}"] = draw(_wishes("0", "1"))
         if live[f"cmp:{name}"] != "absent":
             live[f"act:{name}"] = draw(st.sampled_from(["inactive", "active", "error"]))
@@ -111,7 +118,9 @@ def models(draw: st.DrawFn, most: int = 3) -> Model:
             }
     for number in range(draw(st.integers(0, most))):
         ends = tuple(draw(st.sampled_from(names)) for _ in range(2))
-        wires[f"w{number}"] = Wire(ends, draw(st.sampled_from(["", "", "", "ports differ"])))
+        wires[f"w{number}"] = ConnectionVariable(
+            ends, draw(st.sampled_from(["", "", "", "ports differ"]))
+        )
         if all(live[f"cmp:{end}"] != "absent" for end in ends):
             live[f"con:w{number}"] = draw(st.sampled_from(["no", "yes", "other"]))
         desired[f"con:w{number}"] = draw(_wishes("yes", "no"))

@@ -20,7 +20,7 @@ def make(shell: FakeShell, instance: str, slave: str = "s", **options: str) -> i
         shell.fork(slave)
     shell.serve()
     assert asked.result.ok, asked.result
-    return shell.state.holders[instance]
+    return shell.state.containers[instance]
 
 
 def do(shell: FakeShell, *actions: act.Action) -> None:
@@ -68,14 +68,14 @@ def heir(shell: FakeShell, boot: str = "") -> FakeShell:
     other = FakeShell()
     other.now, other.rows = shell.now, dict(shell.rows)
     rows = [(kind, name, text) for (kind, name), text in shell.rows.items()]
-    other.feed(ev.Remembered(rows, boot))
+    other.feed(ev.StoreRead(rows, boot))
     return other
 
 
 def restore(shell: FakeShell) -> None:
     """Have a core make again what is missing at once."""
     replies: list[Reply] = []
-    shell.feed(ev.RestoreAsked(replies.append))
+    shell.feed(ev.RecoveryRequested(replies.append))
     while shell.spawned:
         shell.fork(next(iter(shell.spawned)))
     shell.serve()

@@ -6,7 +6,7 @@ import socket
 import struct
 
 from rtkit.link import secret
-from rtkit.serving import login
+from rtkit.wires.line import login
 
 BOUND_S = 30.0
 _HELLO = b"IceP\1\0\1\0\3\0\x0e\0\0\0"

@@ -1,4 +1,4 @@
-"""The real core of a manager over simulated processes: what holders do, a `World` knows."""
+"""The real core of a manager over simulated processes: what holders do, a `FakeManager` knows."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 from unittest import mock
 
+from rtkit.container.user_requests import UserRequests
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Refused
+from rtkit.fast_dataclass import replace
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.events import OWN_PROCESS
 from rtkit.manager.core.state import Process
-from rtkit.manager.fake import Call, FakeShell
-from rtkit.manager.holding.asked import Asked
-from rtkit.records import replace
+from rtkit.manager.fake import FakeCall, FakeShell
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.serde import decode, encode
 
 _ENDPOINTS = ("sink", "serve", "offer")
 _ENDS = (*_ENDPOINTS, "link", "source", "fetch", "consult", "keep")
@@ -36,17 +36,17 @@ class _Shell(FakeShell):
 
     def _carry_out(self, instruction: ev.Instruction) -> None:
         super()._carry_out(instruction)
-        if isinstance(instruction, ev.SendToHolder) and "call" not in instruction.message:
+        if isinstance(instruction, ev.SendToContainer) and "call" not in instruction.message:
             self._world.hear(instruction.key, instruction.message)
 
 
-class Managed(World):
+class Managed(FakeManager):
     """A manager to which a `fake_tree` can be made; its slaves can be killed."""
 
     def __init__(self, types: Iterable[ComponentPattern]) -> None:
         super().__init__(types)
-        self.holders = World(types)
-        self.asked = Asked()
+        self.containers = FakeManager(types)
+        self.asked = UserRequests()
         self.ends: dict[tuple[str, str], Any] = {}
         self.memory: dict[str, Any] = {}
         self._slave_pids = itertools.count(20_000)
@@ -86,13 +86,13 @@ class Managed(World):
         self.shell.end(key, reason)
 
     def _drop(self, instance: str) -> None:
-        self.holders.components.pop(instance, None)
+        self.containers.components.pop(instance, None)
         self.asked.forget(instance)
 
     def fail(self, instance: str) -> None:
         """Put a component into Error."""
-        self.holders.set_state(instance, LifeCycleState.ERROR, "ValueError: no (a.py:1)")
-        self._tell(self.shell.state.holders[instance], instance)
+        self.containers.set_state(instance, LifeCycleState.ERROR, "ValueError: no (a.py:1)")
+        self._tell(self.shell.state.containers[instance], instance)
 
     def lose_power(self) -> None:
         """Have another manager begin with nothing but what this one kept."""
@@ -102,7 +102,7 @@ class Managed(World):
 
     def end_slaves(self) -> None:
         """End all slaves; no manager hears of it."""
-        for instance in list(self.holders.components):
+        for instance in list(self.containers.components):
             self._drop(instance)
         self.ends.clear()
 
@@ -117,18 +117,18 @@ class Managed(World):
         before, self.shell = self.shell, self._begun()
         self.shell.rows = dict(before.rows)
         rows = [(kind, name, text) for (kind, name), text in before.rows.items()]
-        self.shell.feed(ev.Remembered(rows))
+        self.shell.feed(ev.StoreRead(rows))
         claims = {name: claim.key for name, claim in before.state.claims.items()}
-        keys = {**claims, **before.state.holders}
-        for instance in list(self.holders.components):
+        keys = {**claims, **before.state.containers}
+        for instance in list(self.containers.components):
             if keys[instance] == OWN_PROCESS:
                 self._drop(instance)
         self.ends = {end: wire for end, wire in self.ends.items() if end[0] != self.manager}
         for process in before.state.processes.values():
             if process.is_slave and process.is_alive and process.pid:
-                held = [each for each in self.holders.components if keys[each] == process.key]
+                held = [each for each in self.containers.components if keys[each] == process.key]
                 self._come_back(process, held)
-        self.shell.feed(ev.RestoreAsked(lambda _reply: None))
+        self.shell.feed(ev.RecoveryRequested(lambda _reply: None))
 
     def _come_back(self, process: Process, held: list[str]) -> None:
         wires = [wire for (name, _), wire in self.ends.items() if name == process.name]
@@ -169,7 +169,7 @@ class Managed(World):
                 self.shell.end(key, f"signal {number}")
         self.shell.signals.clear()
 
-    def _serve(self, call: Call) -> None:
+    def _serve(self, call: FakeCall) -> None:
         message, instance = call.message, call.message.get("instance", "")
         result = self._do(call.key, message)
         if not result.ok:
@@ -192,7 +192,7 @@ class Managed(World):
         elif message["op"] in _ENDS or message["op"] == "unlink":
             self._end(key, message)
         elif message["op"] in _ACTIONS:
-            result = self.holders.perform(_ACTIONS[message["op"]](message))
+            result = self.containers.perform(_ACTIONS[message["op"]](message))
             if message["op"] == "create" and result.ok:
                 self.memory[result.value] = message["kept"]
             elif result.ok:
@@ -212,7 +212,9 @@ class Managed(World):
         self.shell.say(key, facts=self._facts(instance))
 
     def _facts(self, instance: str) -> Any:
-        return encode(replace(self.holders.components[instance], names=(), create="", process=""))
+        return encode(
+            replace(self.containers.components[instance], names=(), create="", process="")
+        )
 
 
 def _create(message: Any) -> Action:

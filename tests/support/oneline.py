@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from rtkit.link.serial_client import SerialClient
-from rtkit.property.messages import Answer, Event, Payload
+from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.wires.serial.client import SerialClient
 
 BOUND_S = 30.0
 
@@ -17,20 +17,20 @@ class OneLine:
 
     def __init__(self, client: SerialClient) -> None:
         self._client = client
-        self._kept: dict[str, deque[Event]] = {}
+        self._kept: dict[str, deque[PropertyEvent]] = {}
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         """GET, or SET."""
         return self._client.ask(target, payload)
 
     @contextmanager
-    def listen(self, target: str) -> Iterator[Iterator[Event]]:
+    def listen(self, target: str) -> Iterator[Iterator[PropertyEvent]]:
         """Listen; events of others are kept for them."""
         name = target.partition("?")[0]
         kept = self._kept[name] = deque()
         self._client.listen(target)
 
-        def events() -> Iterator[Event]:
+        def events() -> Iterator[PropertyEvent]:
             while True:
                 while not kept:
                     event = self._client.event(BOUND_S)

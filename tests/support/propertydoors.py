@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
 from rtkit.link import keys, places
-from rtkit.link.http_client import HttpClient
-from rtkit.link.ice_client import IceClient
-from rtkit.link.line_client import LineClient, listening
-from rtkit.link.property_client import PropertyClient
 from rtkit.link.zenoh import open_client, unix_endpoint
-from rtkit.property.messages import Event
+from rtkit.property.messages import PropertyEvent
+from rtkit.wires.http.client import HttpClient
+from rtkit.wires.ice.client import IceClient
+from rtkit.wires.line.client import LineClient, listening
+from rtkit.wires.zenoh.client import PropertyClient
 
 BOUND_S = 30.0
 
@@ -26,7 +26,7 @@ class Lines:
         self.ask = self._client.ask
         self.close = self._client.close
 
-    def listen(self, target: str) -> AbstractContextManager[Iterator[Event]]:
+    def listen(self, target: str) -> AbstractContextManager[Iterator[PropertyEvent]]:
         return listening(self._connect(), target)
 
 
@@ -41,9 +41,9 @@ class Zenoh:
         self.ask = self._client.ask
 
     @contextmanager
-    def listen(self, target: str) -> Iterator[Iterator[Event]]:
-        with self._client.listen(target) as ear:
-            yield iter(ear)
+    def listen(self, target: str) -> Iterator[Iterator[PropertyEvent]]:
+        with self._client.listen(target) as subscription:
+            yield iter(subscription)
 
     def close(self) -> None:
         self._session.close()  # type: ignore[no-untyped-call]

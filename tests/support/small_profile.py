@@ -38,24 +38,24 @@ def _told(row: Row) -> str:
     return f"{asked}= {expected!s}"
 
 
-def check_small_events(door: Door) -> None:
+def check_small_events(endpoint: Door) -> None:
     """Listen in every way that a small device knows; what changes is set over the same door."""
-    with door.listen("count") as events:
+    with endpoint.listen("count") as events:
         before = next(events).payload
         for value in ("20", "21", "-3"):
-            assert door.ask("count", value).error == ""
+            assert endpoint.ask("count", value).error == ""
             assert next(events).payload == value
         assert before != "20"
-    with door.listen("count?initial=0") as events:
-        assert door.ask("count", "5").error == ""
+    with endpoint.listen("count?initial=0") as events:
+        assert endpoint.ask("count", "5").error == ""
         assert next(events).payload == "5"
-    with door.listen("mode?every=0.02") as modes, door.listen("location") as locations:
-        assert next(locations).payload == door.ask("location").payload
-        assert next(modes).payload == door.ask("mode").payload
-        assert door.ask("location.c", "2.5").error == ""
+    with endpoint.listen("mode?every=0.02") as modes, endpoint.listen("location") as locations:
+        assert next(locations).payload == endpoint.ask("location").payload
+        assert next(modes).payload == endpoint.ask("mode").payload
+        assert endpoint.ask("location.c", "2.5").error == ""
         assert str(next(locations).payload).endswith(" 2.5)")
-        assert door.ask("mode?echo", "idle").payload == "idle"
-    with door.listen("uptime?lease=0") as events:
+        assert endpoint.ask("mode?echo", "idle").payload == "idle"
+    with endpoint.listen("uptime?lease=0") as events:
         heard = [float(next(events).payload) for _ in range(3)]
         assert heard == sorted(set(heard)), "it changes by itself"
     for target, code in (
@@ -71,10 +71,10 @@ def check_small_events(door: Door) -> None:
         ("broken", "internal"),
     ):
         name, mark, tail = target.partition("?")
-        assert door.ask(f"{name}.listen{mark}{tail}", "self").error == code, target
-    assert door.ask("count.listen", "tcp://elsewhere/x").error == "denied"
+        assert endpoint.ask(f"{name}.listen{mark}{tail}", "self").error == code, target
+    assert endpoint.ask("count.listen", "tcp://elsewhere/x").error == "denied"
     for name in ("speed", "mode", "name", "label"):
-        assert door.ask(f"{name}.listen?initial=0", "self").error == ""
-    assert door.ask("count.listen", "self").error == "denied", "there is room for four"
+        assert endpoint.ask(f"{name}.listen?initial=0", "self").error == ""
+    assert endpoint.ask("count.listen", "self").error == "denied", "there is room for four"
     for name in ("speed", "mode", "name", "label"):
-        assert door.ask(f"{name}.listen?remove", "self").error == ""
+        assert endpoint.ask(f"{name}.listen?remove", "self").error == ""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, Result
-from rtkit.deployment.goal import Goal
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.states.machine import machine_of
 from rtkit.deployment.states.states import States
-from rtkit.deployment.system import System, WantedComponent
-from rtkit.deployment.world import World
+from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
@@ -32,9 +32,9 @@ FAILING = {
 """What leads on from a transition to `degraded` that fails."""
 
 
-def make_world() -> World:
+def make_world() -> FakeManager:
     """Return a world with the types of the robot."""
-    return World(
+    return FakeManager(
         ComponentPattern(
             TypeProfile(kind, "Me", "test", "1.0"),
             (PortProfile("out", PortType.OUT),),
@@ -52,7 +52,7 @@ def robot(**changed: str) -> States:
         {f"{kind}0": ["default"] for kind in KINDS},
     )
     assert machine is not None
-    return States(SYSTEM, machine, Goal(System(tuple(map(_component, KINDS)))))
+    return States(SYSTEM, machine, DeploymentGoal(WantedSystem(tuple(map(_component, KINDS)))))
 
 
 def _component(kind: str) -> WantedComponent:

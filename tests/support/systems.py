@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
@@ -23,8 +23,8 @@ INSTANCES = ("Node0", "Node1", "Node2", "Node3")
 INACTIVE, ACTIVE = LifeCycleState.INACTIVE, LifeCycleState.ACTIVE
 
 
-def make_world() -> World:
-    return World([ComponentPattern(TypeProfile("Node"), PORTS, SETS)])
+def make_world() -> FakeManager:
+    return FakeManager([ComponentPattern(TypeProfile("Node"), PORTS, SETS)])
 
 
 values = st.sampled_from(["0", "1", "2", "", "x y"])
@@ -47,19 +47,26 @@ policies = st.sampled_from(
 
 
 @st.composite
-def components(draw: st.DrawFn, instance: str, stand_ins: bool, supervised: bool) -> rts.Component:
+def components(
+    draw: st.DrawFn, instance: str, stand_ins: bool, supervised: bool
+) -> rts.ComponentInstance:
     slave = draw(st.sampled_from(["", "&manager_name=s1", "&manager_name=s2"]))
-    told = [Property("rtkit.create", f"Node?x=y{slave}")]
+    told = [ExtensionProperty("rtkit.create", f"Node?x=y{slave}")]
     if stand_ins and draw(st.booleans()):
-        told.append(Property("rtkit.stand-in", "yes"))
-    told += [Property(key, value) for key, value in (draw(policies) if supervised else {}).items()]
+        told.append(ExtensionProperty("rtkit.stand-in", "yes"))
+    told += [
+        ExtensionProperty(key, value)
+        for key, value in (draw(policies) if supervised else {}).items()
+    ]
     sets = draw(set_values)
-    return rts.Component(
+    return rts.ComponentInstance(
         "RTC:::Node:",
         f"{draw(st.sampled_from(['localhost', 'localhost/dir', 'box']))}/{instance}.rtc",
         instance,
         data_ports=tuple(
-            rts.Port(p.name, properties=(Property("port.port_type", p.port_type.value),))
+            rts.InstancePort(
+                p.name, properties=(ExtensionProperty("port.port_type", p.port_type.value),)
+            )
             for p in PORTS
         ),
         active_configuration_set=draw(st.sampled_from([None, "default", "fast"])),
@@ -70,7 +77,7 @@ def components(draw: st.DrawFn, instance: str, stand_ins: bool, supervised: bool
             for name, data in sets.items()
         ),
         execution_contexts=(
-            rts.ExecutionContext("0", "PERIODIC", draw(rates) if supervised else 10.0),
+            rts.OwnedContext("0", "PERIODIC", draw(rates) if supervised else 10.0),
         ),
         properties=tuple(told),
     )
@@ -137,7 +144,7 @@ def disturbances(draw: st.DrawFn, *, supervised: bool = False) -> list[act.Actio
     return draw(st.lists(one, max_size=6))
 
 
-def disturb(world: World, disturbances: list[act.Action | str]) -> None:
+def disturb(world: FakeManager, disturbances: list[act.Action | str]) -> None:
     for each in disturbances:
         if not isinstance(each, str):
             world.perform(each)

@@ -104,43 +104,45 @@ class Unruly:
         yield 2
 
 
-def check_only_its_own_request_suffers(door: Door, thing: Unruly) -> None:
+def check_only_its_own_request_suffers(endpoint: Door, thing: Unruly) -> None:
     """Ask for everything; whatever the code of the object does, all else is answered."""
-    names = str(door.ask("properties").value())
+    names = str(endpoint.ask("properties").value())
     assert "stuck" in names
     assert "next" in names
-    assert door.ask("properties?all&meta").error == ""
+    assert endpoint.ask("properties?all&meta").error == ""
     assert thing._called == []  # names are told without a look at values
     for name in ("exits", "breaks", "interrupts", "mumbles", "lacks"):
         for _ in range(2):
-            assert door.ask(name).error == "internal", name
+            assert endpoint.ask(name).error == "internal", name
         assert thing._called[-1] == name
-    assert door.ask("exits", "1").error == "internal"
-    assert door.ask("stuck?timeout=0.02").error == "timeout"
-    assert door.ask("plain") == Answer("1.0")
-    assert door.ask("plain", "2") == Answer("")
-    assert door.ask("stuck?timeout=0.02").error == "timeout"
-    assert door.ask("warmth") == Answer("21.5")
-    assert door.ask("warmth", "3.5") == Answer("")
-    assert door.ask("warmth", "-1").error == "internal"
-    assert door.ask("warmth") == Answer("3.5")
+    assert endpoint.ask("exits", "1").error == "internal"
+    assert endpoint.ask("stuck?timeout=0.02").error == "timeout"
+    assert endpoint.ask("plain") == Answer("1.0")
+    assert endpoint.ask("plain", "2") == Answer("")
+    assert endpoint.ask("stuck?timeout=0.02").error == "timeout"
+    assert endpoint.ask("warmth") == Answer("21.5")
+    assert endpoint.ask("warmth", "3.5") == Answer("")
+    assert endpoint.ask("warmth", "-1").error == "internal"
+    assert endpoint.ask("warmth") == Answer("3.5")
     failed = '<call state="failed"><error code="internal">SystemExit: 3</error></call>'
-    assert door.ask("leave?echo", "") == Answer(failed)
-    assert door.ask("warm_up?echo", "") == Answer('<call state="done"><result>3.5</result></call>')
+    assert endpoint.ask("leave?echo", "") == Answer(failed)
+    assert endpoint.ask("warm_up?echo", "") == Answer(
+        '<call state="done"><result>3.5</result></call>'
+    )
     told = Answer('<call state="done"><progress>2</progress></call>')
-    assert door.ask("steps?echo", "") == told
-    assert door.ask("awaited_steps?echo", "") == told
-    with door.listen("warm_for_ever") as events:
+    assert endpoint.ask("steps?echo", "") == told
+    assert endpoint.ask("awaited_steps?echo", "") == told
+    with endpoint.listen("warm_for_ever") as events:
         assert "idle" in str(next(events).payload)
-        assert door.ask("warm_for_ever", "") == Answer("")
-        while door.ask("warm_for_ever.stop", "true").error:
+        assert endpoint.ask("warm_for_ever", "") == Answer("")
+        while endpoint.ask("warm_for_ever.stop", "true").error:
             pass  # it is about to begin
         while 'state="stopped"' not in str(next(events).payload):
             pass
-        assert door.ask("warm_for_ever?echo&timeout=0.02", "").error == "timeout"
-        assert door.ask("warm_for_ever.stop", "true").error == ""
-    with door.listen("warmth") as events:
+        assert endpoint.ask("warm_for_ever?echo&timeout=0.02", "").error == "timeout"
+        assert endpoint.ask("warm_for_ever.stop", "true").error == ""
+    with endpoint.listen("warmth") as events:
         assert next(events).payload == "3.5"
     assert thing._called.count("stuck") == 1
     thing.free()
-    assert door.ask("stuck") == Answer("7")
+    assert endpoint.ask("stuck") == Answer("7")

@@ -16,12 +16,12 @@ from typing import Any
 import pytest
 import zenoh
 
+from rtkit.container.manager_connection import PROTOCOL
 from rtkit.deployment.actions import ChangeState, Create
 from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.link import keys
 from rtkit.link.zenoh import ZenohLink, open_client, unix_endpoint
-from rtkit.manager.processes.contact import PROTOCOL
 from rtkit.rtc.enums import Transition
 from rtkit.tree.client import Tree
 
@@ -187,11 +187,11 @@ def test_raw_bytes_on_the_sockets_of_the_transport(world: Tree, manager: Any) ->
     pid = world.listing().pid
     folder = Path(os.environ["RTKIT_RUNTIME_DIR"])
     chance = random.Random(SEED)
-    doors = [path for path in folder.iterdir() if path.suffix in (".sock", ".data")]
-    assert len(doors) > 1
-    for door in doors:
+    endpoints = [path for path in folder.iterdir() if path.suffix in (".sock", ".data")]
+    assert len(endpoints) > 1
+    for endpoint in endpoints:
         for _ in range(200):
-            throw(str(door), chance.randbytes(chance.randrange(500)))
+            throw(str(endpoint), chance.randbytes(chance.randrange(500)))
     assert world.listing().pid == pid
     manager.ok("rtact /localhost/A.rtc /localhost/B.rtc")
 

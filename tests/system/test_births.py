@@ -39,7 +39,7 @@ def create(tree: Tree, slave: str, timeout_s: float = BOUND_S) -> Result:
     return result
 
 
-def born_of(parent: int) -> list[int]:
+def forked_by(parent: int) -> list[int]:
     """Return the processes that a process has forked, also those that are stopped."""
     found = []
     for entry in Path("/proc").iterdir():
@@ -56,7 +56,7 @@ def born_of(parent: int) -> list[int]:
 def zygote_of(tree: Tree) -> int:
     """Return the pid of the process that forks slaves."""
     slaves = {process.pid for process in tree.snapshot().processes}
-    (pid,) = set(born_of(tree.listing().pid)) - slaves
+    (pid,) = set(forked_by(tree.listing().pid)) - slaves
     return pid
 
 
@@ -79,7 +79,7 @@ def test_a_slave_that_ends_or_hangs_before_its_hello(site: Site) -> None:
     with site.tree() as tree:
         until(lambda: create(tree, "first").ok, "a zygote that is ready")
         zygote = zygote_of(tree)
-        before = born_of(zygote)
+        before = forked_by(zygote)
         for point in ("slave.begun", "slave.greeting"):
             for number, (how, why) in enumerate(expected.items()):
                 action, _, argument = how.partition(" ")
@@ -87,7 +87,7 @@ def test_a_slave_that_ends_or_hangs_before_its_hello(site: Site) -> None:
                 name = f"s{number}"
                 result = create(tree, name, 0.5 if why is late else BOUND_S)
                 assert re.fullmatch(why.format(name), result.why), (point, how)
-                until(lambda: born_of(zygote) == before, f"the end of {how} at {point}")
+                until(lambda: forked_by(zygote) == before, f"the end of {how} at {point}")
         site.points.disarm()
         until(lambda: [each[0] for each in tree.listing().slaves] == ["first"], "the listing")
         assert create(tree, "s0").ok
@@ -104,7 +104,7 @@ def test_who_is_not_born_when_its_zygote_dies_ends_with_it(site: Site, point: st
         site.points.disarm()
         assert create(tree, "t").ok
         named = {process.pid for process in tree.snapshot().processes}
-        until(lambda: set(born_of(manager)) - named == {zygote_of(tree)}, "no orphan")
+        until(lambda: set(forked_by(manager)) - named == {zygote_of(tree)}, "no orphan")
         assert first == "first"
 
 
@@ -134,11 +134,11 @@ def test_a_fork_that_hangs_when_manager_and_zygote_die_is_ended_by_the_next(site
     with site.tree() as tree:
         until(lambda: create(tree, "first").ok, "a zygote that is ready")
         zygote, manager = zygote_of(tree), tree.listing().pid
-        known = set(born_of(zygote))
+        known = set(forked_by(zygote))
         site.points.arm(Order("slave.begun", 1, "delay", "1000"))
         with site.shell.open("rtmgr /localhost/manager.mgr -c 'ConsoleIn?manager_name=s'") as made:
             assert site.points.has_struck(1)
-            (lost,) = set(born_of(zygote)) - known
+            (lost,) = set(forked_by(zygote)) - known
             for pid in (manager, zygote):
                 os.kill(pid, signal.SIGKILL)
             assert made.wait(timeout=BOUND_S) == 1

@@ -16,9 +16,9 @@ from mosquittokit import MOSQUITTO, PASSWORD, Mosquitto
 from serialkit import Cable
 
 from rtkit.errors import Unreachable
-from rtkit.link.http_client import connect_http
-from rtkit.link.ice_client import connect_ice
-from rtkit.link.serial_client import connect_serial
+from rtkit.wires.http.client import connect_http
+from rtkit.wires.ice.client import connect_ice
+from rtkit.wires.serial.client import connect_serial
 
 PATIENCE_S = 1.0
 needs_ice = pytest.mark.skipif(not icekit.IS_THERE, reason=icekit.MISSING)

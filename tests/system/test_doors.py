@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.link import door, ports
+from rtkit.link import ports, tcp_endpoint
 
 SECRET = "door.secret"
 STRANGER = """
@@ -47,7 +47,7 @@ else:
 
 def start(shell: Any, name: str = "", options: str = "") -> int:
     """Start a manager with a door of its own and return its port."""
-    port = door.free_port()
+    port = tcp_endpoint.free_port()
     shell.ok(f"rtmgr start {name} -p {port} {options}")
     return port
 
@@ -112,7 +112,7 @@ def test_all_commands_work_through_the_door(shell: Any) -> None:
 
 
 def test_an_address_that_means_nobody(shell: Any) -> None:
-    port, nobody = start(shell), door.free_port()
+    port, nobody = start(shell), tcp_endpoint.free_port()
     status, _, err = shell.run(f"rtmgr -c ConsoleIn corbaloc::localhost:{port}/other")
     assert (status, err.count("\n")) == (1, 1)
     assert f"the manager at localhost:{port} is manager, not other" in err
@@ -175,7 +175,7 @@ def test_a_secret_that_others_can_read_is_no_secret(shell: Any, mode: int) -> No
     file = shell.folder / "state" / SECRET
     file.write_text("me:known\n")
     file.chmod(mode)
-    port = door.free_port()
+    port = tcp_endpoint.free_port()
     told = f"rtmgr: secret can be read by others (mode {mode:o}); remove it: {file}\n"
     assert shell.run(f"rtmgr start -p {port}") == (1, "", told)
     assert list((shell.folder / "run").iterdir()) == []
@@ -184,7 +184,7 @@ def test_a_secret_that_others_can_read_is_no_secret(shell: Any, mode: int) -> No
 def test_a_secret_that_is_a_link_is_refused(shell: Any) -> None:
     (shell.folder / "elsewhere").write_text("me:known\n")
     (shell.folder / "state" / SECRET).symlink_to(shell.folder / "elsewhere")
-    status, _, err = shell.run(f"rtmgr start -p {door.free_port()}")
+    status, _, err = shell.run(f"rtmgr start -p {tcp_endpoint.free_port()}")
     assert status == 1
     assert "cannot read the secret" in err
 
@@ -236,18 +236,18 @@ def test_who_listens_is_found() -> None:
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         port = listener.getsockname()[1]
-        assert ports.holder(port) is None
+        assert ports.port_holder(port) is None
         listener.listen()
-        found = ports.holder(port)
+        found = ports.port_holder(port)
         assert found is not None
         assert (found.uid, found.pid) == (os.getuid(), os.getpid())
         assert str(found).endswith(f"(pid {os.getpid()})")
-        assert not door.is_free(port)
-    assert ports.holder(port) is None
-    assert door.is_free(port)
+        assert not tcp_endpoint.is_free(port)
+    assert ports.port_holder(port) is None
+    assert tcp_endpoint.is_free(port)
     name = pwd.getpwuid(0).pw_name
-    assert str(ports.Holder(0)) == f"a process of user {name}"
-    assert str(ports.Holder(4_000_000_000)) == "a process of user 4000000000"
+    assert str(ports.PortHolder(0)) == f"a process of user {name}"
+    assert str(ports.PortHolder(4_000_000_000)) == "a process of user 4000000000"
 
 
 # several managers
@@ -320,7 +320,7 @@ def test_a_silent_neighbour_is_told_and_holds_up_nobody(shell: Any) -> None:
 
 @pytest.mark.parametrize("variable", ["RTKIT_SERVERS", "RTCTREE_NAMESERVERS"])
 def test_servers_are_in_the_tree(shell: Any, variable: str) -> None:
-    port, nobody = start(shell, "other"), door.free_port()
+    port, nobody = start(shell, "other"), tcp_endpoint.free_port()
     shell.environment[variable] = f"localhost:{port}; localhost:{nobody}"
     shell.ok(f"rtmgr -c ConsoleIn /localhost:{port}/other.mgr")
     servers = sorted(["localhost", f"localhost:{port}", f"localhost:{nobody}"])
@@ -335,7 +335,7 @@ def test_servers_are_in_the_tree(shell: Any, variable: str) -> None:
 
 
 def test_a_slave_manager_registers_with_its_master(shell: Any) -> None:
-    port = door.free_port()
+    port = tcp_endpoint.free_port()
     options = f"-o manager.is_master:NO -o corba.master_manager:localhost:{port}"
     shell.ok(f"rtmgr start sub {options} -o manager.update_master_manager.interval:0.05")
     shell.ok(f"rtmgr start -p {port}")
@@ -382,7 +382,7 @@ def test_thousands_of_idle_connections_keep_no_owner_out(shell: Any) -> None:
     idle: list[socket.socket] = []
     try:
         for _ in range(min(IDLE, hard - 500)):
-            idle.append(socket.create_connection((door.LOOPBACK, port)))
+            idle.append(socket.create_connection((tcp_endpoint.LOOPBACK, port)))
         for _ in range(50):
             assert shell.ok("rtls --timeout 5 /localhost") == "manager.mgr/\n"
         status, out, err = shell.run(f"rtls localhost:{port}")

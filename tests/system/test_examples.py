@@ -22,7 +22,7 @@ from serialkit import Cable
 from rtkit.cli import COMMANDS
 from rtkit.cli._examples import EXAMPLES
 from rtkit.cli._verbs import WORDS
-from rtkit.link.door import free_port
+from rtkit.link.tcp_endpoint import free_port
 
 ROOT = Path(__file__).parents[2]
 MODULE = '''

@@ -31,21 +31,21 @@ def test_an_object_is_served_and_asked_over_ice(shell: Any) -> None:
     assert listening.stdout.readline() == "0.5\n"
     assert shell.ok(f"rtset --echo {carried}/angle 2") == "2\n"
     assert listening.stdout.readline() == "2\n"
-    door = address.removesuffix("/robots/arm")
-    assert shell.ok(f"rtget --at {door} robots/arm.angle robots/arm.name") == '2\n"right"\n'
+    endpoint = address.removesuffix("/robots/arm")
+    assert shell.ok(f"rtget --at {endpoint} robots/arm.angle robots/arm.name") == '2\n"right"\n'
     assert shell.ok(f"rtget {address}") == "(angle name)\n"
     refused = shell.run(f"rtset {address}/name x")
     assert (refused.status, refused.err) == (
         1, f"rtset: {address}/name: denied: SET by rtkit-{os.getuid()}: name\n")  # fmt: skip
-    unknown = shell.run(f"rtget {door}/nobody/angle")
-    assert unknown.err == f"rtget: {door}/nobody/angle: no-service: there is robots/arm\n"
+    unknown = shell.run(f"rtget {endpoint}/nobody/angle")
+    assert unknown.err == f"rtget: {endpoint}/nobody/angle: no-service: there is robots/arm\n"
     owner.send_signal(signal.SIGTERM)
     assert owner.communicate(timeout=30)[0] == ""
     assert owner.returncode == 0
     assert near.stderr.readline() == f"rtproxy: {address}: gone: the connection has ended\n"
     assert listening.stdout.readline() == "2  (stale)\n"
     gone = shell.run(f"rtget {address}/angle")
-    assert gone.err.endswith(f"no-service: cannot reach {door}: Connection refused\n")
+    assert gone.err.endswith(f"no-service: cannot reach {endpoint}: Connection refused\n")
     near.send_signal(signal.SIGINT)
     near.communicate(timeout=30)
     assert near.returncode == -signal.SIGINT

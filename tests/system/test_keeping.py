@@ -17,7 +17,7 @@ import pytest
 from faultkit import Order, Points
 
 MANAGER = "/localhost/manager.mgr"
-ASIDE = "the damaged store of wishes is kept aside: "
+ASIDE = "the damaged state store is kept aside: "
 
 
 def pids(shell: Any) -> list[int]:
@@ -149,10 +149,10 @@ def test_a_manager_killed_in_its_commit_or_while_it_restores_leaves_nothing_half
 def test_restoring_can_be_declined(robot: Any) -> None:
     kill(pids(robot))
     status, _, err = robot.run("rtmgr start -o rtkit.restore:NO")
-    path = f"{robot.folder}/state/manager.wishes.unrestored-1"
+    path = f"{robot.folder}/state/manager.desired.unrestored-1"
     assert (status, err) == (
         0,
-        f"rtmgr: warning: the unrestored store of wishes is kept aside: {path}\n",
+        f"rtmgr: warning: the unrestored state store is kept aside: {path}\n",
     )
     left = robot.ok("rtls /localhost").split()
     assert all(each.startswith("*") for each in left[:-1]), left  # how they ended is told
@@ -160,10 +160,10 @@ def test_restoring_can_be_declined(robot: Any) -> None:
 
 
 def test_a_store_that_is_gone_or_a_link_is_told(robot: Any) -> None:
-    path = f"{robot.folder}/state/manager.wishes"
+    path = f"{robot.folder}/state/manager.desired"
     kill(pids(robot))
     os.unlink(path)
-    told = f"the store of wishes was removed ({path}): only what lives is known"
+    told = f"the state store was removed ({path}): only what lives is known"
     assert robot.run("rtmgr start") == (0, "", f"rtmgr: warning: {told}\n")
     assert told in robot.ok("rtls -l /localhost")
     robot.ok("rtmgr stop")
@@ -197,7 +197,7 @@ def test_a_damaged_store_is_put_aside_and_made_anew_from_what_lives(
     robot: Any, damage: Callable[[str], None]
 ) -> None:
     """It is told at the start, in the log, by rtls and by rtdoctor; the next one is whole."""
-    path = f"{robot.folder}/state/manager.wishes"
+    path = f"{robot.folder}/state/manager.desired"
     kill(pids(robot)[-1:])
     damage(path)
     status, _, err = robot.run("rtmgr start")
@@ -215,14 +215,14 @@ def test_a_damaged_store_is_put_aside_and_made_anew_from_what_lives(
 
 
 def test_a_store_of_the_future_or_in_use_is_not_touched(robot: Any) -> None:
-    path = f"{robot.folder}/state/manager.wishes"
+    path = f"{robot.folder}/state/manager.desired"
     kill(pids(robot))
     with sqlite3.connect(path) as db:
         db.execute("pragma user_version = 2")
     db.close()
     status, _, err = robot.run("rtmgr start")
     cure = "rtmgr start -o rtkit.restore:NO puts it aside and begins empty"
-    told = f"a newer rtkit wrote the store of wishes, {path} (version 2): use that one, or {cure}"
+    told = f"a newer rtkit wrote the state store, {path} (version 2): use that one, or {cure}"
     assert (status, err) == (1, f"rtmgr: {told}\n")
     db = sqlite3.connect(path, isolation_level=None)
     db.execute("pragma user_version = 1")
@@ -231,7 +231,7 @@ def test_a_store_of_the_future_or_in_use_is_not_touched(robot: Any) -> None:
     with open("/proc/self/comm", encoding="utf-8") as comm:
         whose = f"process {os.getpid()} ({comm.read().strip()})"
     cure = "stop that, or give this manager a RTKIT_STATE_DIR of its own"
-    told = f"{whose} uses the store of wishes, {path}; {cure}"
+    told = f"{whose} uses the state store, {path}; {cure}"
     assert (status, err) == (1, f"rtmgr: {told}\n")
     db.close()
     robot.ok("rtmgr start")
@@ -239,10 +239,10 @@ def test_a_store_of_the_future_or_in_use_is_not_touched(robot: Any) -> None:
 
 
 def test_a_store_that_is_removed_under_a_living_manager_is_written_anew(robot: Any) -> None:
-    path = f"{robot.folder}/state/manager.wishes"
+    path = f"{robot.folder}/state/manager.desired"
     os.unlink(path)
     robot.ok("rtconf /localhost/C.rtc set gain 3.5")
-    told = f"  (the store of wishes was removed ({path}); all is written anew)"
+    told = f"  (the state store was removed ({path}); all is written anew)"
     before = shown(robot)
     assert told in before[0]
     kill(pids(robot))

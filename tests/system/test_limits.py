@@ -193,8 +193,8 @@ def test_its_policy_brings_it_back_and_what_was_its_reason_is_told(
 
     until(is_given_up, "the second end")
     told = facts(tree, name)
-    assert told.upkeep.restarts == 1
-    assert told.upkeep.why.startswith("memory limit of 150 MiB reached (")
+    assert told.restart_status.restarts == 1
+    assert told.restart_status.why.startswith("memory limit of 150 MiB reached (")
 
 
 def test_the_next_manager_keeps_slaves_within_their_limits(

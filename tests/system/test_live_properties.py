@@ -13,7 +13,7 @@ import pytest
 from terminal import opened
 
 from rtkit.property.values import Word
-from rtkit.serving.serve import serve
+from rtkit.wires.serve import serve
 
 MODULE = '''
 class Arm:
@@ -64,8 +64,8 @@ def test_an_object_is_got_set_and_listened_to(arm: Any) -> None:
     )
     assert arm.ok(f"rtget --at {arm.address} robots/arm.angle") == "1.999\n"
     assert arm.ok(f"rtget {arm.web}.angle {arm.web}/pose/y") == "1.999\n2.0\n"
-    door = arm.web.removesuffix("/ps/robots/arm")
-    assert arm.ok(f"rtset --echo --at {door} robots/arm.angle 2") == "2\n"
+    endpoint = arm.web.removesuffix("/ps/robots/arm")
+    assert arm.ok(f"rtset --echo --at {endpoint} robots/arm.angle 2") == "2\n"
     assert arm.ok(f"rtlisten -n 1 {arm.web}/name") == '"right"\n'
     arm.ok("rtset robots/arm properties '((angle 3) (name up))'")
     assert arm.ok("rtget -p values -p names='(angle name)' robots/arm") == (

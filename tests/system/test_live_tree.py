@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
+from rtkit.deployment.extension import FOLLOW
 from rtkit.manager.core import operations
 from rtkit.tree import live
 
@@ -13,7 +14,7 @@ MANAGER = "/localhost/manager.mgr"
 
 
 def test_the_operations_are_those_of_the_manager() -> None:
-    assert set(live.READ) == {*operations.READ, "get_loadable_modules"}
+    assert {*live.READ, FOLLOW} == {*operations.READ, "get_loadable_modules"}
     assert set(live.DO) == {*operations.DO, "shutdown", "restart"}
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.cli.prompt.functions import script as functions
+from rtkit.cli.completion.functions import script as functions
 
 MANAGER = "/localhost/manager.mgr"
 SECOND = "/localhost/manager.mgr/s1.mgr"

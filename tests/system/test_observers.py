@@ -123,9 +123,9 @@ def test_records_are_as_their_schemas_say(system: Any) -> None:
     system.ok(f"rtmgr {MANAGER} -c ConsoleIn?manager_name=s -c ConsoleOut -c Talker")
     system.ok(f"rtcon {SOURCE}:out {SINK}:in")
     system.ok(f"rtact {SINK} {SOURCE} {TALKER_PATH}")
-    beats = jsonrecords.checked(system.ok(f"rtwatch --json -n 4 -f HEARTBEAT {MANAGER}"))
-    assert {jsonrecords.kind_of(record) for record in beats} == {"event"}
-    assert {record["event"] for record in beats} == {"RTC_HEARTBEAT", "EC_HEARTBEAT"}
+    heartbeats = jsonrecords.checked(system.ok(f"rtwatch --json -n 4 -f HEARTBEAT {MANAGER}"))
+    assert {jsonrecords.kind_of(record) for record in heartbeats} == {"event"}
+    assert {record["event"] for record in heartbeats} == {"RTC_HEARTBEAT", "EC_HEARTBEAT"}
     logged = jsonrecords.checked(system.ok("rtvlog --json --no-follow /"))
     assert {jsonrecords.kind_of(record) for record in logged} == {"log-record"}
     rows = jsonrecords.checked(system.ok("rttop --once --json"))

@@ -152,8 +152,8 @@ def test_nobody_connects_to_sockets_in_the_folder_of_another_user(
     monkeypatch.setitem(shell.environment, "XDG_RUNTIME_DIR", str(shell.folder))
     folder = shell.folder / "rtkit"
     folder.mkdir(mode=0o755)
-    with socket.socket(socket.AF_UNIX) as door, socket.socket(socket.AF_UNIX) as service:
-        for end, name in ((door, "manager.sock"), (service, "arm.ps")):
+    with socket.socket(socket.AF_UNIX) as endpoint, socket.socket(socket.AF_UNIX) as service:
+        for end, name in ((endpoint, "manager.sock"), (service, "arm.ps")):
             end.bind(str(folder / name))
             end.listen()
             end.setblocking(False)
@@ -161,6 +161,6 @@ def test_nobody_connects_to_sockets_in_the_folder_of_another_user(
         status, out, err = shell.run(line)
         assert (status, out) == (1, "")
         assert f"folder belongs to another user: {folder}" in err
-        for end in (door, service):
+        for end in (endpoint, service):
             with pytest.raises(BlockingIOError):
                 end.accept()

@@ -295,8 +295,9 @@ def test_a_stop_ends_what_a_killed_manager_left(pair: Any) -> None:
     pair.ok("rtact /localhost/D.rtc")
     kill_manager(pair)
     status, out, err = pair.run("rtmgr stop")
-    what = "manager 'manager' had been killed; what it left was ended (3 slaves)"
-    assert (status, out, err) == (0, "", f"rtmgr: {what}\n")
+    ended = "manager 'manager' had been killed; what it left was ended (3 slaves)"
+    told = f"rtmgr: {ended}; what it kept for its next start is removed\n"
+    assert (status, out, err) == (0, "", told)
     assert list((pair.folder / "run").iterdir()) == []
     assert pair.run("rtmgr stop").status == 1
 

@@ -224,8 +224,10 @@ def test_a_killed_slave_leaves_zombies_with_the_reason(manager: Any) -> None:
     line = manager.ok("rtls -l /localhost/ConsoleOut1.rtc")
     assert line == "-  -  -  -  -  *ConsoleOut1.rtc  (signal 9)\n"
     for command in ("rtact", "rtcat", "rtconf", "rtdis"):
-        told = f"{command}: Zombie object: /localhost/ConsoleOut1.rtc (signal 9)\n"
-        assert manager.run(f"{command} /localhost/ConsoleOut1.rtc") == (1, "", told)
+        told = f"{command}: Zombie object: /localhost/ConsoleOut1.rtc (signal 9)"
+        if command == "rtcat":
+            told += "; rtvlog /localhost/ConsoleOut1.rtc shows what it logged"
+        assert manager.run(f"{command} /localhost/ConsoleOut1.rtc") == (1, "", f"{told}\n")
     manager.ok(f"rtmgr -d ConsoleOut1 {MANAGER}")
     assert manager.ok("rtls /localhost").split() == ["ConsoleOut0.rtc", "manager.mgr/"]
 

@@ -72,15 +72,19 @@ def kill(tree: Tree, slave: str) -> None:
 
 def has_restarts(tree: Tree, instance: str, count: int) -> bool:
     told = facts(tree, instance)
-    is_over = not told.zombie and not told.upkeep.returning
-    return is_over and told.upkeep.restarts == count
+    is_over = not told.zombie and not told.restart_status.returning
+    return is_over and told.restart_status.restarts == count
 
 
 def is_at_work(tree: Tree, instance: str, restarts: int) -> bool:
     told = tree.snapshot().component(instance)  # none while it is made again in its place
     if told is None:
         return False
-    is_over = not told.zombie and told.upkeep.restarts == restarts and not told.upkeep.returning
+    is_over = (
+        not told.zombie
+        and told.restart_status.restarts == restarts
+        and not told.restart_status.returning
+    )
     return is_over and told.state == "Active"
 
 
@@ -144,7 +148,7 @@ def test_error_is_answered_in_place_and_who_fails_always_is_given_up(
     before = next(each.pid for each in tree.snapshot().processes if each.name == "f")
     until(partial(is_at_work, tree, "F", 1), "its second life")
     told = facts(tree, "F")
-    assert "first life" in told.upkeep.why
+    assert "first life" in told.restart_status.why
     assert next(each.pid for each in tree.snapshot().processes if each.name == "f") == before
     bad = Path(manager.environment["RTKIT_STATE_DIR"]) / "bad"
     bad.touch()
@@ -241,10 +245,10 @@ def test_who_is_not_well_is_shown_or_made_again(manager: Any, tree: Tree) -> Non
         ChangeState("A", "0", Transition.ACTIVATE),
     )
     sick.touch()
-    until(lambda: "out carries" in facts(tree, "A").upkeep.degraded, "a low rate")
+    until(lambda: "out carries" in facts(tree, "A").restart_status.degraded, "a low rate")
     assert "(degraded: out carries" in manager.ok("rtls -l /localhost/A.rtc")
     sick.unlink()
-    until(lambda: not facts(tree, "A").upkeep.degraded, "the usual rate")
+    until(lambda: not facts(tree, "A").restart_status.degraded, "the usual rate")
     stuck = "&hangs=1&rtkit.health.stuck=0.2:restart"
     apply(
         tree,
@@ -253,4 +257,4 @@ def test_who_is_not_well_is_shown_or_made_again(manager: Any, tree: Tree) -> Non
     )
     sick.touch()
     until(partial(is_at_work, tree, "B", 1), "the end of a callback that hangs")
-    assert facts(tree, "B").upkeep.why.startswith("B was stuck in on_execute since ")
+    assert facts(tree, "B").restart_status.why.startswith("B was stuck in on_execute since ")

@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from rtkit import records
+from rtkit import fast_dataclass
 
-COMPILED_AFTER = records._COMPILED_AFTER
+COMPILED_AFTER = fast_dataclass._COMPILED_AFTER
 
 
 def define(module: Any) -> tuple[type[Any], type[Any], type[Any]]:
@@ -48,7 +48,7 @@ def define(module: Any) -> tuple[type[Any], type[Any], type[Any]]:
     return Point, Pen, Far
 
 
-OURS, THEIRS = define(records), define(dataclasses)
+OURS, THEIRS = define(fast_dataclass), define(dataclasses)
 WRONG: list[tuple[tuple[Any, ...], dict[str, Any]]] = [
     ((), {}),
     ((1, 2, 3), {}),
@@ -135,9 +135,11 @@ def test_the_standard_library_knows_them() -> None:
             assert one.default == other.default
             assert one.default_factory == other.default_factory
     point, _, far = OURS
-    assert dataclasses.replace(point(1), y=7) == records.replace(point(1), y=7) == point(1, 7)
+    assert (
+        dataclasses.replace(point(1), y=7) == fast_dataclass.replace(point(1), y=7) == point(1, 7)
+    )
     assert dataclasses.astuple(far(1)) == (1, 2, 3)
-    assert records.replace(THEIRS[0](1), y=3).y == 3
+    assert fast_dataclass.replace(THEIRS[0](1), y=3).y == 3
 
     @dataclasses.dataclass(frozen=True, slots=True)
     class Farther(far):  # type: ignore[misc,valid-type]
@@ -157,7 +159,7 @@ def test_what_travels_as_bytes_comes_back() -> None:
 def test_a_field_without_a_default_comes_before_those_with_one() -> None:
     with pytest.raises(TypeError, match="without a default"):
 
-        @records.dataclass(slots=True)
+        @fast_dataclass.dataclass(slots=True)
         class Wrong:
             """Cannot be made."""
 
@@ -166,7 +168,7 @@ def test_a_field_without_a_default_comes_before_those_with_one() -> None:
 
 
 def test_a_default_as_a_signature_shows_it_is_made_anew() -> None:
-    _, pen, _ = define(records)
+    _, pen, _ = define(fast_dataclass)
     shown = inspect.signature(pen).parameters["marks"].default
     for _ in range(COMPILED_AFTER + 2):
         assert pen(1, shown).marks == pen(1, marks=shown).marks == {}

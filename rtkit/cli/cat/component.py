@@ -77,11 +77,11 @@ def _identity(facts: ComponentFacts) -> list[tuple[str, str]]:
     where = [("Stand-in", "yes")] if facts.is_stand_in else []
     where += [("Cause", facts.cause)] if facts.cause else []
     where += _limits(facts)
-    upkeep = facts.upkeep
+    restart_status = facts.restart_status
     told = (
-        ("Trouble", facts.trouble or upkeep.trouble),
-        ("Restarts", upkeep.again),
-        ("Stopped", upkeep.stops),
+        ("Trouble", facts.trouble or restart_status.trouble),
+        ("Restarts", restart_status.again),
+        ("Stopped", restart_status.stops),
     )
     where += [each for each in told if each[1]]
     return known + where

@@ -68,7 +68,7 @@ def manager_record(
     snapshot: Snapshot, process: ProcessFacts | None, offers: Offers
 ) -> dict[str, Any]:
     """Return what is known of a manager, or of a slave of it, for JSON."""
-    from rtkit.rtc.plain import encode
+    from rtkit.rtc.serde import encode
 
     shown = _process(snapshot, process)
     return {

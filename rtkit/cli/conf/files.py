@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App
-from rtkit.cli.conf.asked import Asked, Sets
+from rtkit.cli.conf.request import ConfRequest, Sets
 from rtkit.cli.conf.sets import change, seen, visible
 from rtkit.cli.conf.shown import no_set, record_of
 from rtkit.errors import InvalidDocument, NotFound, Refused
@@ -21,7 +21,7 @@ STDIN = "-"
 VERBS = ("diff", "export", "import")
 
 
-class Difference(NamedTuple):
+class SetDifference(NamedTuple):
     """A parameter that is not the same on both sides; None where it is not there at all."""
 
     here: str
@@ -30,14 +30,14 @@ class Difference(NamedTuple):
     value_there: str | None
 
 
-class Saved(NamedTuple):
+class SavedSets(NamedTuple):
     """What a file holds: the active set, empty when it does not say, and the sets."""
 
     active: str
     sets: Sets
 
 
-def do(app: App, facts: ComponentFacts, asked: Asked) -> int:
+def do(app: App, facts: ComponentFacts, asked: ConfRequest) -> int:
     """Compare, write or take over sets of a component; return the exit status.
 
     Raises:
@@ -63,8 +63,8 @@ def do(app: App, facts: ComponentFacts, asked: Asked) -> int:
 
 
 def _differences(
-    facts: ComponentFacts, sets: Sets, asked: Asked, other: str
-) -> Iterator[Difference]:
+    facts: ComponentFacts, sets: Sets, asked: ConfRequest, other: str
+) -> Iterator[SetDifference]:
     set_id = asked.set_id or facts.active_set
     if other in sets:
         yield from _compare(set_id, facts.sets[set_id], other, sets[other])
@@ -73,7 +73,7 @@ def _differences(
         raise no_set(other, sets)
     saved = _read(other)
     if saved.active not in ("", facts.active_set) and not asked.set_id:
-        yield Difference("", "", facts.active_set, saved.active)
+        yield SetDifference("", "", facts.active_set, saved.active)
     names = {asked.set_id} if asked.set_id else visible(saved.sets, asked)
     for name in sorted(names):
         yield from _compare(name, sets.get(name, {}), name, saved.sets.get(name, {}))
@@ -87,13 +87,15 @@ def _is_file(name: str) -> bool:
 
 def _compare(
     here: str, ours: Mapping[str, str], there: str, theirs: Mapping[str, str]
-) -> Iterator[Difference]:
+) -> Iterator[SetDifference]:
     for name in sorted(ours.keys() | theirs.keys()):
         if ours.get(name) != theirs.get(name):
-            yield Difference(f"{here}.{name}", f"{there}.{name}", ours.get(name), theirs.get(name))
+            yield SetDifference(
+                f"{here}.{name}", f"{there}.{name}", ours.get(name), theirs.get(name)
+            )
 
 
-def _lines(each: Difference) -> Iterator[str]:
+def _lines(each: SetDifference) -> Iterator[str]:
     if each.value_here is not None:
         yield _out.printable(f"-{each.here or 'active set'}  {each.value_here}")
     if each.value_there is not None:
@@ -107,7 +109,7 @@ def _export(facts: ComponentFacts, chosen: Sets, target: str) -> None:
     write_output(f"{text}\n".encode(), target)
 
 
-def _import(app: App, facts: ComponentFacts, sets: Sets, asked: Asked, source: str) -> None:
+def _import(app: App, facts: ComponentFacts, sets: Sets, asked: ConfRequest, source: str) -> None:
     saved = _read(source)
     wanted = saved.sets
     if asked.set_id:
@@ -125,7 +127,7 @@ def _import(app: App, facts: ComponentFacts, sets: Sets, asked: Asked, source: s
     change(app, facts, {name: values for name, values in changed.items() if values}, active)
 
 
-def _read(source: str) -> Saved:
+def _read(source: str) -> SavedSets:
     where = "<stdin>" if source == STDIN else source
     try:
         if source == STDIN:
@@ -142,7 +144,7 @@ def _read(source: str) -> Saved:
     return _saved(document, where)
 
 
-def _saved(document: object, where: str) -> Saved:
+def _saved(document: object, where: str) -> SavedSets:
     if not isinstance(document, dict) or not isinstance(document.get("sets"), dict):
         raise InvalidDocument(f'{where}: no configuration sets: {{"sets": {{NAME: {{…}}}}}}')
     sets = {}
@@ -153,7 +155,7 @@ def _saved(document: object, where: str) -> Saved:
     active = document.get("active", "")
     if not isinstance(active, str):
         raise InvalidDocument(f"{where}: active is no name of a set")
-    return Saved(active, sets)
+    return SavedSets(active, sets)
 
 
 def _text(value: object, where: str) -> str:

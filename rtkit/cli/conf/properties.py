@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import _out, _records
 from rtkit.cli._app import App
-from rtkit.cli.conf.asked import Asked, values_of
+from rtkit.cli.conf.request import ConfRequest, values_of
 from rtkit.cli.conf.shown import show_value
 from rtkit.errors import Malformed, NotFound, Refused
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rtkit.rtc.names import Path
 
 
-def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: Asked) -> None:
+def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: ConfRequest) -> None:
     """Do what was asked with the properties of a manager.
 
     Raises:
@@ -58,7 +58,7 @@ def warn_of_vain(app: App, given: Mapping[str, str]) -> None:
     Raises:
         Malformed: There are any, and warnings are to be taken for errors.
     """
-    from rtkit.manager.settings.properties import vain
+    from rtkit.settings.properties import vain
 
     found = []
     for key, value in given.items():

@@ -6,17 +6,17 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.cli._app import App
-from rtkit.cli.conf.asked import Asked, Sets, values_of
+from rtkit.cli.conf.request import ConfRequest, Sets, values_of
 from rtkit.cli.conf.shown import no_parameter, no_set, show_sets, show_value
 from rtkit.errors import Malformed, Partial, RtkitError
 
 if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import ComponentFacts
-    from rtkit.statics.blueprint import ParameterType
+    from rtkit.static_check.blueprint import ParameterType
 
 
-def of_component(app: App, facts: ComponentFacts, asked: Asked) -> None:
+def of_component(app: App, facts: ComponentFacts, asked: ConfRequest) -> None:
     """List, get, set or activate what was asked of a component.
 
     Raises:
@@ -35,7 +35,7 @@ def of_component(app: App, facts: ComponentFacts, asked: Asked) -> None:
         change(app, facts, {set_id: values_of(asked.arguments)})
 
 
-def seen(facts: ComponentFacts, asked: Asked) -> tuple[Sets, Sets]:
+def seen(facts: ComponentFacts, asked: ConfRequest) -> tuple[Sets, Sets]:
     """Return the sets that are to be seen, and those of them that were asked for.
 
     Raises:
@@ -48,7 +48,7 @@ def seen(facts: ComponentFacts, asked: Asked) -> tuple[Sets, Sets]:
     return sets, {asked.set_id: sets[asked.set_id]} if asked.set_id else sets
 
 
-def visible(sets: Sets, asked: Asked) -> Sets:
+def visible(sets: Sets, asked: ConfRequest) -> Sets:
     """Return those sets that are to be seen."""
     return {name: sets[name] for name in sets if asked.has_hidden or not _hidden(name)}
 
@@ -88,7 +88,7 @@ def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) ->
         NotFound: No such parameter.
         Malformed: A text that the parameter cannot have.
     """
-    from rtkit.component.fit import misfit, misfit_of
+    from rtkit.component.constraint_check import misfit, misfit_of
 
     declared = _declared(facts, wanted, tell)
     bad: list[tuple[str, RtkitError]] = []
@@ -115,7 +115,7 @@ def _declared(
     facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]
 ) -> Mapping[str, ParameterType]:
     """Return what an RTC profile says of parameters for which the component gives no constraint."""
-    from rtkit.component.fit import CONSTRAINT_SET
+    from rtkit.component.constraint_check import CONSTRAINT_SET
 
     told = facts.sets.get(CONSTRAINT_SET, {})
     if all(name in told for values in wanted.values() for name in values):
@@ -125,9 +125,9 @@ def _declared(
     found = list(profiles((), tell, with_shipped=False))
     if not found:
         return {}
-    from rtkit.statics.stock import Document, stocked
+    from rtkit.static_check.stock import CandidateDocument, stocked
 
-    catalogue, _ = stocked((Document(*each) for each in found), {facts.type.type_name})
+    catalogue, _ = stocked((CandidateDocument(*each) for each in found), {facts.type.type_name})
     match = catalogue.find(facts.type.id)
     return match.blueprint.parameters if match is not None else {}
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from rtkit.cli import _out, _records
-from rtkit.cli.conf.asked import Asked, Sets
+from rtkit.cli.conf.request import ConfRequest, Sets
 from rtkit.errors import NotFound
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ DESCRIPTION = "description"
 """The parameter of a set that tells what the set is for."""
 
 
-def show_sets(facts: ComponentFacts, sets: Sets, asked: Asked) -> None:
+def show_sets(facts: ComponentFacts, sets: Sets, asked: ConfRequest) -> None:
     """List sets of a component, with their parameters if that was asked for."""
     if asked.is_json:
         _out.write([_records.line("configuration", record_of(facts, sets))])
@@ -48,7 +48,7 @@ def no_set(set_id: str, known: Iterable[str]) -> NotFound:
     return NotFound(f"No such configuration set: {set_id}{did_you_mean(set_id, known)}")
 
 
-def show_value(name: str, values: Mapping[str, str], asked: Asked) -> None:
+def show_value(name: str, values: Mapping[str, str], asked: ConfRequest) -> None:
     """Print one value.
 
     Raises:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from rtkit.drawing.component import Interface, Pin, component_svg
+from rtkit.drawing.component import InterfaceSymbol, Pin, component_svg
 from rtkit.drawing.dot import dot_lines
-from rtkit.drawing.scene import IN, LEFT, OUT, RIGHT, SERVICE, Box, Port, Scene
-from rtkit.profile_tools.page import Page, Section, Table, present, section
+from rtkit.drawing.scene import IN, LEFT, OUT, RIGHT, SERVICE, Box, PortPin, Scene
+from rtkit.profile_tools.page import Page, PageTable, Section, present, section
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.profiles import PortProfile, TypeProfile
 
@@ -29,7 +29,7 @@ _TITLES = {
 _FIELDS = (("License", "__license__"), ("Contact", "__contact__"), ("URL", "__url__"))
 
 
-class Subject(NamedTuple):
+class DocumentedComponent(NamedTuple):
     """A component, live or made of a module only to be described.
 
     Attributes:
@@ -55,7 +55,7 @@ class Made(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def page_of(subject: Subject, *, has_picture: bool) -> Made:
+def page_of(subject: DocumentedComponent, *, has_picture: bool) -> Made:
     """Return the page about a component, its sections in the order that it asks for."""
     doc = subject.sets.get(DOC_SET, {})
     sections = _sections(subject, doc)
@@ -76,14 +76,14 @@ def page_of(subject: Subject, *, has_picture: bool) -> Made:
     return Made(page, tuple(warnings))
 
 
-def dot_of(subject: Subject) -> str:
+def dot_of(subject: DocumentedComponent) -> str:
     """Return the component alone as a graph for Graphviz."""
     ports = tuple(_pin(port).port for port in subject.ports)
     box = Box(subject.type.type_name, "", ports, "")
     return "\n".join(dot_lines(Scene((box,), ()), "component"))
 
 
-def _sections(subject: Subject, doc: Mapping[str, str]) -> dict[str, Section]:
+def _sections(subject: DocumentedComponent, doc: Mapping[str, str]) -> dict[str, Section]:
     named = {key: text for key, text in doc.items() if not key.startswith("__")}
     made = {key: section(_TITLES.get(key, key), [text]) for key, text in named.items()}
     made[_PORTS] = _ports(subject.ports)
@@ -102,7 +102,7 @@ def _ports(ports: Iterable[PortProfile]) -> Section | None:
         )
         for port in ports
     )
-    return section(_TITLES[_PORTS], table=Table(heads, rows))
+    return section(_TITLES[_PORTS], table=PageTable(heads, rows))
 
 
 def _parameters(sets: Mapping[str, Mapping[str, str]]) -> Section | None:
@@ -110,7 +110,7 @@ def _parameters(sets: Mapping[str, Mapping[str, str]]) -> Section | None:
     rows = tuple(
         (name, value, told.get(name, "")) for name, value in sets.get("default", {}).items()
     )
-    return section(_TITLES[_CONFIG], table=Table(("Name", "Value", "Description"), rows))
+    return section(_TITLES[_CONFIG], table=PageTable(("Name", "Value", "Description"), rows))
 
 
 def _order(text: str, there: Iterable[str]) -> tuple[list[str], list[str]]:
@@ -125,12 +125,12 @@ def _order(text: str, there: Iterable[str]) -> tuple[list[str], list[str]]:
 
 def _pin(port: PortProfile) -> Pin:
     if port.port_type is PortType.SERVICE:
-        return Pin(Port(port.name, LEFT, SERVICE, ""), "", tuple(_interfaces(port)))
+        return Pin(PortPin(port.name, LEFT, SERVICE, ""), "", tuple(_interfaces(port)))
     kind, side = (OUT, RIGHT) if port.port_type is PortType.OUT else (IN, LEFT)
-    return Pin(Port(port.name, side, kind, port.data_type), port.data_type)
+    return Pin(PortPin(port.name, side, kind, port.data_type), port.data_type)
 
 
-def _interfaces(port: PortProfile) -> Iterator[Interface]:
+def _interfaces(port: PortProfile) -> Iterator[InterfaceSymbol]:
     for each in port.interfaces:
         is_provided = each.polarity is Polarity.PROVIDED
-        yield Interface(each.instance_name, each.type_name, is_provided)
+        yield InterfaceSymbol(each.instance_name, each.type_name, is_provided)

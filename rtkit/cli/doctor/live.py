@@ -89,7 +89,7 @@ def _look(name: str, timeout_s: float, found: dict[str, list[Diagnosis]]) -> Non
         return
     judged = [
         *judge(name, listing, facts),
-        *door(name, address, facts.properties, os.environ.get("RTKIT_PORT", "")),
+        *endpoint(name, address, facts.properties, os.environ.get("RTKIT_PORT", "")),
     ]
     judged += _clock(name, started)
     found[name] = judged
@@ -155,7 +155,7 @@ def _components(listing: Listing) -> Iterator[Diagnosis]:
             yield Diagnosis("components", WARNING, text, f"rtreset {path}", path)
 
 
-def door(
+def endpoint(
     name: str, address: str, properties: Mapping[str, str], asked: str = ""
 ) -> Iterator[Diagnosis]:
     """Judge the TCP door of a manager, for which `asked` is what RTKIT_PORT says here."""

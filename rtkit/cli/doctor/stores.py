@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from rtkit.cli.doctor.diagnosis import NOTE, OK, WARNING, Diagnosis
 from rtkit.link import places
 
-_SUFFIX = ".wishes"
-_ASIDE = re.compile(r"(.+)\.wishes\.(damaged|unrestored)-\d+")
+_SUFFIX = ".desired"
+_ASIDE = re.compile(r"(.+)\.desired\.(damaged|unrestored)-\d+")
 
 
 def stores() -> Iterator[Diagnosis]:
@@ -31,7 +31,7 @@ def _aside(folder: str, entries: list[str]) -> Iterator[Diagnosis]:
             continue
         path = os.path.join(folder, entry)
         name, what = match.groups()
-        text = f"a {what} store of wishes of manager {name!r} was put aside: {path}"
+        text = f"a {what} state store of manager {name!r} was put aside: {path}"
         cure = f"look whether all is there (rtls), then rm {places.quoted(path)}*"
         yield Diagnosis("stores", WARNING if what == "damaged" else NOTE, text, cure, path)
 

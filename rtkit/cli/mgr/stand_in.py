@@ -10,7 +10,12 @@ from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
 
 if TYPE_CHECKING:
-    from rtkit.profile.rtc_model import Configuration, DataPort, RtcProfile, ServicePort
+    from rtkit.profile.rtc_model import (
+        ConfigurationParameter,
+        DataPortDeclaration,
+        RtcProfile,
+        ServicePortDeclaration,
+    )
 
 _DEFAULT_RATE = 1000.0
 
@@ -68,7 +73,7 @@ def _sets(profile: RtcProfile) -> dict[str, dict[str, str]]:
     return sets
 
 
-def _constraint(configuration: Configuration) -> str:
+def _constraint(configuration: ConfigurationParameter) -> str:
     from rtkit.profile.constraint_format import format_constraint
 
     return format_constraint(configuration.constraint) if configuration.constraint else ""
@@ -84,7 +89,7 @@ def _context(profile: RtcProfile) -> ContextPattern:
     return ContextPattern(kind=kind, rate=rate)
 
 
-def _data_port(port: DataPort) -> PortProfile:
+def _data_port(port: DataPortDeclaration) -> PortProfile:
     kind = PortType.OUT if port.port_type == PortType.OUT else PortType.IN
     told = {
         "dataport.data_type": port.type,
@@ -97,7 +102,7 @@ def _data_port(port: DataPort) -> PortProfile:
     return PortProfile(port.name, kind, {"port.port_type": kind.value, **properties})
 
 
-def _service_port(port: ServicePort) -> PortProfile:
+def _service_port(port: ServicePortDeclaration) -> PortProfile:
     interfaces = tuple(
         PortInterfaceProfile(
             each.instance_name or each.name,

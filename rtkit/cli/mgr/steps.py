@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rtkit.cli._app import App
     from rtkit.deployment.actions import Action, Create
     from rtkit.deployment.facts import Snapshot
-    from rtkit.tree.view import Node
+    from rtkit.tree.view import TreeNode
 
 _FAILED = {
     "load": "Failed to load module",
@@ -31,7 +31,7 @@ _ACTIONS = ("load", "unload", "create", "delete")
 """Kinds whose module is only imported when one is asked for: it is not needed for looking."""
 
 
-class Step(NamedTuple):
+class ManagerStep(NamedTuple):
     """One thing to do: its kind, what the user typed, and the action it is, if it is one."""
 
     kind: str
@@ -48,7 +48,7 @@ class Step(NamedTuple):
         return from_kind(kind, f"{_FAILED[self.kind]}: {self.typed} ({why})")
 
 
-def read_step(kind: str, typed: str) -> Step:
+def read_step(kind: str, typed: str) -> ManagerStep:
     """Read one option of the command line.
 
     Raises:
@@ -58,17 +58,17 @@ def read_step(kind: str, typed: str) -> Step:
     if kind not in _ACTIONS:
         if kind == "configure" and not typed.partition("=")[1]:
             raise UsageProblem(f"Bad property format: {typed} (it is KEY=VALUE)")
-        return Step(kind, typed)
+        return ManagerStep(kind, typed)
     from rtkit.deployment.actions import Delete, Load, Unload
 
     if kind == "load":
         path, init = _split_init(typed)
-        return Step(kind, typed, Load(_module_path(path), init))
+        return ManagerStep(kind, typed, Load(_module_path(path), init))
     if kind == "unload":
-        return Step(kind, typed, Unload(_module_path(typed)))
+        return ManagerStep(kind, typed, Unload(_module_path(typed)))
     if kind == "create":
-        return Step(kind, typed, _create(typed))
-    return Step(kind, typed, Delete(typed))
+        return ManagerStep(kind, typed, _create(typed))
+    return ManagerStep(kind, typed, Delete(typed))
 
 
 def _split_init(typed: str) -> tuple[str, str]:
@@ -95,7 +95,7 @@ def _create(typed: str) -> Create:
         create = parse_create(f"stand-in{question}{options}")
         return Create(str(create), pattern=pattern)
     except RtkitError as error:
-        step = Step("create", typed)
+        step = ManagerStep("create", typed)
         raise step.failure(error.kind, str(error)) from error
 
 
@@ -103,16 +103,16 @@ def _is_profile(identity: str) -> bool:
     return identity.endswith(".xml") or ("/" in identity and os.path.isfile(identity))
 
 
-class Runner:
+class StepRunner:
     """Does steps at one manager, in order; consecutive actions travel as one batch."""
 
-    def __init__(self, app: App, node: Node, is_printing: bool, is_json: bool) -> None:
+    def __init__(self, app: App, node: TreeNode, is_printing: bool, is_json: bool) -> None:
         self._app = app
         self._node = node
         self._is_printing = is_printing
         self._is_json = is_json
 
-    def run(self, steps: Sequence[Step]) -> None:
+    def run(self, steps: Sequence[ManagerStep]) -> None:
         """Do all steps, or those before the first that fails.
 
         Raises:
@@ -125,7 +125,7 @@ class Runner:
                 for step in group:
                     self._ask(step)
 
-    def _perform(self, steps: Sequence[Step]) -> None:
+    def _perform(self, steps: Sequence[ManagerStep]) -> None:
         from rtkit.deployment.actions import strict
 
         actions = [self._placed(step.action) for step in steps if step.action]
@@ -134,8 +134,8 @@ class Runner:
         results = self._app.tree.apply(actions)
         for step, result in zip(steps, results, strict=False):
             self._app.tell(f"{step.kind} {step.typed}: {result.value if result.ok else 'failed'}")
-            if result.note:
-                self._app.fail(f"note: {result.note}")
+            for note in filter(None, (result.note, result.left_out)):
+                self._app.fail(f"note: {note}")
         made = [
             result.value
             for step, result in zip(steps, results, strict=False)
@@ -172,7 +172,7 @@ class Runner:
             for instance in instances
         ]
 
-    def _ask(self, step: Step) -> None:
+    def _ask(self, step: ManagerStep) -> None:
         if step.kind in ("configure", "fork"):
             self._set(step)
             return
@@ -185,7 +185,7 @@ class Runner:
         else:
             self._show(self._components(snapshot))
 
-    def _set(self, step: Step) -> None:
+    def _set(self, step: ManagerStep) -> None:
         key, _, value = step.typed.partition("=") if step.kind == "configure" else ("fork", "", "")
         if step.kind == "configure":
             warn_of_vain(self._app, {key: value})

@@ -45,9 +45,9 @@ def run_word(
 
 def _launch(app: App, word: str, typed: str, options: tuple[str, tuple[str, ...], bool]) -> int:
     from rtkit.manager import launch
-    from rtkit.manager.settings import configuration
+    from rtkit.settings import configuration
 
-    wanted = configuration.Wanted(*options)
+    wanted = configuration.CommandLineSettings(*options)
     name = configuration.name(typed, configuration.read(wanted).settings)
     if is_address(name):
         port = name.rpartition(":")[2]
@@ -75,13 +75,15 @@ def _stop(app: App, name: str) -> None:
         absent = error
     left = _end_remains(name)
     remove_orphans()  # its own, which it held until it ended
-    is_forgotten = absent is not None and _forget_wishes(name)
+    is_forgotten = absent is not None and _forget_desired_state(name)
     if absent is not None and not left and not is_forgotten:
         raise absent
-    if is_forgotten and not left:
-        app.fail(f"manager {name!r} does not run; what it kept for its next start is removed")
-    elif left:
-        app.fail(f"manager {name!r} had been killed; what it left was ended ({left} slaves)")
+    told = [f"had been killed; what it left was ended ({left} slaves)"] if left else []
+    if is_forgotten:
+        told = told or ["does not run"]
+        told.append("what it kept for its next start is removed")
+    if told:
+        app.fail(f"manager {name!r} {'; '.join(told)}")
     else:
         app.tell(f"manager {name} ended")
 
@@ -92,24 +94,26 @@ def _end_remains(name: str) -> int:
     own = (places.manager_socket(name), places.control_socket(name), places.manager_lock(name))
     if not traces(name) and not any(map(os.path.lexists, own)):
         return 0
-    from rtkit.manager.remains import end_remains
+    from rtkit.manager.stale_resources import end_remains
 
     return end_remains(name)
 
 
-def _forget_wishes(name: str) -> bool:
+def _forget_desired_state(name: str) -> bool:
     """Remove what a manager kept that does not run; return whether there was anything."""
+    from rtkit.manager.store.store import former_name, remove, take_over_former_name
+
     path = places.store_file(name)
-    if not os.path.lexists(path):
+    if not os.path.lexists(path) and not os.path.lexists(former_name(path)):
         return False
     from contextlib import ExitStack
 
     from rtkit.manager.claim import take_lock
-    from rtkit.manager.keeping.store import remove
 
     places.make_private(places.runtime_path())
     with ExitStack() as stack:
         take_lock(name, stack)
+        take_over_former_name(path)
         return remove(path)
 
 

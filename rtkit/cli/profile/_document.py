@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rtkit.profile.rts_model import RtsProfile
 
 
-class Document(NamedTuple):
+class ReadDocument(NamedTuple):
     """A profile that was read.
 
     Attributes:
@@ -29,7 +29,7 @@ class Document(NamedTuple):
     notes: tuple[Note, ...]
 
 
-def read_document(app: App, file: str | None = None, *, kind: str | None = None) -> Document:
+def read_document(app: App, file: str | None = None, *, kind: str | None = None) -> ReadDocument:
     """Read the profile in a file, or on stdin for ``-`` and for no file; notes are for -v.
 
     Raises:
@@ -43,7 +43,7 @@ def read_document(app: App, file: str | None = None, *, kind: str | None = None)
     reading = read_profile(data, name, kind=kind)
     for note in reading.notes:
         app.tell(f"{name}:{note.line}: {note.text}")
-    return Document(name, data, reading.profile, reading.notes)
+    return ReadDocument(name, data, reading.profile, reading.notes)
 
 
 def read_bytes_of(file: str | None) -> tuple[str, bytes]:

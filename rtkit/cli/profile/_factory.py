@@ -10,13 +10,13 @@ from rtkit.component.base import Component
 from rtkit.component.callbacks import describe_failure
 from rtkit.component.factory import Factories
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
-from rtkit.manager.modules.loader import import_file
-from rtkit.manager.modules.neighbours import among_neighbours
-from rtkit.manager.modules.search import SUFFIX, Search
+from rtkit.modules.loader import import_file
+from rtkit.modules.neighbours import among_neighbours
+from rtkit.modules.search import SUFFIX, Search
 from rtkit.resources import resource
 
 
-class Offer(NamedTuple):
+class FactoryOffer(NamedTuple):
     """A component class, and the init function of its module that offers it, if it is known."""
 
     cls: type[Component]
@@ -24,7 +24,7 @@ class Offer(NamedTuple):
     init: str
 
 
-def component_class(typed: str, wanted: str) -> Offer:
+def component_class(typed: str, wanted: str) -> FactoryOffer:
     """Return the class that ``MODULE:FACTORY`` stands for.
 
     A factory is an init function, or a component class. Without one, the init function of the
@@ -51,8 +51,8 @@ def component_class(typed: str, wanted: str) -> Offer:
     if found is None:
         raise NotFound(f"no {init} in module {path} ({file})")
     if isinstance(found, type) and issubclass(found, Component):
-        return Offer(found, file, "")
-    return Offer(_registered(found, typed, wanted), file, init)
+        return FactoryOffer(found, file, "")
+    return FactoryOffer(_registered(found, typed, wanted), file, init)
 
 
 def _registered(init: Any, typed: str, wanted: str) -> type[Component]:

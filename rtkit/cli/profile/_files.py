@@ -14,7 +14,7 @@ _ENDINGS = (".xml", ".rtsys", ".yaml", ".yml", ".json")
 _MOST = 16 * 2**20
 
 
-class Source(NamedTuple):
+class DocumentSource(NamedTuple):
     """A document, or why it cannot be had.
 
     Attributes:
@@ -30,7 +30,7 @@ class Source(NamedTuple):
     is_named: bool = True
 
 
-def sources(paths: Sequence[str]) -> Iterator[Source]:
+def sources(paths: Sequence[str]) -> Iterator[DocumentSource]:
     """Yield the documents that are meant, each when it is asked for; no path means stdin.
 
     Raises:
@@ -40,14 +40,14 @@ def sources(paths: Sequence[str]) -> Iterator[Source]:
         raise WrongArguments("No file specified.")
     for path in paths or (STDIN,):
         if path == STDIN:
-            yield Source(STDIN_NAME, sys.stdin.buffer.read(_MOST))
+            yield DocumentSource(STDIN_NAME, sys.stdin.buffer.read(_MOST))
         elif os.path.isdir(path):
             yield from _below(path)
         else:
             yield _read(path, is_named=True)
 
 
-def _below(folder: str) -> Iterator[Source]:
+def _below(folder: str) -> Iterator[DocumentSource]:
     problems: list[OSError] = []
     for place, folders, files in os.walk(folder, onerror=problems.append):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
@@ -56,14 +56,14 @@ def _below(folder: str) -> Iterator[Source]:
             if name.lower().endswith(_ENDINGS) and os.path.isfile(path):
                 yield _read(path, is_named=False)
     for problem in problems:
-        yield Source(str(problem.filename), None, str(problem.strerror))
+        yield DocumentSource(str(problem.filename), None, str(problem.strerror))
 
 
-def _read(path: str, *, is_named: bool) -> Source:
+def _read(path: str, *, is_named: bool) -> DocumentSource:
     try:
         with open(path, "rb") as stream:
-            return Source(path, stream.read(_MOST), is_named=is_named)
+            return DocumentSource(path, stream.read(_MOST), is_named=is_named)
     except OSError as error:
-        return Source(path, None, error.strerror or str(error))
+        return DocumentSource(path, None, error.strerror or str(error))
     except ValueError as error:
-        return Source(path, None, str(error))
+        return DocumentSource(path, None, str(error))

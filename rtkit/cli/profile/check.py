@@ -36,7 +36,7 @@ def main(
     among those that ship; a component is known by vendor, category and name. One that is not is a
     warning. The exit status is 1 when there is an error.
     """
-    from rtkit.statics.verdict import Options
+    from rtkit.static_check.verdict import Options
 
     form = "json" if is_json else report or _static.TEXT
     options = Options(app.is_strict, ignored, _static.this_host)

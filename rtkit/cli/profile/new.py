@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtkit.cli._app import App, WrongArguments, command
-from rtkit.cli._choice import Number
+from rtkit.cli._choice import NumberChoice
 from rtkit.errors import Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.profile.rtc_model import Configuration, RtcProfile
+    from rtkit.profile.rtc_model import ConfigurationParameter, RtcProfile
     from rtkit.profile.rts_model import RtsProfile
-    from rtkit.profile_tools.new_system import Member
+    from rtkit.profile_tools.new_system import NewMember
 
 _KINDS = {"component": "rtc", "rtc": "rtc", "system": "rts", "rts": "rts"}
 _FOR_COMPONENTS = (
@@ -58,7 +58,7 @@ _OPTIONS = [
     ),
     _several("callbacks", "--callback", "NAME", "component: a callback that it implements."),
     click.Option(["--category"], help="component: its category (default Misc)."),
-    click.Option(["--rate"], type=Number(min=0), metavar="HZ", help="component: rate."),
+    click.Option(["--rate"], type=NumberChoice(min=0), metavar="HZ", help="component: rate."),
     click.Option(
         ["--type", "component_type"],
         type=click.Choice(("STATIC", "UNIQUE", "COMMUTATIVE")),
@@ -152,15 +152,15 @@ def _component(
     wishes += [new.interface(text, "Required") for text in given.pop("requires", ())]
     parameters = [_fitting(new.parameter(text)) for text in given.pop("parameters", ())]
     callbacks = given.pop("callbacks", _CALLBACKS)
-    heading = new.Heading(name, _now(), vendor, version=release, description=description)
+    heading = new.ComponentHeading(name, _now(), vendor, version=release, description=description)
     return new.new_component(
         heading._replace(**given), ports, new.service_ports(wishes), parameters, callbacks
     )
 
 
-def _fitting(item: Configuration) -> Configuration:
+def _fitting(item: ConfigurationParameter) -> ConfigurationParameter:
     """Refuse a parameter whose default breaks its own type or constraint."""
-    from rtkit.component.fit import Declared, misfit_of
+    from rtkit.component.constraint_check import Declared, misfit_of
     from rtkit.profile.constraint_format import format_constraint
 
     rule = format_constraint(item.constraint) if item.constraint else ""
@@ -175,7 +175,7 @@ def _system(
 ) -> RtsProfile:
     from rtkit.profile_tools.new_system import new_system
 
-    members: list[Member] = []
+    members: list[NewMember] = []
     for text in given.get("members", ()):
         members.append(_member(text, [member.instance for member in members]))
     return new_system(
@@ -190,15 +190,15 @@ def _system(
     )
 
 
-def _member(text: str, taken: Sequence[str]) -> Member:
+def _member(text: str, taken: Sequence[str]) -> NewMember:
     from rtkit.profile.read import read_file
     from rtkit.profile.rtc_model import RtcProfile
     from rtkit.profile_tools.component_scene import component_name
-    from rtkit.profile_tools.new_system import Member, default_instance
+    from rtkit.profile_tools.new_system import NewMember, default_instance
 
     file, colon, instance = text.rpartition(":")
     if not colon or os.path.exists(text):
         file, instance = text, ""
     profile = read_file(file, kind="rtc").profile
     assert isinstance(profile, RtcProfile)
-    return Member(profile, instance or default_instance(component_name(profile), taken))
+    return NewMember(profile, instance or default_instance(component_name(profile), taken))

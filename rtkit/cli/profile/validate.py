@@ -9,7 +9,7 @@ import click
 
 from rtkit.cli import _out
 from rtkit.cli._app import App, command, strict_option
-from rtkit.cli.profile._files import Source, sources
+from rtkit.cli.profile._files import DocumentSource, sources
 from rtkit.cli.profile._talk import finding_style
 from rtkit.errors import InvalidDocument, NotFound, UsageProblem
 from rtkit.report.finding import Checked
@@ -69,7 +69,7 @@ def main(
 
 
 def _judge(
-    source: Source, *, strict: bool, ignored: tuple[str, ...], is_explaining: bool
+    source: DocumentSource, *, strict: bool, ignored: tuple[str, ...], is_explaining: bool
 ) -> Checked:
     from rtkit.profile_tools.validation import unreadable, validated
 
@@ -81,7 +81,10 @@ def _judge(
 
 
 def _checked(
-    app: App, paths: tuple[str, ...], judge: Callable[[Source], Checked], seen: list[Checked]
+    app: App,
+    paths: tuple[str, ...],
+    judge: Callable[[DocumentSource], Checked],
+    seen: list[Checked],
 ) -> Iterator[Checked]:
     """Yield the verdicts, and keep them in `seen`."""
     from rtkit.profile_tools.validation import may_be_profile

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtkit.cli._app import App, check_at_most_one
 from rtkit.errors import InvalidDocument
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 if TYPE_CHECKING:
     from rtkit.profile.rts_model import RtsProfile
@@ -19,7 +19,7 @@ STDIN = "-"
 
 
 @dataclass(frozen=True, slots=True)
-class Document:
+class SystemDocument:
     """A system profile, and the text that it was read from.
 
     Attributes:
@@ -60,7 +60,7 @@ class Document:
         return int(element.sourceline or 1)
 
 
-def read_document(app: App, files: tuple[str, ...]) -> Document:
+def read_document(app: App, files: tuple[str, ...]) -> SystemDocument:
     """Read the system profile that was named, or stdin; tell repairs when verbose.
 
     Raises:
@@ -90,7 +90,7 @@ def is_saved_plan(data: bytes) -> bool:
     return re.match(rb'\s*\{\s*"schema"\s*:\s*"rtkit\.saved-plan/', data) is not None
 
 
-def parse_document(app: App, source: str, data: bytes) -> Document:
+def parse_document(app: App, source: str, data: bytes) -> SystemDocument:
     """Read a system profile; tell repairs when verbose.
 
     Raises:
@@ -103,4 +103,4 @@ def parse_document(app: App, source: str, data: bytes) -> Document:
     reading = read.read_rts(data, source, form=app.form, strict=app.is_strict)
     for note in reading.notes:
         app.tell(f"{source}:{note.line}: {note.text}")
-    return Document(reading.profile, data, source, app.form)
+    return SystemDocument(reading.profile, data, source, app.form)

@@ -11,9 +11,9 @@ from rtkit.deployment.extension import FOLLOW
 from rtkit.errors import InvalidDocument, NotFound, Refused
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import Document
+    from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.goal import Goal
+    from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.states.followed import Followed
     from rtkit.deployment.states.states import States
     from rtkit.tree.client import Tree
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _YES, _NO = ("true", "yes", "on", "1"), ("false", "no", "off", "0", "")
 
 
-def is_wanted(document: Document) -> bool:
+def is_wanted(document: SystemDocument) -> bool:
     """Whether the profile wants its system followed from when it is brought up.
 
     Raises:
@@ -41,7 +41,7 @@ def is_wanted(document: Document) -> bool:
     return True
 
 
-def check_one_manager(document: Document) -> None:
+def check_one_manager(document: SystemDocument) -> None:
     """Refuse a system that no manager knows as a whole.
 
     Raises:
@@ -63,7 +63,7 @@ def owner(app: App) -> Tree:
     return tree
 
 
-def begin(app: App, document: Document, states: States, *, rolls_back: bool = False) -> None:
+def begin(app: App, document: SystemDocument, states: States, *, rolls_back: bool = False) -> None:
     """Have the manager of a system follow its events, from now on and after its restart.
 
     Raises:
@@ -77,7 +77,7 @@ def begin(app: App, document: Document, states: States, *, rolls_back: bool = Fa
     app.tell(owner(app).set(FOLLOW, f'{{"start": {text}}}'))
 
 
-def begin_from(app: App, document: Document, goal: Goal) -> None:
+def begin_from(app: App, document: SystemDocument, goal: DeploymentGoal) -> None:
     """Have the system of a profile followed that was led to a goal.
 
     Raises:
@@ -95,7 +95,7 @@ def begin_from(app: App, document: Document, goal: Goal) -> None:
 
 def begin_as_told(
     app: App,
-    document: Document,
+    document: SystemDocument,
     mapped: tuple[str, ...],
     *,
     stand_in: bool = False,
@@ -132,7 +132,7 @@ def end(tree: Tree, name: str) -> str:
     return tree.set(FOLLOW, json.dumps({"stop": name}))
 
 
-def end_if_followed(app: App, document: Document, facts: Snapshot) -> bool:
+def end_if_followed(app: App, document: SystemDocument, facts: Snapshot) -> bool:
     """Follow a system no more, if it is; return whether it was."""
     name = document.profile.id
     managers = [m.manager for m in (facts, *facts.others) if followed_in(m, name) is not None]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.facts import Snapshot
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.tree.client import Tree
-    from rtkit.tree.fleet import Start
+    from rtkit.tree.manager_set import Start
 
 
 def names_another(profile: RtsProfile) -> bool:
@@ -64,7 +64,7 @@ class Managers:
 
     def joined(self, told: Iterable[Snapshot]) -> Snapshot:
         """Return what managers tell as what is known of these; who tells nothing is down."""
-        from rtkit.deployment.joint import down, joined
+        from rtkit.deployment.multi_manager import down, joined
 
         known = {each.manager: each for each in told}
         return joined([known.get(n) or down(self.host, n) for n in self.names], self.homes)
@@ -113,7 +113,7 @@ def gather_named(app: App, servers: Sequence[str]) -> tuple[str, ...]:
     from rtkit.deployment.place import Hosts, manager_in
     from rtkit.rtc.names import LOCAL
     from rtkit.tree.connect import connect
-    from rtkit.tree.fleet import Fleet
+    from rtkit.tree.manager_set import ManagerSet
 
     hosts = Hosts(os.uname().nodename, {})
     usual = usual_manager()
@@ -125,7 +125,7 @@ def gather_named(app: App, servers: Sequence[str]) -> tuple[str, ...]:
     except BaseException:
         _close(trees)
         raise
-    app.ask(Fleet(list(dict.fromkeys([usual, *trees])), trees, {}))
+    app.ask(ManagerSet(list(dict.fromkeys([usual, *trees])), trees, {}))
     return tuple(dict.fromkeys(LOCAL if manager else host for host, manager in named.items()))
 
 
@@ -150,13 +150,13 @@ def starter(app: App) -> Start:
         from rtkit.errors import Partial, Refused
         from rtkit.link import places
         from rtkit.manager import launch
-        from rtkit.manager.settings.configuration import Wanted
         from rtkit.rtc.names import check_instance_name
+        from rtkit.settings.configuration import CommandLineSettings
         from rtkit.tree.connect import connect
 
         check_instance_name(name)
         try:
-            started = launch.start(name, Wanted(), app.timeout_s)
+            started = launch.start(name, CommandLineSettings(), app.timeout_s)
             for text in (*started.warnings, *started.failures):
                 app.fail(f"manager {name}: {text}")
         except Partial as error:
@@ -172,9 +172,9 @@ def starter(app: App) -> Start:
 
 def unstarted(app: App) -> Tree:
     """Return the usual manager, which does not run, as one that can be started."""
-    from rtkit.tree.fleet import Fleet
+    from rtkit.tree.manager_set import ManagerSet
 
-    return Fleet([usual_manager()], {}, {}, starter(app))
+    return ManagerSet([usual_manager()], {}, {}, starter(app))
 
 
 def _check_meant(absent: Mapping[str, str], trees: Mapping[str, Tree]) -> None:
@@ -198,10 +198,10 @@ def _one(managers: Managers, trees: Mapping[str, Tree], app: App | None = None) 
     """Return connections as one; with `app` those that are missing can be started."""
     if len(managers.names) == 1 and trees:
         return trees[managers.names[0]]
-    from rtkit.tree.fleet import Fleet
+    from rtkit.tree.manager_set import ManagerSet
 
     start = starter(app) if app is not None else None
-    return Fleet(managers.names, trees, managers.homes, start)
+    return ManagerSet(managers.names, trees, managers.homes, start)
 
 
 def _close(trees: Mapping[str, Tree]) -> None:

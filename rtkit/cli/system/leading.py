@@ -8,7 +8,7 @@ from collections.abc import Callable
 from rtkit.cli._app import App
 from rtkit.cli.system import step_times
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.states.following import Passage
+from rtkit.deployment.states.following import SystemTransition
 from rtkit.deployment.states.leading import Leader
 from rtkit.deployment.states.states import States
 from rtkit.tree.grace import uninterrupted
@@ -24,7 +24,7 @@ def leader(app: App, states: States, say: Callable[[str], None], *, rolls_back: 
         rolls_back: When a step fails, go back to what was before.
     """
 
-    def reach(passage: Passage) -> None:
+    def reach(passage: SystemTransition) -> None:
         tree, goal = app.tree, states.goal(passage.state)
         snapshot = uninterrupted(tree.snapshot)
         with step_times.noting(app, goal.system, snapshot) as taken:

@@ -20,14 +20,14 @@ def live_scene(app: App, title: str) -> Scene:
     Raises:
         Unreachable: The manager does not answer.
     """
-    from rtkit.deployment.capture import Heading, capture
+    from rtkit.deployment.capture import SystemHeading, capture
+    from rtkit.fast_dataclass import replace
     from rtkit.profile_tools.system_scene import system_scene
-    from rtkit.records import replace
 
     snapshot = shared.snapshot(app)
     # A system that is saved has no zombies, a picture shows them.
     shown = tuple(replace(each, zombie="") for each in snapshot.components)
-    heading = Heading("1970-01-01T00:00:00", title, "0", "rtkit", "")
+    heading = SystemHeading("1970-01-01T00:00:00", title, "0", "rtkit", "")
     profile = capture(replace(snapshot, components=shown), heading, takes_all=True)
     scene = system_scene(profile)
     facts = {each.instance: each for each in snapshot.components}

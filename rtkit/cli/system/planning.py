@@ -13,14 +13,14 @@ from rtkit.cli.system import shared
 from rtkit.errors import UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import Document
+    from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.goal import Goal
+    from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.planning.costs import Costs
     from rtkit.deployment.planning.model import Model
+    from rtkit.deployment.planning.model_builder import BuiltModel
     from rtkit.deployment.planning.plan import DeploymentPlan
-    from rtkit.deployment.planning.survey import Survey
-    from rtkit.deployment.system import System
+    from rtkit.deployment.system import WantedSystem
     from rtkit.tree.lease import Leases
 
 ANY = "Any"
@@ -28,25 +28,25 @@ STATES = ("Active", "Inactive", ANY)
 MEASURED, TABLE = "measured", "table"
 
 
-Make = Callable[["Goal", "Snapshot", "Model"], "DeploymentPlan"]
+Make = Callable[["DeploymentGoal", "Snapshot", "Model"], "DeploymentPlan"]
 """Makes a plan to a goal from what lives, which a model tells too."""
 
 
 class Prepared(NamedTuple):
     """What was read, what is wanted, what lives, and the plan from there."""
 
-    document: Document
-    goal: Goal
+    document: SystemDocument
+    goal: DeploymentGoal
     snapshot: Snapshot
     plan: DeploymentPlan
-    survey: Survey
+    survey: BuiltModel
 
 
-class Begun(NamedTuple):
+class DeploymentInputs(NamedTuple):
     """What was read, what is wanted, what lives."""
 
-    document: Document
-    goal: Goal
+    document: SystemDocument
+    goal: DeploymentGoal
     snapshot: Snapshot
 
 
@@ -109,7 +109,7 @@ def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def prepare(
     app: App,
-    document: Document,
+    document: SystemDocument,
     *,
     is_dry: bool,
     mapped: tuple[str, ...],
@@ -153,7 +153,7 @@ def prepare(
     return Prepared(document, goal, snapshot, plan, survey)
 
 
-def _cheapest(goal: Goal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:
+def _cheapest(goal: DeploymentGoal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:
     from rtkit.deployment.planning.plan import make_plan
 
     return make_plan(model, goal.ranks)
@@ -161,7 +161,7 @@ def _cheapest(goal: Goal, _snapshot: Snapshot, model: Model) -> DeploymentPlan:
 
 def begin(
     app: App,
-    document: Document,
+    document: SystemDocument,
     *,
     is_dry: bool,
     mapped: tuple[str, ...],
@@ -173,7 +173,7 @@ def begin(
     parallel: int = 0,
     starts: bool = False,
     lease: Leases | None = None,
-) -> Begun:
+) -> DeploymentInputs:
     """Look at what lives; the goal is that all of the profile is active.
 
     Managers that do not run are an error, unless the plan `starts` them. A `lease` keeps others
@@ -183,10 +183,10 @@ def begin(
         InvalidDocument: The profile makes no sense.
         Unreachable: No manager answers.
     """
-    from rtkit.cli.system.foresight import look_ahead
     from rtkit.cli.system.known_types import known_types
+    from rtkit.cli.system.preflight import look_ahead
     from rtkit.cli.system.reserving import check_reserved
-    from rtkit.deployment.goal import Goal
+    from rtkit.deployment.goal import DeploymentGoal
 
     snapshot = shared.look(app, document.profile, dry_run=is_dry, starts=starts, lease=lease)
     system = shared.wanted_system(
@@ -200,22 +200,22 @@ def begin(
     )
     check_reserved(app, system, snapshot)
     ranks = _ranks(app, document, system)
-    outlook = look_ahead(app, system, snapshot)
+    feasibility = look_ahead(app, system, snapshot)
     table = settled_costs(app, costs, system, snapshot, is_measured=basis == MEASURED)
-    goal = Goal(
+    goal = DeploymentGoal(
         system,
         ranks=ranks,
         costs=table,
         parallel=parallel,
-        outlook=outlook,
+        feasibility=feasibility,
         replaces=replaces,
         is_strict=app.is_strict,
     )
-    return Begun(document, goal, snapshot)
+    return DeploymentInputs(document, goal, snapshot)
 
 
 def settled_costs(
-    app: App, given: tuple[str, ...], system: System, snapshot: Snapshot, *, is_measured: bool
+    app: App, given: tuple[str, ...], system: WantedSystem, snapshot: Snapshot, *, is_measured: bool
 ) -> Costs:
     """Return what steps cost: of the table, as measured, of the profile, of the user.
 
@@ -238,7 +238,9 @@ def settled_costs(
     return table.over(stated, costs.PROFILE).over(said, costs.USER)
 
 
-def read_costs(given: tuple[str, ...], system: System, snapshot: Snapshot) -> Mapping[str, float]:
+def read_costs(
+    given: tuple[str, ...], system: WantedSystem, snapshot: Snapshot
+) -> Mapping[str, float]:
     """Return the costs that the user gave; a component stands for interrupting it.
 
     Raises:
@@ -275,18 +277,18 @@ def read_costs(given: tuple[str, ...], system: System, snapshot: Snapshot) -> Ma
     return costs
 
 
-def _ranks(app: App, document: Document, system: System) -> dict[str, int]:
+def _ranks(app: App, document: SystemDocument, system: WantedSystem) -> dict[str, int]:
     """Return the order in which the profile has components activated, if it has one."""
     from rtkit.deployment.conditions import start_orders
-    from rtkit.deployment.live import Live
+    from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.running import start_plan
-    from rtkit.deployment.turns import expected_order
+    from rtkit.deployment.start_schedule import expected_order
 
     with document.naming():
         orders = start_orders(document.profile)
     if not orders:
         return {}
-    plan = start_plan(system, Live(shared.nothing(), system), orders)
+    plan = start_plan(system, LiveIndex(shared.nothing(), system), orders)
     if any(condition.wait_ms for each in orders.values() for condition in each):
         app.tell("waiting times of Activation are kept by rtstart only; their order is kept here")
     return {target.instance: rank for rank, target in enumerate(expected_order(plan))}

@@ -10,12 +10,14 @@ from rtkit.cli._app import App
 from rtkit.errors import RtkitError
 
 if TYPE_CHECKING:
-    from rtkit.deployment.live import Live
-    from rtkit.deployment.system import System
+    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.system import WantedSystem
 
 
 @contextmanager
-def telling(app: App, system: System, tell: Callable[[System, Live], str]) -> Iterator[None]:
+def telling(
+    app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
+) -> Iterator[None]:
     """Add to what breaks off how far it got, which `tell` sees from what lives.
 
     Raises:
@@ -31,11 +33,13 @@ def telling(app: App, system: System, tell: Callable[[System, Live], str]) -> It
         raise KeyboardInterrupt("; ".join(filter(None, (str(error), more)))) from error
 
 
-def _progress(app: App, system: System, tell: Callable[[System, Live], str]) -> str:
-    from rtkit.deployment.live import Live
+def _progress(
+    app: App, system: WantedSystem, tell: Callable[[WantedSystem, LiveIndex], str]
+) -> str:
+    from rtkit.deployment.live import LiveIndex
     from rtkit.tree.grace import uninterrupted
 
     try:
-        return tell(system, Live(uninterrupted(lambda: app.tree.remains()), system))
+        return tell(system, LiveIndex(uninterrupted(lambda: app.tree.remains()), system))
     except (RtkitError, KeyboardInterrupt) as trouble:
         return f"how far it got is not known ({str(trouble) or 'interrupted again'})"

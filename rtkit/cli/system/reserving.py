@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from collections.abc import Collection
 
     from rtkit.deployment.facts import ComponentFacts, Snapshot
-    from rtkit.deployment.system import System
+    from rtkit.deployment.system import WantedSystem
 
 
-def check_reserved(app: App, system: System, snapshot: Snapshot) -> None:
+def check_reserved(app: App, system: WantedSystem, snapshot: Snapshot) -> None:
     """Check that this host has what components may use together, those of other managers too.
 
     Raises:

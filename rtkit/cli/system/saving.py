@@ -18,20 +18,20 @@ from rtkit.cli.system.document import is_saved_plan, parse_document
 from rtkit.errors import InvalidDocument, Malformed, Refused, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import Document
+    from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.goal import Goal
+    from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.planning.model import Model
     from rtkit.deployment.planning.plan import DeploymentPlan
-    from rtkit.deployment.planning.saved import Saved
-    from rtkit.deployment.system import System
+    from rtkit.deployment.planning.saved import SavedPlan
+    from rtkit.deployment.system import WantedSystem
     from rtkit.tree.lease import Leases
 
 _MOST_PROFILE = 1 << 26
 
 
 def save(
-    output: str, document: Document, prepared: planning.Prepared, options: dict[str, Any]
+    output: str, document: SystemDocument, prepared: planning.Prepared, options: dict[str, Any]
 ) -> None:
     """Write a plan, with all that it was made from, to a file.
 
@@ -99,7 +99,7 @@ class _Origin(NamedTuple):
     options: dict[str, Any]
 
 
-def _origin(saved: Saved, source: str) -> _Origin:
+def _origin(saved: SavedPlan, source: str) -> _Origin:
     about = saved.about
     try:
         packed = base64.b64decode(about["data"])
@@ -114,7 +114,7 @@ def _origin(saved: Saved, source: str) -> _Origin:
 
 
 def _fitting(
-    app: App, saved: Saved, source: str, goal: Goal, snapshot: Snapshot, model: Model
+    app: App, saved: SavedPlan, source: str, goal: DeploymentGoal, snapshot: Snapshot, model: Model
 ) -> DeploymentPlan:
     """Return the plan if everything is as it was.
 
@@ -136,7 +136,12 @@ def _fitting(
 
 
 def _changed(
-    app: App, saved: Saved, source: str, found: list[str], goal: Goal, snapshot: Snapshot
+    app: App,
+    saved: SavedPlan,
+    source: str,
+    found: list[str],
+    goal: DeploymentGoal,
+    snapshot: Snapshot,
 ) -> Refused:
     for text in found:
         app.fail(f"changed since: {text}")
@@ -162,12 +167,12 @@ def _check_nothing_else(app: App, options: dict[str, Any]) -> None:
         raise UsageProblem(f"{', '.join(given)}: settled already where the plan is a saved one")
 
 
-def _makings(system: System, snapshot: Snapshot) -> dict[str, list[str]]:
+def _makings(system: WantedSystem, snapshot: Snapshot) -> dict[str, list[str]]:
     """Return what components are made of, by their names."""
-    from rtkit.deployment.live import Live
-    from rtkit.deployment.planning.outlook import create_text
+    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.planning.feasibility import create_text
 
-    live = Live(snapshot, system)
+    live = LiveIndex(snapshot, system)
     return {
         each.instance: [create_text(each, live), each.module, each.name]
         for each in system.components

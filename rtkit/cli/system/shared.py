@@ -13,13 +13,13 @@ from rtkit.cli._app import App, strict_option
 from rtkit.errors import Malformed, Unreachable, UsageProblem
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import Document
+    from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
-    from rtkit.deployment.plan import Plan
-    from rtkit.deployment.runner import Count, Runner
-    from rtkit.deployment.system import KnownType, System
-    from rtkit.deployment.turns import StartPlan
+    from rtkit.deployment.plan import LayeredPlan
+    from rtkit.deployment.runner import Count, PlanRunner
+    from rtkit.deployment.start_schedule import StartPlan
+    from rtkit.deployment.system import KnownType, WantedSystem
     from rtkit.profile.rts_model import RtsProfile
     from rtkit.rtc.profiles import ConnectorProfile
     from rtkit.tree.lease import Leases
@@ -95,14 +95,14 @@ def host_map(mapped: tuple[str, ...]) -> dict[str, str]:
 
 def wanted_system(
     app: App,
-    document: Document,
+    document: SystemDocument,
     snapshot: Snapshot,
     *,
     stand_in: bool = False,
     transmit: bool = False,
     mapped: tuple[str, ...] = (),
     known_types: Mapping[str, KnownType] | None = None,
-) -> System:
+) -> WantedSystem:
     """Return the wanted system; what had to be decided is told when verbose.
 
     Raises:
@@ -140,7 +140,7 @@ def _odd_keys(profile: RtsProfile) -> Iterator[str]:
 
 
 def _unknown_options(options: Mapping[str, str]) -> Iterable[str]:
-    from rtkit.manager.settings.options import unknown_options
+    from rtkit.settings.options import unknown_options
 
     return unknown_options(options)
 
@@ -280,7 +280,7 @@ def nothing() -> Snapshot:
     return Snapshot(os.uname().nodename, usual_manager(), 0, "")
 
 
-def show(plan: Plan | StartPlan) -> None:
+def show(plan: LayeredPlan | StartPlan) -> None:
     """Print a plan on stdout."""
     for line in plan.lines():
         click.echo(line)
@@ -290,12 +290,12 @@ def runner(
     app: App,
     count: Count = lambda _done, _known: None,
     taken: list[tuple[Action, float]] | None = None,
-) -> Runner:
+) -> PlanRunner:
     """Return what carries plans out and talks on stderr; `taken` gets what actions took [s]."""
-    from rtkit.deployment.runner import Runner
+    from rtkit.deployment.runner import PlanRunner
     from rtkit.tree.grace import uninterrupted
 
-    return Runner(
+    return PlanRunner(
         app.tree, app.fail, app.tell, count, taken, uninterrupted, is_strict=app.is_strict
     )
 

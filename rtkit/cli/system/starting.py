@@ -12,11 +12,11 @@ from rtkit.cli._app import App
 from rtkit.cli.system import shared
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import Document
+    from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.actions import Action
-    from rtkit.deployment.live import Live
-    from rtkit.deployment.system import System
-    from rtkit.deployment.turns import StartPlan
+    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.start_schedule import StartPlan
+    from rtkit.deployment.system import WantedSystem
 
 
 def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -33,8 +33,8 @@ def plan_options(state: str) -> Callable[[Callable[..., Any]], Callable[..., Any
 
 def run(
     app: App,
-    document: Document,
-    plan_for: Callable[[System, Live], StartPlan],
+    document: SystemDocument,
+    plan_for: Callable[[WantedSystem, LiveIndex], StartPlan],
     *,
     draws: bool,
     dry_run: bool,
@@ -49,7 +49,7 @@ def run(
         Refused: It was broken off; the message tells how far it went.
         KeyboardInterrupt: Interrupted; its text tells how far it went.
     """
-    from rtkit.deployment.live import Live
+    from rtkit.deployment.live import LiveIndex
     from rtkit.deployment.running import active_now
 
     snapshot = (
@@ -58,7 +58,7 @@ def run(
         else shared.look(app, document.profile, dry_run=dry_run, may_lack=may_lack)
     )
     system = shared.wanted_system(app, document, snapshot, mapped=mapped)
-    plan = plan_for(system, Live(snapshot, system))
+    plan = plan_for(system, LiveIndex(snapshot, system))
     for text in plan.warnings():
         app.fail(f"warning: {text}")
     if draws:
@@ -80,7 +80,7 @@ def run(
 
 
 def _carry_out(app: App, plan: StartPlan, taken: list[tuple[Action, float]]) -> None:
-    from rtkit.cli._meter import counted, metered
+    from rtkit.cli._progress import counted, metered
     from rtkit.tree.start import Starter
 
     source = click.get_current_context().get_parameter_source("timeout")

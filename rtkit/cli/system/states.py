@@ -6,17 +6,17 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from rtkit.cli._records import time_text
-from rtkit.cli.system.planning import Begun
+from rtkit.cli.system.planning import DeploymentInputs
 from rtkit.errors import InvalidDocument, Malformed, NotFound
 
 if TYPE_CHECKING:
-    from rtkit.cli.system.document import Document
+    from rtkit.cli.system.document import SystemDocument
     from rtkit.deployment.states.followed import Followed
-    from rtkit.deployment.states.machine import Machine, Table
+    from rtkit.deployment.states.machine import SystemStates, Table
     from rtkit.deployment.states.states import States, Way
 
 
-def states_of(begun: Begun) -> States:
+def states_of(begun: DeploymentInputs) -> States:
     """Return the states of a system.
 
     Raises:
@@ -27,7 +27,7 @@ def states_of(begun: Begun) -> States:
     return States(begun.document.profile.id, read_machine(begun.document), begun.goal)
 
 
-def read_machine(document: Document) -> Machine:
+def read_machine(document: SystemDocument) -> SystemStates:
     """Return the states of a system profile, checked.
 
     Raises:
@@ -145,7 +145,7 @@ def _told(way: Way, now: str) -> str:
     return f"{count} step{'s' * (count != 1)}, cost {way.plan.cost:g}"
 
 
-def _events(machine: Machine, now: str) -> list[dict[str, str]]:
+def _events(machine: SystemStates, now: str) -> list[dict[str, str]]:
     from rtkit.deployment.states.machine import FAILED
 
     return [

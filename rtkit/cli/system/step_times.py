@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rtkit.deployment.actions import Action
     from rtkit.deployment.facts import Snapshot
     from rtkit.deployment.planning.costs import Times
-    from rtkit.deployment.system import System
+    from rtkit.deployment.system import WantedSystem
 
 _NAME = "step-times.json"
 _MOST = 1 << 20
@@ -65,7 +65,9 @@ def note(app: App, taken: Sequence[tuple[Action, float]], types: Mapping[str, st
 
 
 @contextmanager
-def noting(app: App, system: System, snapshot: Snapshot) -> Iterator[list[tuple[Action, float]]]:
+def noting(
+    app: App, system: WantedSystem, snapshot: Snapshot
+) -> Iterator[list[tuple[Action, float]]]:
     """Hand out a list for what actions take [s], and note it at the end, however that comes."""
     taken: list[tuple[Action, float]] = []
     try:
@@ -74,7 +76,7 @@ def noting(app: App, system: System, snapshot: Snapshot) -> Iterator[list[tuple[
         note(app, taken, types_of(system, snapshot))
 
 
-def types_of(system: System, snapshot: Snapshot) -> dict[str, str]:
+def types_of(system: WantedSystem, snapshot: Snapshot) -> dict[str, str]:
     """Return the type names of components, by their names."""
     from rtkit.deployment.identity import type_of
 

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import _out
 from rtkit.cli._app import App
-from rtkit.cli._ears import Ears, write_now
 from rtkit.cli._moments import clock
+from rtkit.cli._observers import Observers, write_now
 from rtkit.cli._records import line as json_line
 from rtkit.cli._records import time_text
 from rtkit.cli.system.following import followed_in
-from rtkit.deployment.news import TREE
+from rtkit.deployment.delta import TREE
 from rtkit.deployment.states.followed import IS_SO
 from rtkit.errors import Refused, from_kind
 
 if TYPE_CHECKING:
-    from rtkit.cli._ears import Told
-    from rtkit.deployment.happenings import Happening
+    from rtkit.cli._observers import ManagerTold
     from rtkit.deployment.states.followed import Followed
+    from rtkit.deployment.user_events import UserEvent
 
 
 class Watching:
@@ -43,42 +43,42 @@ class Watching:
             RtkitError: A transition failed, and no event leads on from there.
         """
         left = number
-        with Ears(self._app, (TREE,)) as ears:
-            known = followed_in(ears.ears[""].facts, self._system)
+        with Observers(self._app, (TREE,)) as subscriptions:
+            known = followed_in(subscriptions.subscriptions[""].facts, self._system)
             begin()
             if known is not None and not known.is_over and known.count:
                 self._tell(known)
-            for told in ears.listen(None):
+            for told in subscriptions.listen(None):
                 for each in self._happened(told):
                     left = self._take(each, left)
                     if left == 0:
                         return
 
-    def _happened(self, told: Sequence[Told]) -> list[Happening]:
-        from rtkit.tree.listening import Change, Ended
+    def _happened(self, told: Sequence[ManagerTold]) -> list[UserEvent]:
+        from rtkit.tree.subscription import SubscriptionEnded, TreeChange
 
-        found: list[Happening] = []
+        found: list[UserEvent] = []
         for _, heard in told:
-            if isinstance(heard, Ended):
+            if isinstance(heard, SubscriptionEnded):
                 self._app.fail(f"{heard.why}; waiting for it to come back")
-            elif isinstance(heard, Change):
-                found += heard.happenings
+            elif isinstance(heard, TreeChange):
+                found += heard.user_events
         return [each for each in found if each.system and each.system.system == self._system]
 
-    def _take(self, happening: Happening, left: int | None) -> int | None:
+    def _take(self, user_event: UserEvent, left: int | None) -> int | None:
         """Tell what happened; return how many transitions are to be told yet."""
-        system = happening.system
+        system = user_event.system
         assert system is not None
-        if happening.event == "WAITS":
-            self._app.tell(f"waits: manager is in use by {happening.detail}")
-        elif happening.event == "TRANSITION_FAILED":
+        if user_event.event == "WAITS":
+            self._app.tell(f"waits: manager is in use by {user_event.detail}")
+        elif user_event.event == "TRANSITION_FAILED":
             if not system.is_over:
-                self._app.fail(happening.detail)
-        elif happening.event == "NOT_FOLLOWED":
+                self._app.fail(user_event.detail)
+        elif user_event.event == "NOT_FOLLOWED":
             if system.is_over:
                 raise from_kind(system.kind, system.why)
             raise Refused(f"{self._system} is followed no more")
-        elif happening.event == system.state:
+        elif user_event.event == system.state:
             self._tell(system)
             if left is not None and system.event != IS_SO:
                 return left - 1

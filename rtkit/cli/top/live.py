@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 
 from rtkit.cli import _out
 from rtkit.cli.top.page import COLUMNS, Look, cut, ordered, table
-from rtkit.cli.top.rates import Row
+from rtkit.cli.top.rates import RateRow
 from rtkit.cli.top.screen import Screen
 from rtkit.errors import RtkitError
 from rtkit.rtc.enums import Transition
 
 if TYPE_CHECKING:
-    from rtkit.cli._ears import Told
+    from rtkit.cli._observers import ManagerTold
     from rtkit.cli.rttop import Top
     from rtkit.deployment.actions import ChangeState
     from rtkit.tree.client import Tree
-    from rtkit.tree.listening import Ear
+    from rtkit.tree.subscription import ManagerSubscription
 
 _LEAST_S = 0.05
 """How soon after the last one a page is drawn at the earliest [s]."""
@@ -75,7 +75,7 @@ class _Live:
         self._top = top
         self._look = look
         self._screen = screen
-        self._rows: list[Row] = []
+        self._rows: list[RateRow] = []
         self._has_help = False
         self._is_over = False
         self._told = ""
@@ -86,7 +86,7 @@ class _Live:
 
     def run(self) -> None:
         self._draw()
-        for told in self._top.ears.listen(None, self._screen.sources, self._wake_at):
+        for told in self._top.subscriptions.listen(None, self._screen.sources, self._wake_at):
             self._screen.hush()
             self._hear(told)
             self._press(self._screen.keys())
@@ -101,17 +101,17 @@ class _Live:
             return self._draw_at
         return max(self._top.heard_at + _LATE_S, self._draw_at + 1.0)
 
-    def _hear(self, told: Sequence[Told]) -> None:
-        from rtkit.cli._ears import Begun
-        from rtkit.tree.listening import Ended
+    def _hear(self, told: Sequence[ManagerTold]) -> None:
+        from rtkit.cli._observers import ManagerSeen
+        from rtkit.tree.subscription import SubscriptionEnded
 
         self._top.take(told)
         for manager, heard in told:
-            if isinstance(heard, Ended):
+            if isinstance(heard, SubscriptionEnded):
                 self._tell(f"{heard.why}; waiting for it to come back")
-            elif isinstance(heard, Begun):
+            elif isinstance(heard, ManagerSeen):
                 how = "is back" if heard.is_back else "has begun"
-                self._tell(f"manager {self._top.ears.names[manager]!r} {how}")
+                self._tell(f"manager {self._top.subscriptions.names[manager]!r} {how}")
         while self._outcomes:
             self._tell(self._outcomes.popleft())
         self._is_stale = True
@@ -155,8 +155,15 @@ class _Live:
         from rtkit.deployment.actions import ChangeState
 
         row = next((row for row in self._rows if row.path == self._look.selected), None)
-        ears = self._top.ears
-        asked = next((name for name, ear in ears.ears.items() if row and _is_of(ear, row)), None)
+        subscriptions = self._top.subscriptions
+        asked = next(
+            (
+                name
+                for name, subscription in subscriptions.subscriptions.items()
+                if row and _is_of(subscription, row)
+            ),
+            None,
+        )
         if row is None or asked is None:
             self._tell("no component is selected")
             return
@@ -164,7 +171,7 @@ class _Live:
         if not row.context:
             self._tell(f"{row.path} has no execution context")
             return
-        tree = ears.ears[asked].tree
+        tree = subscriptions.subscriptions[asked].tree
         action = ChangeState(row.instance, row.context, transition)
         self._tell(f"{row.path}: {transition.value} ...")
         Thread(target=self._await, args=(tree, action, row.path, done), daemon=True).start()
@@ -176,7 +183,7 @@ class _Live:
             self._outcomes.append(f"{path}: {error}")
         else:
             self._outcomes.append(f"{path} is {done}")
-        self._screen.bell.ring()
+        self._screen.wakeup.ring()
 
     # the page
 
@@ -199,5 +206,5 @@ class _Live:
         self._draw_at, self._is_stale = monotonic() + _LEAST_S, False
 
 
-def _is_of(ear: Ear, row: Row) -> bool:
-    return ear.facts.manager == row.manager
+def _is_of(subscription: ManagerSubscription, row: RateRow) -> bool:
+    return subscription.facts.manager == row.manager

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from rtkit.cli import _out
-from rtkit.cli.top.rates import Row
+from rtkit.cli.top.rates import RateRow
 
 SLOW = 0.9
 """Below that part of the rate that was asked for, the one that is reached stands out."""
@@ -28,8 +28,8 @@ class Column(NamedTuple):
 
     title: str
     width: int
-    text: Callable[[Row], str]
-    key: Callable[[Row], Any]
+    text: Callable[[RateRow], str]
+    key: Callable[[RateRow], Any]
     is_falling: bool = True
     is_number: bool = True
     order: int = 0
@@ -66,7 +66,7 @@ def memory(size: int | None) -> str:
     return f"{short(mib)}M" if mib < 999.5 else f"{short(mib / 1024)}G"
 
 
-def rate(row: Row) -> str:
+def rate(row: RateRow) -> str:
     """Return the rate that is reached, and the one asked for: ``99.8/100``, ``-/100``."""
     if row.asked_hz is None:
         return short(row.reached_hz)
@@ -114,7 +114,7 @@ class Look(NamedTuple):
     height: int | None = None
 
 
-def ordered(rows: Sequence[Row], look: Look) -> list[Row]:
+def ordered(rows: Sequence[RateRow], look: Look) -> list[RateRow]:
     """Return rows in the order of a column; what has nothing in it comes last."""
     column = COLUMNS[look.sort]
     by_name = sorted(rows, key=lambda row: row.path)
@@ -123,7 +123,7 @@ def ordered(rows: Sequence[Row], look: Look) -> list[Row]:
     return known + [row for row in by_name if column.key(row) is None]
 
 
-def table(rows: Sequence[Row], look: Look) -> list[str]:
+def table(rows: Sequence[RateRow], look: Look) -> list[str]:
     """Return a line of titles and a line for each row, in their order.
 
     A line below a row tells why it is in Error or does not answer. Nothing is cut where the look
@@ -158,7 +158,7 @@ def table(rows: Sequence[Row], look: Look) -> list[str]:
     return _visible(lines, rows, look)
 
 
-def _visible(lines: list[str], rows: Sequence[Row], look: Look) -> list[str]:
+def _visible(lines: list[str], rows: Sequence[RateRow], look: Look) -> list[str]:
     """Return the part of a table that has room, with the selected row in it."""
     if look.height is None or len(lines) <= look.height:
         return lines
@@ -243,7 +243,7 @@ _STYLES: dict[str, dict[str, object]] = {
 }
 
 
-def _coloured(column: Column, row: Row, field: str) -> str:
+def _coloured(column: Column, row: RateRow, field: str) -> str:
     if column.title == "STATE":
         text = field.rstrip()
         return _out.state(text, len(field))
@@ -252,7 +252,7 @@ def _coloured(column: Column, row: Row, field: str) -> str:
     return field
 
 
-def is_slow(row: Row) -> bool:
+def is_slow(row: RateRow) -> bool:
     """Whether a component does not reach the rate that it was asked for."""
     if row.asked_hz is None or row.reached_hz is None:
         return False

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.figures import ComponentFigures, ContextFigures, Figures, ProcessFigures
+from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics, Metrics, ProcessMetrics
 from rtkit.rtc.profiles import ExecutionContextProfile
 
 Rates = Mapping[str, float]
 
 
-class Row(NamedTuple):
+class RateRow(NamedTuple):
     """One component; what is not known, or means nothing for it, is None.
 
     Attributes:
@@ -69,8 +69,8 @@ class Rater:
     """Keeps the last figures of one manager, so that the next give rates."""
 
     def __init__(self) -> None:
-        self._before: Figures | None = None
-        self._now: Figures | None = None
+        self._before: Metrics | None = None
+        self._now: Metrics | None = None
 
     @property
     def has_rates(self) -> bool:
@@ -83,10 +83,10 @@ class Rater:
         both = (self._before, self._now)
         return all(each is not None and all(p.answered for p in each.processes) for each in both)
 
-    def take(self, figures: Figures) -> None:
+    def take(self, metrics: Metrics) -> None:
         """Take the next figures."""
-        is_same_run = self._now is not None and self._now.run == figures.run
-        self._before, self._now = self._now if is_same_run else None, figures
+        is_same_run = self._now is not None and self._now.run == metrics.run
+        self._before, self._now = self._now if is_same_run else None, metrics
 
     def totals(self) -> Totals:
         """Return what all processes use."""
@@ -97,7 +97,7 @@ class Rater:
         known = [cpu for cpu, _ in used if cpu is not None]
         return Totals(sum(known) if known else None, sum(memory for _, memory in used))
 
-    def rows(self, facts: Snapshot, paths: Mapping[str, str]) -> Iterator[Row]:
+    def rows(self, facts: Snapshot, paths: Mapping[str, str]) -> Iterator[RateRow]:
         """Yield a row for each component that has a path, by instance name."""
         pairs = {pid: (old, new) for pid, old, new in self._pairs()}
         pids = {each.name: each.pid for each in facts.processes if each.state != "lost"}
@@ -116,18 +116,18 @@ class Rater:
             return 0.0
         return self._now.at_s - self._before.at_s
 
-    def _pairs(self) -> Iterator[tuple[int, ProcessFigures | None, ProcessFigures]]:
+    def _pairs(self) -> Iterator[tuple[int, ProcessMetrics | None, ProcessMetrics]]:
         old = {each.pid: each for each in self._before.processes} if self._before else {}
         for new in self._now.processes if self._now is not None else ():
             yield new.pid, old.get(new.pid), new
 
     def _row(
         self,
-        row: Row,
+        row: RateRow,
         component: ComponentFacts,
-        old: ProcessFigures | None,
-        new: ProcessFigures | None,
-    ) -> Row:
+        old: ProcessMetrics | None,
+        new: ProcessMetrics | None,
+    ) -> RateRow:
         if new is None:
             return row
         elapsed_s = self._elapsed_s
@@ -143,10 +143,12 @@ class Rater:
         return row._replace(**known)
 
 
-def _plain_row(component: ComponentFacts, path: str, manager: str, pid: int) -> Row:
+def _plain_row(component: ComponentFacts, path: str, manager: str, pid: int) -> RateRow:
     context = _chosen(component)
-    why = component.zombie or component.trouble or component.cause or component.upkeep.trouble
-    return Row(
+    why = (
+        component.zombie or component.trouble or component.cause or component.restart_status.trouble
+    )
+    return RateRow(
         path,
         manager,
         component.instance,
@@ -155,7 +157,7 @@ def _plain_row(component: ComponentFacts, path: str, manager: str, pid: int) -> 
         "Zombie" if component.zombie else component.state,
         why,
         context.id if context else "",
-        component.upkeep.restarts,
+        component.restart_status.restarts,
         asked_hz=context.rate if context is not None and context.rate > 0 else None,
     )
 
@@ -166,17 +168,17 @@ def _chosen(component: ComponentFacts) -> ExecutionContextProfile | None:
     return next(running, None) or next(iter(component.contexts), None)
 
 
-def _of(process: ProcessFigures | None, instance: str) -> ComponentFigures | None:
+def _of(process: ProcessMetrics | None, instance: str) -> ComponentMetrics | None:
     components = process.components if process is not None else ()
     return next((each for each in components if each.instance == instance), None)
 
 
-def _context(figures: ComponentFigures, id: str) -> ContextFigures | None:
-    return next((each for each in figures.contexts if each.id == id), None)
+def _context(metrics: ComponentMetrics, id: str) -> ContextMetrics | None:
+    return next((each for each in metrics.contexts if each.id == id), None)
 
 
 def _cycles(
-    old: ContextFigures | None, new: ContextFigures | None, elapsed_s: float
+    old: ContextMetrics | None, new: ContextMetrics | None, elapsed_s: float
 ) -> dict[str, Any]:
     if old is None or new is None or not new.has_work:
         return {}
@@ -194,7 +196,7 @@ def _rates(old: Mapping[str, int], new: Mapping[str, int], elapsed_s: float) -> 
     return {name: max(0, count - old.get(name, 0)) / elapsed_s for name, count in new.items()}
 
 
-def _cpu_percent(elapsed_s: float, old: ProcessFigures | None, new: ProcessFigures) -> float | None:
+def _cpu_percent(elapsed_s: float, old: ProcessMetrics | None, new: ProcessMetrics) -> float | None:
     if old is None or old.cpu_s is None or new.cpu_s is None or elapsed_s <= 0:
         return None
     return max(0.0, new.cpu_s - old.cpu_s) / elapsed_s * 100

@@ -12,7 +12,7 @@ from contextlib import ExitStack, suppress
 from types import FrameType, TracebackType
 from typing import Any, Self
 
-from rtkit.cli._resizing import Bell, resizing
+from rtkit.cli._resizing import ResizeWakeup, resizing
 
 _ENTER = "\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J"
 _LEAVE = "\x1b[?7h\x1b[?25h\x1b[?1049l"
@@ -39,13 +39,13 @@ class Screen:
     A signal that ends the process, or stops it (Ctrl-Z), finds the terminal as it was before.
 
     Attributes:
-        bell: Rings when there is something new to show; any thread may ring it.
+        wakeup: Rings when there is something new to show; any thread may ring it.
     """
 
     def __init__(self) -> None:
         self._open = ExitStack()
-        self.bell = Bell()
-        self._open.callback(self.bell.close)
+        self.wakeup = ResizeWakeup()
+        self._open.callback(self.wakeup.close)
         self._disturbed = self._open.enter_context(resizing(is_terminal=True))
         self._out = sys.stdout.fileno()
         self._keyboard = (
@@ -78,7 +78,7 @@ class Screen:
     def sources(self) -> list[int]:
         """Descriptors of which one is readable when there is something to draw, or a key."""
         keyboard = [] if self._keyboard is None else [self._keyboard]
-        return [self.bell.fileno(), self._disturbed.fileno(), *keyboard]
+        return [self.wakeup.fileno(), self._disturbed.fileno(), *keyboard]
 
     @property
     def size(self) -> tuple[int, int]:
@@ -95,7 +95,7 @@ class Screen:
 
     def hush(self) -> None:
         """Take note that it has rung."""
-        self.bell.heard()
+        self.wakeup.heard()
         self._is_stale |= self._disturbed.heard()
 
     def show(self, lines: Sequence[str]) -> None:

@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import inf
 from typing import NamedTuple
 
-from rtkit.deployment.planning.fates import Fate, Fates
+from rtkit.deployment.planning.assignment import Assignment, Assignments
 from rtkit.deployment.planning.model import ABSENT, DOWN, LOADED, UP, Model, is_inproc, manager_of
 from rtkit.errors import Impossible, LimitReached
+from rtkit.fast_dataclass import dataclass
 from rtkit.planner import Command, Condition, Limits, Problem, State, plan
-from rtkit.records import dataclass
 
 SEARCH_LIMIT = 20_000
 """States that may be expanded before what is left settles for less, a little for each cluster."""
@@ -40,7 +40,7 @@ class Pair(NamedTuple):
 
     one: str
     other: str
-    cost: Callable[[Fate, Fate], float]
+    cost: Callable[[Assignment, Assignment], float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +52,7 @@ class Decision:
         looked_at: Combinations that were looked at.
     """
 
-    fates: Mapping[str, Fate]
+    assignments: Mapping[str, Assignment]
     gap: float
     looked_at: int
 
@@ -69,18 +69,18 @@ def decide(model: Model) -> Decision:
 class _Deciding:
     def __init__(self, model: Model) -> None:
         self._model = model
-        self._fates = Fates(model)
-        self._left = {name: self._fates.of(unit) for name, unit in model.units.items()}
+        self._assignments = Assignments(model)
+        self._left = {name: self._assignments.of(unit) for name, unit in model.units.items()}
         self._pairs: dict[str, list[Pair]] = {name: [] for name in model.units}
-        self._known: dict[tuple[int, Fate, Fate], float] = {}
+        self._known: dict[tuple[int, Assignment, Assignment], float] = {}
         for pair in self._all_pairs():
             self._pairs[pair.one].append(pair)
             if pair.other != pair.one:
                 turned = Pair(pair.other, pair.one, lambda a, b, c=pair.cost: c(b, a))  # type: ignore[misc]
                 self._pairs[pair.other].append(turned)
         self._users: dict[str, set[str]] = {}
-        for name, fates in self._left.items():
-            for use in frozenset().union(*(fate.uses for fate in fates)):
+        for name, assignments in self._left.items():
+            for use in frozenset().union(*(assignment.uses for assignment in assignments)):
                 self._users.setdefault(use, set()).add(name)
         self._paid = {use for use in self._users if not self._is_open(use)}
         self._looked_at = 0
@@ -91,13 +91,15 @@ class _Deciding:
         gap = 0.0
         for cluster in self._clusters():
             gap += self._settle(cluster)
-        return Decision({n: fates[0] for n, fates in self._left.items()}, gap, self._looked_at)
+        return Decision(
+            {n: assignments[0] for n, assignments in self._left.items()}, gap, self._looked_at
+        )
 
     def _all_pairs(self) -> Iterator[Pair]:
-        model, fates = self._model, self._fates
+        model, assignments = self._model, self._assignments
         for name, wire in model.wires.items():
             one, other = wire.ends[0], wire.ends[-1]
-            yield Pair(one, other, lambda a, b, name=name: fates.wire(name, (a, b)))  # type: ignore[misc]
+            yield Pair(one, other, lambda a, b, name=name: assignments.wire(name, (a, b)))  # type: ignore[misc]
         for unit in model.units.values():
             lives = model.now(f"cmp:{unit.name}") != ABSENT
             for member in unit.members:
@@ -105,7 +107,7 @@ class _Deciding:
                     yield Pair(
                         member,
                         unit.name,
-                        lambda a, b, lives=lives: fates.whole(a, b, lives=lives),  # type: ignore[misc]
+                        lambda a, b, lives=lives: assignments.whole(a, b, lives=lives),  # type: ignore[misc]
                     )
 
     def _is_open(self, use: str) -> bool:
@@ -127,9 +129,11 @@ class _Deciding:
             for name, unit in self._model.units.items():
                 if unit.module == module:
                     self._left[name] = [
-                        fate
-                        for fate in self._left[name]
-                        if not (is_inproc(fate.place) and manager_of(fate.place) == manager)
+                        assignment
+                        for assignment in self._left[name]
+                        if not (
+                            is_inproc(assignment.place) and manager_of(assignment.place) == manager
+                        )
                     ]
 
     # striking out
@@ -145,7 +149,7 @@ class _Deciding:
             self._strike_dearer(name)
             if len(self._left[name]) < before:
                 todo.update(dict.fromkeys(self._neighbours(name)))
-            certain = frozenset.intersection(*(fate.uses for fate in self._left[name]))
+            certain = frozenset.intersection(*(assignment.uses for assignment in self._left[name]))
             for use in certain - self._paid:
                 self._paid.add(use)
                 todo.update(dict.fromkeys(self._users[use] - {name}))
@@ -153,16 +157,19 @@ class _Deciding:
     def _neighbours(self, name: str) -> list[str]:
         return [p.other for p in self._pairs[name] if p.other != name]
 
-    def _can_be(self, name: str, fate: Fate) -> bool:
+    def _can_be(self, name: str, assignment: Assignment) -> bool:
         return all(
-            any(self._cost(pair, fate, other) < inf for other in self._others(pair, fate))
+            any(
+                self._cost(pair, assignment, other) < inf
+                for other in self._others(pair, assignment)
+            )
             for pair in self._pairs[name]
         )
 
-    def _others(self, pair: Pair, fate: Fate) -> list[Fate]:
-        return [fate] if pair.one == pair.other else self._left[pair.other]
+    def _others(self, pair: Pair, assignment: Assignment) -> list[Assignment]:
+        return [assignment] if pair.one == pair.other else self._left[pair.other]
 
-    def _cost(self, pair: Pair, one: Fate, other: Fate) -> float:
+    def _cost(self, pair: Pair, one: Assignment, other: Assignment) -> float:
         key = (id(pair), one, other)
         if key not in self._known:
             self._known[key] = pair.cost(one, other)
@@ -174,7 +181,7 @@ class _Deciding:
             if any(each is not worse and self._is_as_good(name, each, worse) for each in left):
                 left.remove(worse)
 
-    def _is_as_good(self, name: str, better: Fate, worse: Fate) -> bool:
+    def _is_as_good(self, name: str, better: Assignment, worse: Assignment) -> bool:
         """Whether one fate costs no more than another, whatever becomes of all others."""
         paid = sum(self._price(use) for use in better.uses - worse.uses - self._paid)
         more = better.cost - worse.cost + paid
@@ -187,7 +194,7 @@ class _Deciding:
                 return False
         return more <= 0
 
-    def _differences(self, pair: Pair, better: Fate, worse: Fate) -> Iterator[float]:
+    def _differences(self, pair: Pair, better: Assignment, worse: Assignment) -> Iterator[float]:
         for other in self._left[pair.other]:
             one, two = self._cost(pair, better, other), self._cost(pair, worse, other)
             if two < inf:
@@ -203,7 +210,7 @@ class _Deciding:
 
     def _clusters(self) -> list[list[str]]:
         """Return who is still open, together with whom his choice has to do."""
-        open_ = {name for name, fates in self._left.items() if len(fates) > 1}
+        open_ = {name for name, assignments in self._left.items() if len(assignments) > 1}
         clusters = []
         while open_:
             cluster, todo = [], [min(open_)]
@@ -243,26 +250,32 @@ class _Deciding:
             self._left[name] = [self._left[name][number]]
         return gap
 
-    def _marginal(self, name: str, fate: Fate, settled: Mapping[str, Fate]) -> float:
+    def _marginal(
+        self, name: str, assignment: Assignment, settled: Mapping[str, Assignment]
+    ) -> float:
         """Return what a fate costs beside what is settled already."""
         used = frozenset().union(*(each.uses for each in settled.values()))
-        cost = fate.cost + sum(self._price(use) for use in fate.uses - self._paid - used)
+        cost = assignment.cost + sum(
+            self._price(use) for use in assignment.uses - self._paid - used
+        )
         for pair in self._pairs[name]:
             if pair.other == name:
-                cost += self._cost(pair, fate, fate)
+                cost += self._cost(pair, assignment, assignment)
             elif pair.other in settled:
-                cost += self._cost(pair, fate, settled[pair.other])
+                cost += self._cost(pair, assignment, settled[pair.other])
             elif len(self._left[pair.other]) == 1:
-                cost += self._cost(pair, fate, self._left[pair.other][0])
+                cost += self._cost(pair, assignment, self._left[pair.other][0])
         return cost
 
-    def _least(self, name: str, fate: Fate, before: Mapping[str, list[Fate]]) -> float:
+    def _least(
+        self, name: str, assignment: Assignment, before: Mapping[str, list[Assignment]]
+    ) -> float:
         """Return what a fate costs at least, beside any of the fates of those before it."""
-        cost = fate.cost
+        cost = assignment.cost
         for pair in self._pairs[name]:
             if pair.other in before or len(self._left[pair.other]) == 1 or pair.other == name:
-                others = self._others(pair, fate)
-                cost += min(self._cost(pair, fate, other) for other in others)
+                others = self._others(pair, assignment)
+                cost += min(self._cost(pair, assignment, other) for other in others)
         return cost
 
 
@@ -276,17 +289,19 @@ class _Cluster:
     def __init__(
         self,
         names: list[str],
-        left: Mapping[str, list[Fate]],
-        marginal: Callable[[str, Fate, Mapping[str, Fate]], float],
-        least: Callable[[str, Fate, Mapping[str, list[Fate]]], float],
+        left: Mapping[str, list[Assignment]],
+        marginal: Callable[[str, Assignment, Mapping[str, Assignment]], float],
+        least: Callable[[str, Assignment, Mapping[str, list[Assignment]]], float],
     ) -> None:
         self._names = names
-        self._fates = [left[name] for name in names]
+        self._assignments = [left[name] for name in names]
         self._marginal = marginal
         self._least = [0.0]
         for number in reversed(range(len(names))):
-            before = dict(zip(names[:number], self._fates[:number], strict=True))
-            cost = min(least(names[number], fate, before) for fate in self._fates[number])
+            before = dict(zip(names[:number], self._assignments[:number], strict=True))
+            cost = min(
+                least(names[number], assignment, before) for assignment in self._assignments[number]
+            )
             self._least.append(self._least[-1] + 1 + cost)
         self._least.reverse()
         variables = {name: [None, *range(len(left[name]))] for name in names}
@@ -316,20 +331,27 @@ class _Cluster:
 
     def _guesses(self) -> Iterator[State]:
         state = self.problem.start
-        for fates in self._fates:
-            prices = [self._cost(state, number) for number in range(len(fates))]
+        for assignments in self._assignments:
+            prices = [self._cost(state, number) for number in range(len(assignments))]
             state = _with(state, prices.index(min(prices)))
         yield state
-        costs = [[fate.cost for fate in fates] for fates in self._fates]
+        costs = [
+            [assignment.cost for assignment in assignments] for assignments in self._assignments
+        ]
         yield tuple(each.index(min(each)) for each in costs)
 
     def _bettered(self, state: State) -> State:
         for _ in range(_ROUNDS):
             before = state
-            for place, fates in enumerate(self._fates):
-                settled = {n: f[c] for n, f, c in zip(self._names, self._fates, state, strict=True)}
+            for place, assignments in enumerate(self._assignments):
+                settled = {
+                    n: f[c] for n, f, c in zip(self._names, self._assignments, state, strict=True)
+                }
                 del settled[self._names[place]]
-                costs = [self._marginal(self._names[place], fate, settled) for fate in fates]
+                costs = [
+                    self._marginal(self._names[place], assignment, settled)
+                    for assignment in assignments
+                ]
                 state = (*state[:place], costs.index(min(costs)), *state[place + 1 :])
             if state == before:
                 break
@@ -340,7 +362,7 @@ class _Cluster:
         return sum(self._cost((*state[:n], *empty[n:]), each) for n, each in enumerate(state))
 
     def _choices(self, state: State) -> Iterator[Command]:
-        for number in range(len(self._fates[_settled(state)])):
+        for number in range(len(self._assignments[_settled(state)])):
             possible = Condition("fits", lambda s, n=number: self._cost(s, n) < inf)  # type: ignore[misc]
             yield Command(
                 "choose",
@@ -351,9 +373,9 @@ class _Cluster:
 
     def _cost(self, state: State, number: int) -> float:
         count = _settled(state)
-        chosen = zip(self._names[:count], self._fates[:count], state[:count], strict=True)
-        settled = {name: fates[each] for name, fates, each in chosen}
-        return self._marginal(self._names[count], self._fates[count][number], settled)
+        chosen = zip(self._names[:count], self._assignments[:count], state[:count], strict=True)
+        settled = {name: assignments[each] for name, assignments, each in chosen}
+        return self._marginal(self._names[count], self._assignments[count][number], settled)
 
 
 def _settled(state: State) -> int:

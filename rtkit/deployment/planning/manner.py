@@ -9,7 +9,7 @@ from rtkit.deployment import drift
 from rtkit.deployment.drift import rate_text
 from rtkit.deployment.extension import policy_in
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.planning.model import UNKNOWN, Key
+from rtkit.deployment.planning.model import UNKNOWN, ParameterVariable
 from rtkit.deployment.system import HIDDEN, WantedComponent
 from rtkit.rtc.enums import ExecutionKind
 
@@ -23,7 +23,7 @@ NAMELESS = "none"
 AS_WANTED = "as the profile says"
 
 
-class Setting(NamedTuple):
+class ComponentSetting(NamedTuple):
     """One of them.
 
     Attributes:
@@ -32,14 +32,14 @@ class Setting(NamedTuple):
     """
 
     parameter: str
-    key: Key
+    key: ParameterVariable
     wanted: str
     live: str | None = None
 
 
 def settings(
     component: WantedComponent, facts: ComponentFacts | None, was: ComponentFacts | None
-) -> Iterator[Setting]:
+) -> Iterator[ComponentSetting]:
     """Yield rates and policy of a component: as wanted, else as they were when it began.
 
     Args:
@@ -56,12 +56,17 @@ def settings(
         told = drift.policy_difference(component, facts)
         live = told.found if told is not None else drift.policy_text(policy_in(facts.create))
     default = wanted if component.create else UNKNOWN  # who is made so has it from the beginning
-    yield Setting(POLICY, Key(default, True, f"set policy of {component.instance}="), wanted, live)
+    yield ComponentSetting(
+        POLICY,
+        ParameterVariable(default, True, f"set policy of {component.instance}="),
+        wanted,
+        live,
+    )
 
 
 def _rates(
     component: WantedComponent, facts: ComponentFacts | None, was: ComponentFacts | None
-) -> Iterator[Setting]:
+) -> Iterator[ComponentSetting]:
     now = dict(_own_rates(facts)) if facts is not None else {}
     wished = dict(_own_rates(was)) if was is not None and _has_left(was, facts) else {}
     if facts is not None:
@@ -77,7 +82,9 @@ def _rates(
         where = "" if is_alone else f" in {context}"
         text = f"set rate of {component.instance}{where}="
         live = rate_text(now[context]) if context in now else None
-        yield Setting(f"{RATE}{context}", Key(default, True, text), rate_text(rate), live)
+        yield ComponentSetting(
+            f"{RATE}{context}", ParameterVariable(default, True, text), rate_text(rate), live
+        )
 
 
 def _has_left(was: ComponentFacts, facts: ComponentFacts | None) -> bool:
@@ -91,36 +98,40 @@ def _own_rates(facts: ComponentFacts) -> Iterator[tuple[str, float]]:
             yield context.id, context.rate
 
 
-def kept(facts: ComponentFacts) -> Iterator[Setting]:
+def kept(facts: ComponentFacts) -> Iterator[ComponentSetting]:
     """Yield the configuration and the rates of a component of which nothing is wanted."""
     for set_id, values in facts.sets.items():
         for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
             text = f"set {facts.instance}.{set_id}.{parameter}="
-            yield Setting(f"{set_id}.{parameter}", Key(text=text), value, value)
+            yield ComponentSetting(
+                f"{set_id}.{parameter}", ParameterVariable(text=text), value, value
+            )
     if facts.active_set:
-        key = Key(DEFAULT, text=f"use set of {facts.instance}: ")
-        yield Setting(ACTIVE_SET, key, facts.active_set, facts.active_set)
+        key = ParameterVariable(DEFAULT, text=f"use set of {facts.instance}: ")
+        yield ComponentSetting(ACTIVE_SET, key, facts.active_set, facts.active_set)
     for context, rate in _own_rates(facts):
         text = f"set rate of {facts.instance} in {context}="
         told = rate_text(rate)
-        yield Setting(f"{RATE}{context}", Key(UNKNOWN, True, text), told, told)
+        yield ComponentSetting(
+            f"{RATE}{context}", ParameterVariable(UNKNOWN, True, text), told, told
+        )
 
 
-def name(component: WantedComponent, live: bool | None) -> Setting:
+def name(component: WantedComponent, live: bool | None) -> ComponentSetting:
     """Return the name of a component, and whether what lives is to be found under it."""
     path = f"/{component.name}"
-    key = Key(path, True, f"register {component.instance} as ")
+    key = ParameterVariable(path, True, f"register {component.instance} as ")
     now = None if live is None else path if live else NAMELESS
-    return Setting(f"{NAME}{component.name}", key, path, now)
+    return ComponentSetting(f"{NAME}{component.name}", key, path, now)
 
 
 def making(
     component: WantedComponent, facts: ComponentFacts | None, reasons: Sequence[str]
-) -> Setting:
+) -> ComponentSetting:
     """Return that a component is, or was when a plan began, made otherwise for these reasons."""
-    key = Key(AS_WANTED, text=f"{component.instance} made ", is_fixed=True)
+    key = ParameterVariable(AS_WANTED, text=f"{component.instance} made ", is_fixed=True)
     told = "; ".join(reasons) or AS_WANTED
-    return Setting(MADE, key, AS_WANTED, told if facts is not None else None)
+    return ComponentSetting(MADE, key, AS_WANTED, told if facts is not None else None)
 
 
 def unlike(component: WantedComponent, facts: ComponentFacts | None) -> list[str]:

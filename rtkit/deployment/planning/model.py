@@ -52,7 +52,7 @@ def is_cost(number: float) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class ComponentVariable:
     """A component as it may be.
 
     Attributes:
@@ -72,7 +72,7 @@ class Unit:
 
 
 @dataclass(frozen=True, slots=True)
-class Key:
+class ParameterVariable:
     """A configuration parameter.
 
     Attributes:
@@ -89,7 +89,7 @@ class Key:
 
 
 @dataclass(frozen=True, slots=True)
-class Wire:
+class ConnectionVariable:
     """A connection between two components, or that one drives the other.
 
     Attributes:
@@ -117,9 +117,9 @@ class Model:
     """
 
     managers: Mapping[str, frozenset[str] | None]
-    units: Mapping[str, Unit]
-    wires: Mapping[str, Wire] = field(default_factory=dict)
-    keys: Mapping[str, Key] = field(default_factory=dict)
+    units: Mapping[str, ComponentVariable]
+    wires: Mapping[str, ConnectionVariable] = field(default_factory=dict)
+    keys: Mapping[str, ParameterVariable] = field(default_factory=dict)
     live: Facts = field(default_factory=dict)
     desired: Mapping[str, Wish] = field(default_factory=dict)
     costs: Mapping[str, float] = field(default_factory=lambda: DEFAULT_COSTS)
@@ -173,7 +173,7 @@ class Model:
                     found[member].append(unit.name)
         return found
 
-    def needed_module(self, unit: Unit, place: str) -> str:
+    def needed_module(self, unit: ComponentVariable, place: str) -> str:
         """Return the ``M/X`` that must be loaded to make a component at a place; or nothing."""
         if not unit.module or not (is_inproc(place) or self.slaves_need_modules):
             return ""

@@ -8,11 +8,11 @@ from functools import cached_property
 from time import perf_counter
 
 from rtkit.deployment.planning.decide import check_managers, decide
-from rtkit.deployment.planning.emit import emit, order
 from rtkit.deployment.planning.explain import explained
 from rtkit.deployment.planning.model import ABSENT, NO, UP, Model
-from rtkit.deployment.planning.moves import Move
-from rtkit.deployment.planning.whole import judge
+from rtkit.deployment.planning.operators import Operator
+from rtkit.deployment.planning.reference_model import judge
+from rtkit.deployment.planning.sequencing import order, sequence
 from rtkit.errors import Impossible
 from rtkit.planner import layers
 
@@ -32,7 +32,7 @@ class DeploymentPlan:
     """
 
     model: Model
-    moves: tuple[Move, ...]
+    moves: tuple[Operator, ...]
     before: tuple[frozenset[int], ...]
     gap: float = 0
     looked_at: int = 0
@@ -81,7 +81,7 @@ def make_plan(model: Model, ranks: Mapping[str, int] = NO_RANKS) -> DeploymentPl
         decision = decide(model)
     except Impossible as error:
         raise explained(model, error) from error
-    moves = emit(model, decision.fates, ranks)
+    moves = sequence(model, decision.assignments, ranks)
     why = judge(model, moves)
     if why:
         raise AssertionError(f"a plan that does not hold was made: {why}")

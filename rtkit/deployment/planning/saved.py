@@ -12,23 +12,29 @@ from dataclasses import dataclass, fields, replace
 from hashlib import sha256
 from typing import Any
 
-from rtkit.deployment.planning.back import difference
-from rtkit.deployment.planning.emit import order
-from rtkit.deployment.planning.model import Key, Model, Unit, Wire, owner_of
-from rtkit.deployment.planning.moves import Move, Moves
+from rtkit.deployment.planning.model import (
+    ComponentVariable,
+    ConnectionVariable,
+    Model,
+    ParameterVariable,
+    owner_of,
+)
+from rtkit.deployment.planning.operators import Operator, Operators
 from rtkit.deployment.planning.plan import DeploymentPlan
-from rtkit.deployment.planning.telling import as_plain
-from rtkit.deployment.planning.whole import judge
+from rtkit.deployment.planning.reference_model import judge
+from rtkit.deployment.planning.rendering import as_plain
+from rtkit.deployment.planning.rollback import difference
+from rtkit.deployment.planning.sequencing import order
 from rtkit.errors import InvalidDocument, Malformed
 
 _SCHEMA = "rtkit.saved-plan"
 _VERSION = 1
-_TABLES = {"units": Unit, "wires": Wire, "keys": Key}
+_TABLES = {"units": ComponentVariable, "wires": ConnectionVariable, "keys": ParameterVariable}
 _FACTS = ("live", "desired", "managers")
 
 
 @dataclass(frozen=True)
-class Saved:
+class SavedPlan:
     """A plan as it was made.
 
     Attributes:
@@ -53,7 +59,7 @@ class Saved:
         Raises:
             Malformed: The steps do not lead there.
         """
-        moves = Moves(model)
+        moves = Operators(model)
         try:
             made = tuple(_move(moves, *step) for step in self.steps)
             why = judge(model, made)
@@ -84,7 +90,7 @@ def to_text(plan: DeploymentPlan, ranks: Mapping[str, int], made: str, about: An
     return json.dumps(whole, indent=1, allow_nan=False) + "\n"
 
 
-def from_text(text: bytes, source: str) -> Saved:
+def from_text(text: bytes, source: str) -> SavedPlan:
     """Read a plan that was saved.
 
     Raises:
@@ -100,7 +106,7 @@ def from_text(text: bytes, source: str) -> Saved:
     if digest != _digest(data):
         raise InvalidDocument(f"{source}: the saved plan was changed, or is damaged")
     try:
-        return Saved(
+        return SavedPlan(
             data["made"],
             data["about"],
             _model(data),
@@ -162,7 +168,7 @@ def _knows(model: Model, variable: str) -> bool:
     return name in tables[kind] if kind in tables else True
 
 
-def _move(moves: Moves, kind: str, subject: str, value: str, cost: float) -> Move:
+def _move(moves: Operators, kind: str, subject: str, value: str, cost: float) -> Operator:
     match kind:
         case "start_manager":
             made = moves.start(subject)

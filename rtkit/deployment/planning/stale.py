@@ -10,13 +10,13 @@ from collections.abc import Collection, Iterator, Mapping
 
 from rtkit.deployment import drift
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.live import Live
+from rtkit.deployment.live import LiveIndex
 
 
 class Stale:
     """The components of one snapshot by their processes, and which files have changed."""
 
-    def __init__(self, live: Live, named: Collection[str], code: Mapping[str, str]) -> None:
+    def __init__(self, live: LiveIndex, named: Collection[str], code: Mapping[str, str]) -> None:
         """Index a snapshot.
 
         Args:

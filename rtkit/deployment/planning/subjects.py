@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.system import System, WantedComponent
+from rtkit.deployment.system import WantedComponent, WantedSystem
 
 
-def subjects(kind: str, system: System, snapshot: Snapshot) -> set[str]:
+def subjects(kind: str, system: WantedSystem, snapshot: Snapshot) -> set[str]:
     """Return the names of all that a kind of step may be done to: what is wanted, what lives."""
     match kind:
         case "start_manager":
@@ -34,7 +34,7 @@ def _managers(snapshot: Snapshot) -> Iterator[str]:
     return (each.manager for each in (snapshot, *snapshot.others))
 
 
-def _modules(system: System, snapshot: Snapshot) -> Iterator[str]:
+def _modules(system: WantedSystem, snapshot: Snapshot) -> Iterator[str]:
     for component in system.components:
         if component.module:
             yield f"{component.manager or snapshot.manager}/{component.module}"

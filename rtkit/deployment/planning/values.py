@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from rtkit.component.fit import Declared, misfit, misfit_of
+from rtkit.component.constraint_check import Declared, misfit, misfit_of
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.deployment.planning.manner import ACTIVE_SET, DEFAULT, Setting
-from rtkit.deployment.planning.model import UNKNOWN, Key
+from rtkit.deployment.planning.manner import ACTIVE_SET, DEFAULT, ComponentSetting
+from rtkit.deployment.planning.model import UNKNOWN, ParameterVariable
 from rtkit.deployment.system import HIDDEN, WantedComponent
 
 Declarations = Mapping[str, Declared]
@@ -57,7 +57,7 @@ class Values:
         if chosen:
             self._choose(chosen)
 
-    def _wanted(self) -> Iterator[Setting]:
+    def _wanted(self) -> Iterator[ComponentSetting]:
         component, facts = self._component, self._facts
         for set_id, values in component.sets.items():
             for parameter, value in () if set_id.startswith(HIDDEN) else values.items():
@@ -73,8 +73,8 @@ class Values:
                     continue
                 is_hot = set_id not in self._seen or self._is_hot(parameter)
                 default = value if component.pattern is not None else UNKNOWN
-                key = Key(default, is_hot, self._text(set_id, parameter))
-                yield Setting(f"{set_id}.{parameter}", key, value, present)
+                key = ParameterVariable(default, is_hot, self._text(set_id, parameter))
+                yield ComponentSetting(f"{set_id}.{parameter}", key, value, present)
 
     def _is_missing(self, set_id: str, parameter: str, present: str | None) -> bool:
         """Note a parameter that is not there, or will not be."""
@@ -94,7 +94,7 @@ class Values:
         declared = self._declared.get(parameter) if self._declared is not None else None
         return misfit_of(declared, value) if declared is not None else ""
 
-    def _kept(self, was: ComponentFacts) -> Iterator[Setting]:
+    def _kept(self, was: ComponentFacts) -> Iterator[ComponentSetting]:
         """Have what the profile does not name keep its value, also when the component moves."""
         facts = self._facts
         has_stayed = facts is not None and facts.process == was.process
@@ -105,9 +105,9 @@ class Values:
                 is_wanted = parameter in named and (set_id, parameter) not in self._free
                 if is_wanted or (facts is not None and present is None):
                     continue
-                key = Key(text=self._text(set_id, parameter))
+                key = ParameterVariable(text=self._text(set_id, parameter))
                 wanted = present if has_stayed and present is not None else value
-                yield Setting(f"{set_id}.{parameter}", key, wanted, present)
+                yield ComponentSetting(f"{set_id}.{parameter}", key, wanted, present)
 
     def _choose(self, wanted: str) -> None:
         facts, component = self._facts, self._component
@@ -119,9 +119,9 @@ class Values:
         changed = [p for p in after if after[p] != before.get(p)]
         default = wanted if component.pattern is not None else DEFAULT
         is_hot = all(self._is_hot(parameter) for parameter in changed)
-        key = Key(default, is_hot, f"use set of {component.instance}: ")
+        key = ParameterVariable(default, is_hot, f"use set of {component.instance}: ")
         live = facts.active_set if facts is not None else None
-        self.settings.append(Setting(ACTIVE_SET, key, wanted, live))
+        self.settings.append(ComponentSetting(ACTIVE_SET, key, wanted, live))
 
     def _text(self, set_id: str, parameter: str) -> str:
         name = parameter if set_id == self._used else f"{set_id}.{parameter}"

@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.shown_ports import OwnEnds
-from rtkit.deployment.states.wishes import component_of
+from rtkit.deployment.states.variants import component_of
 from rtkit.errors import Malformed
 
 LOST = "lost"
@@ -24,7 +24,7 @@ _CONDITION = re.compile(r"(\S+?)\s*(<=|>=|!=|<|>|=)\s*(.*)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
-class Condition:
+class EventCondition:
     """When an event happens.
 
     Attributes:
@@ -42,29 +42,29 @@ class Condition:
         return f"{self.component}.{self.name} {self.compare} {self.value}"
 
     @property
-    def needs_figures(self) -> bool:
+    def needs_metrics(self) -> bool:
         """Whether it can only be judged with figures."""
         return self.name.endswith(".count")
 
     def holds(
-        self, snapshot: Snapshot, figures: Mapping[str, ComponentFigures] | None = None
+        self, snapshot: Snapshot, metrics: Mapping[str, ComponentMetrics] | None = None
     ) -> bool:
         """Whether it holds; what nobody knows holds not."""
         facts = snapshot.component(self.component)
         is_lost = facts is None or bool(facts.zombie)
         if not self.name or is_lost or facts is None:
             return is_lost and not self.name
-        return self._is_met(facts, snapshot, (figures or {}).get(self.component))
+        return self._is_met(facts, snapshot, (metrics or {}).get(self.component))
 
     def _is_met(
-        self, facts: ComponentFacts, snapshot: Snapshot, figures: ComponentFigures | None
+        self, facts: ComponentFacts, snapshot: Snapshot, metrics: ComponentMetrics | None
     ) -> bool:
         from rtkit.deployment.properties import of_component
 
         ends = OwnEnds.of(snapshot).ends(facts) if facts.members else {}
-        shown = of_component(facts, snapshot.connectors, figures, ends)
+        shown = of_component(facts, snapshot.connectors, metrics, ends)
         value = next((each.value for each in shown if each.name == self.name), None)
-        if value is None or (self.needs_figures and figures is None):
+        if value is None or (self.needs_metrics and metrics is None):
             return False
         text = str(value).strip()
         if self.compare in ("=", "!="):
@@ -73,7 +73,7 @@ class Condition:
         return number is not None and _COMPARE[self.compare](number, float(self.value))
 
 
-def condition(text: str, sets: Mapping[str, Sequence[str]]) -> Condition:
+def condition(text: str, sets: Mapping[str, Sequence[str]]) -> EventCondition:
     """Read a condition: ``lost Motor0``, or ``Battery0.configuration.default.level < 10``.
 
     Properties are those of ``rtget``; ``Motor0.state = Error`` for one.
@@ -86,7 +86,7 @@ def condition(text: str, sets: Mapping[str, Sequence[str]]) -> Condition:
         component, rest = component_of(name.strip(), sets)
         if rest:
             raise Malformed(f"no such component: {name.strip()}")
-        return Condition(component)
+        return EventCondition(component)
     match = _CONDITION.fullmatch(text.strip())
     if match is None:
         raise Malformed(f"neither lost NAME nor NAME.PROPERTY = VALUE: {text!r}")
@@ -96,7 +96,7 @@ def condition(text: str, sets: Mapping[str, Sequence[str]]) -> Condition:
         raise Malformed(f"names no property: {name}; {name}.state is one")
     if compare in _COMPARE and _number(value) is None:
         raise Malformed(f"not a number: {value!r}")
-    return Condition(component, rest, compare, value)
+    return EventCondition(component, rest, compare, value)
 
 
 def _number(text: str) -> float | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rtkit.records import dataclass
+from rtkit.fast_dataclass import dataclass
 
 AT_FIRST, IS_SO, BY_OTHERS = "at first", "is so", "by others"
 """What is told of how a system came to a state without an event."""

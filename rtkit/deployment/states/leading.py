@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.states.followed import AT_FIRST, BY_OTHERS, IS_SO
-from rtkit.deployment.states.following import Follower, Passage
+from rtkit.deployment.states.following import Follower, SystemTransition
 from rtkit.deployment.states.machine import FAILED
 from rtkit.deployment.states.states import States
 from rtkit.errors import RtkitError, from_kind
 
-Reach = Callable[[Passage], object]
+Reach = Callable[[SystemTransition], object]
 """Makes a transition, or raises why it cannot be made."""
 
 
@@ -44,7 +44,7 @@ class Leader:
         self._failed = failed
         self._clock_s = clock_s
 
-    def begin(self, facts: Snapshot) -> Passage:
+    def begin(self, facts: Snapshot) -> SystemTransition:
         """Begin where the system is, or lead it to where it begins; return how it came there.
 
         Raises:
@@ -52,24 +52,26 @@ class Leader:
         """
         now = self._states.now(facts)
         if not now:
-            return self.lead(Passage("", AT_FIRST, self._states.machine.first))
+            return self.lead(SystemTransition("", AT_FIRST, self._states.machine.first))
         self.follower.state = now
-        return Passage("", IS_SO, now)
+        return SystemTransition("", IS_SO, now)
 
-    def step(self, facts: Snapshot, figures: Mapping[str, ComponentFigures]) -> Passage | None:
+    def step(
+        self, facts: Snapshot, metrics: Mapping[str, ComponentMetrics]
+    ) -> SystemTransition | None:
         """Follow what is due; return the last transition; None where nothing was.
 
         Raises:
             RtkitError: A state could not be reached, and no event leads on from there.
         """
-        passage = self.follower.look(facts, figures, self._clock_s())
+        passage = self.follower.look(facts, metrics, self._clock_s())
         if passage is None:
             return None
         if passage.event:
             return self.lead(passage)
         return passage._replace(event=BY_OTHERS)
 
-    def lead(self, passage: Passage) -> Passage:
+    def lead(self, passage: SystemTransition) -> SystemTransition:
         """Lead the system to a state; return the last transition.
 
         Raises:
@@ -85,6 +87,6 @@ class Leader:
                 if FAILED not in self._states.machine.table[state]:
                     raise from_kind(error.kind, told) from error
                 self._failed(told)
-                passage = Passage(state, FAILED, self.follower.go(FAILED, self._clock_s()))
+                passage = SystemTransition(state, FAILED, self.follower.go(FAILED, self._clock_s()))
             else:
                 return passage

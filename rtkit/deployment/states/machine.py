@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from rtkit.deployment import extension
-from rtkit.deployment.states.events import Condition, condition
-from rtkit.deployment.states.wishes import Wish, wishes
+from rtkit.deployment.states.events import EventCondition, condition
+from rtkit.deployment.states.variants import StateDifference, differences_of
 from rtkit.errors import Malformed
 from rtkit.rtc.nearest import did_you_mean
 
@@ -24,7 +24,7 @@ _ANY = "*"
 
 
 @dataclass(frozen=True)
-class Machine:
+class SystemStates:
     """The states of one system.
 
     Attributes:
@@ -34,8 +34,8 @@ class Machine:
     """
 
     table: Table
-    wishes: Mapping[str, tuple[Wish, ...]] = field(default_factory=dict)
-    conditions: Mapping[str, Condition] = field(default_factory=dict)
+    wishes: Mapping[str, tuple[StateDifference, ...]] = field(default_factory=dict)
+    conditions: Mapping[str, EventCondition] = field(default_factory=dict)
 
     @property
     def first(self) -> str:
@@ -69,7 +69,7 @@ class Machine:
 
 def machine_of(
     properties: Mapping[str, str], sets: Mapping[str, Sequence[str]], chart: Table | None = None
-) -> Machine | None:
+) -> SystemStates | None:
     """Return the states that the properties of a system profile tell; None where they tell none.
 
     Args:
@@ -105,7 +105,7 @@ class _Reading:
         self._sets = sets
         self.problems: list[str] = []
 
-    def machine(self, chart: Table | None) -> Machine:
+    def machine(self, chart: Table | None) -> SystemStates:
         table = self._table() if chart is None else self._chart(chart)
         events = {event for leading in table.values() for event in leading}
         conditions = self._conditions(events)
@@ -114,8 +114,8 @@ class _Reading:
             if name not in table:
                 self._problem(f"{extension.STATE}{name}: no such state", name, table)
                 continue
-            found[name] = self._try(wishes, f"{extension.STATE}{name}", self._sets) or ()
-        machine = Machine(table, {name: found.get(name, ()) for name in table}, conditions)
+            found[name] = self._try(differences_of, f"{extension.STATE}{name}", self._sets) or ()
+        machine = SystemStates(table, {name: found.get(name, ()) for name in table}, conditions)
         self._check_distinct(machine)
         self._check_reached(machine)
         return machine
@@ -173,7 +173,7 @@ class _Reading:
                 continue
             table[each][event] = target
 
-    def _conditions(self, events: set[str]) -> dict[str, Condition]:
+    def _conditions(self, events: set[str]) -> dict[str, EventCondition]:
         found = {}
         for name in self._named(extension.EVENT):
             key = f"{extension.EVENT}{name}"
@@ -200,15 +200,15 @@ class _Reading:
     def _problem(self, text: str, name: str, known: Mapping[str, object] | set[str]) -> None:
         self.problems.append(f"{text}{did_you_mean(name, known)}")
 
-    def _check_distinct(self, machine: Machine) -> None:
+    def _check_distinct(self, machine: SystemStates) -> None:
         """Refuse states that nobody could tell apart by what lives."""
-        seen: dict[frozenset[Wish], str] = {}
+        seen: dict[frozenset[StateDifference], str] = {}
         for name, wished in machine.wishes.items():
             known = seen.setdefault(frozenset(wished), name)
             if known != name and not self.problems:
                 self.problems.append(f"states {known} and {name} wish the same")
 
-    def _check_reached(self, machine: Machine) -> None:
+    def _check_reached(self, machine: SystemStates) -> None:
         if self.problems or not any(machine.table.values()):
             return  # without events all are reached by --goto only
         reached, todo = {machine.first}, [machine.first]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rtkit.errors import Malformed
-from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.serde import decode, encode
 
 if TYPE_CHECKING:
     from rtkit.deployment.states.states import States
@@ -56,13 +56,13 @@ def spec_from_text(text: str) -> tuple[States, bool]:
 
 
 def _spec(told: dict[str, Any]) -> tuple[States, bool]:
-    from rtkit.deployment.goal import Goal
+    from rtkit.deployment.goal import DeploymentGoal
     from rtkit.deployment.planning.costs import Costs
-    from rtkit.deployment.states.events import Condition
-    from rtkit.deployment.states.machine import Machine
+    from rtkit.deployment.states.events import EventCondition
+    from rtkit.deployment.states.machine import SystemStates
     from rtkit.deployment.states.states import States
-    from rtkit.deployment.states.wishes import Wish
-    from rtkit.deployment.system import System
+    from rtkit.deployment.states.variants import StateDifference
+    from rtkit.deployment.system import WantedSystem
 
     table: dict[str, dict[str, str]] = told["table"]
     if not table:
@@ -70,14 +70,17 @@ def _spec(told: dict[str, Any]) -> tuple[States, bool]:
     for leading in table.values():
         for target in leading.values():
             table[target]  # every event leads to a state
-    machine = Machine(
+    machine = SystemStates(
         table,
-        {name: tuple(Wish(*map(str, each)) for each in told["wishes"][name]) for name in table},
-        {event: Condition(*map(str, each)) for event, each in told["conditions"].items()},
+        {
+            name: tuple(StateDifference(*map(str, each)) for each in told["wishes"][name])
+            for name in table
+        },
+        {event: EventCondition(*map(str, each)) for event, each in told["conditions"].items()},
     )
-    system = decode(System, told["wanted"])
+    system = decode(WantedSystem, told["wanted"])
     values, origins = told["costs"]
-    goal = Goal(
+    goal = DeploymentGoal(
         system,
         ranks={str(name): int(rank) for name, rank in told["ranks"].items()},
         costs=Costs({str(k): float(v) for k, v in values.items()}, dict(origins)),

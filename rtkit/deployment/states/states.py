@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.goal import Goal
+from rtkit.deployment.goal import DeploymentGoal
 from rtkit.deployment.planning.plan import DeploymentPlan
 from rtkit.deployment.states.following import state_now
-from rtkit.deployment.states.machine import Machine
-from rtkit.deployment.states.wishes import variant
+from rtkit.deployment.states.machine import SystemStates
+from rtkit.deployment.states.variants import variant
 from rtkit.errors import Impossible
 
 
@@ -35,13 +35,13 @@ class States:
         base: The goal that all of the profile is active, of which states are differences.
     """
 
-    def __init__(self, name: str, machine: Machine, base: Goal) -> None:
+    def __init__(self, name: str, machine: SystemStates, base: DeploymentGoal) -> None:
         self.name = name
         self.machine = machine
         self.base = base
         self._goals = {state: self._goal(state) for state in machine.table}
 
-    def goal(self, state: str) -> Goal:
+    def goal(self, state: str) -> DeploymentGoal:
         """Return what is wanted in a state."""
         return self._goals[state]
 
@@ -60,7 +60,7 @@ class States:
         except Impossible as error:
             return Way(state, None, str(error))
 
-    def _goal(self, state: str) -> Goal:
+    def _goal(self, state: str) -> DeploymentGoal:
         conditions = self.machine.conditions.values()
         watched = {(each.component, each.name) for each in conditions}
         made = variant(self.base.system, self.machine.wishes[state], watched)

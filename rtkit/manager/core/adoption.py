@@ -11,29 +11,29 @@ from typing import NamedTuple
 
 from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.message import Message
 from rtkit.errors import Malformed
-from rtkit.manager.core import since_made
+from rtkit.fast_dataclass import replace
+from rtkit.manager.core import user_changes
+from rtkit.manager.core.effects import Procedure, Send, Sleep
 from rtkit.manager.core.limiting import note_limits
-from rtkit.manager.core.message import Message
-from rtkit.manager.core.noting import note
+from rtkit.manager.core.record_desired import note
 from rtkit.manager.core.registration import free_names
-from rtkit.manager.core.state import Process, State
-from rtkit.manager.core.wishes import Pause, Procedure, Tell
-from rtkit.records import replace
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.rtc.names import check_instance_name
-from rtkit.rtc.plain import decode
 from rtkit.rtc.profiles import ConnectorProfile
+from rtkit.rtc.serde import decode
 
 SETTLE_S = 2.0
 """How long slaves have to come back after a manager's start [s]."""
 
 
-def process_of(state: State, pid: int) -> Process | None:
+def process_of(state: ManagerState, pid: int) -> Process | None:
     """Return the living process of that pid if it is known already, as after a broken line."""
     return next((p for p in state.processes.values() if p.pid == pid and p.is_alive), None)
 
 
-def free_name(state: State, name: str, pid: int) -> str:
+def free_name(state: ManagerState, name: str, pid: int) -> str:
     """Return the name under which a found slave goes: its own, unless another has it by now."""
     return name if state.living_process(name) is None else f"{name}_{pid}"
 
@@ -43,7 +43,7 @@ class Holding(NamedTuple):
 
     components: list[ComponentFacts]
     wires: list[ConnectorProfile]
-    asked: since_made.Asked = MappingProxyType({})
+    asked: user_changes.Asked = MappingProxyType({})
 
 
 def read(name: str, components: object, wires: object, asked: object = None) -> Holding:
@@ -58,10 +58,10 @@ def read(name: str, components: object, wires: object, asked: object = None) -> 
     for facts in held:
         check_instance_name(facts.instance)
     ends = [decode(ConnectorProfile, each) for each in wires]
-    return Holding(held, ends, since_made.read(asked))
+    return Holding(held, ends, user_changes.read(asked))
 
 
-def take(state: State, process: Process, holding: Holding) -> list[Message]:
+def take(state: ManagerState, process: Process, holding: Holding) -> list[Message]:
     """Fold what a found slave holds into the state; return what it is to undo."""
     undo: list[Message] = []
     for facts in holding.components:
@@ -79,17 +79,17 @@ def take(state: State, process: Process, holding: Holding) -> list[Message]:
     return undo
 
 
-def believe(state: State, process: Process, holding: Holding) -> None:
+def believe(state: ManagerState, process: Process, holding: Holding) -> None:
     """Take for desired what users asked last, though no manager may have recorded it."""
     for instance, actions in holding.asked.items():
-        if state.holders.get(instance) == process.key:
+        if state.containers.get(instance) == process.key:
             for action in actions:
                 note(state.kept, action)
             state.kept.named(instance, state.components[instance].names)
-            state.since_made[instance] = since_made.desired(instance, actions)
+            state.since_made[instance] = user_changes.desired(instance, actions)
 
 
-def take_unsaid(state: State, process: Process, holding: Holding) -> None:
+def take_unsaid(state: ManagerState, process: Process, holding: Holding) -> None:
     """Fold what a slave holds that does not answer into the state, as its will says."""
     take(state, process, holding)
     for instance in state.held_by(process.key):
@@ -98,7 +98,7 @@ def take_unsaid(state: State, process: Process, holding: Holding) -> None:
         _take_end(state, state.processes[key], wire)
 
 
-def take_missed(state: State, process: Process, holding: Holding) -> None:
+def take_missed(state: ManagerState, process: Process, holding: Holding) -> None:
     """Show what a slave held that ended while no manager ran, if nobody else has it now."""
     for facts in holding.components:
         if facts.instance in state.components or facts.instance in state.claims:
@@ -110,13 +110,13 @@ def take_missed(state: State, process: Process, holding: Holding) -> None:
             process=process.name,
             trouble="",
             zombie=process.reason,
-            upkeep=state.upkeep_of(facts.instance),
+            restart_status=state.restart_status_of(facts.instance),
         )
-        state.holders[facts.instance] = process.key
+        state.containers[facts.instance] = process.key
     state.drop_if_empty(process.key)
 
 
-def unsaid_wires(state: State, process: Process, holding: Holding) -> list[ConnectorProfile]:
+def unsaid_wires(state: ManagerState, process: Process, holding: Holding) -> list[ConnectorProfile]:
     """Return the connectors that a slave was taken to hold ends of, and does not."""
     said = {wire.connector_id for wire in holding.wires}
     return [
@@ -127,13 +127,13 @@ def unsaid_wires(state: State, process: Process, holding: Holding) -> list[Conne
     ]
 
 
-def _take_component(state: State, process: Process, facts: ComponentFacts) -> bool:
+def _take_component(state: ManagerState, process: Process, facts: ComponentFacts) -> bool:
     known = state.components.get(facts.instance)
-    holder = state.process_of(facts.instance)
+    container = state.process_of(facts.instance)
     is_elsewhere = (known is not None and not known.zombie) or facts.instance in state.claims
-    if is_elsewhere and holder is not process:
+    if is_elsewhere and container is not process:
         return False
-    if known is not None and holder is not process:
+    if known is not None and container is not process:
         state.forget(facts.instance)
     names = (n for n in facts.names if state.name_owner(n) in ("", facts.instance))
     kept = replace(
@@ -142,15 +142,15 @@ def _take_component(state: State, process: Process, facts: ComponentFacts) -> bo
         process=process.name,
         trouble="",
         zombie="",
-        upkeep=state.upkeep_of(facts.instance),
+        restart_status=state.restart_status_of(facts.instance),
     )
     state.components[facts.instance] = kept
-    state.holders[facts.instance] = process.key
+    state.containers[facts.instance] = process.key
     note_limits(state, facts.instance, facts.create)
     return True
 
 
-def _take_end(state: State, process: Process, wire: ConnectorProfile) -> None:
+def _take_end(state: ManagerState, process: Process, wire: ConnectorProfile) -> None:
     """Note that a process holds an end of a connector, which is whole once all say so."""
     connector_id = wire.connector_id
     known = state.connectors.get(connector_id)
@@ -162,21 +162,21 @@ def _take_end(state: State, process: Process, wire: ConnectorProfile) -> None:
         facts is not None and not facts.zombie and facts.port(end.port) is not None
         for facts, end in zip(ends, wire.ports, strict=True)
     )
-    holders = {state.holders.get(end.instance) for end in wire.ports}
+    containers = {state.containers.get(end.instance) for end in wire.ports}
     said = {key for (id, key), other in state.loose.items() if (id, other) == (connector_id, wire)}
     silent = {process.key for process in state.processes.values() if process.silence}
-    if known is None and is_alive and holders <= said | silent:
+    if known is None and is_alive and containers <= said | silent:
         state.connectors[connector_id] = wire
-        for key in said & holders:
+        for key in said & containers:
             del state.loose[connector_id, key]
 
 
-def cut_loose(state: State, process: Process) -> Procedure:
+def cut_loose(state: ManagerState, process: Process) -> Procedure:
     """Take connectors off a found slave whose other ends did not come back."""
-    yield Pause(SETTLE_S)
+    yield Sleep(SETTLE_S)
     for connector_id, key in list(state.loose):
         if key == process.key:
             del state.loose[connector_id, key]
             if process.is_ready:
-                yield Tell(process, {"op": "unlink", "connector_id": connector_id})
+                yield Send(process, {"op": "unlink", "connector_id": connector_id})
     return Result()

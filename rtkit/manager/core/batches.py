@@ -11,24 +11,24 @@ from functools import partial
 from rtkit.deployment.actions import Result
 from rtkit.deployment.batch import results_to_text, stamp_of
 from rtkit.errors import Refused, Unreachable
+from rtkit.fast_dataclass import replace
 from rtkit.manager.core import operations
+from rtkit.manager.core.desired import ANSWERED
+from rtkit.manager.core.durable_replies import DurableReplies, unkept
+from rtkit.manager.core.effects import AcquireSlave, Procedure
 from rtkit.manager.core.events import (
     Answer,
     AnswerClient,
-    BatchAsked,
+    BatchRequested,
     Instruction,
-    OperationAsked,
+    OperationRequested,
 )
-from rtkit.manager.core.keeping import Keeping, unkept
-from rtkit.manager.core.kept import ANSWERED
 from rtkit.manager.core.procedures import procedure_for, slaves_of
-from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.core.stopping import retire
-from rtkit.manager.core.supervising import Supervisor
+from rtkit.manager.core.supervisor import Supervisor
 from rtkit.manager.core.tasks import Tasks, failed
-from rtkit.manager.core.wishes import Need, Procedure
 from rtkit.property.exchange import NOT_BEGUN, Reply
-from rtkit.records import replace
 
 STOPPING = "the manager is stopping"
 REMEMBERED = 64
@@ -39,7 +39,7 @@ TOO_OLD = "request {} is too old: it may have been done, and its answer is not r
 class _Job:
     """A batch under way, with all who wait for its answer."""
 
-    def __init__(self, asked: BatchAsked) -> None:
+    def __init__(self, asked: BatchRequested) -> None:
         self.batch = asked.batch
         self.answers = [asked.answer]
         self.until = asked.until
@@ -59,10 +59,10 @@ class Batches:
 
     def __init__(
         self,
-        state: State,
+        state: ManagerState,
         out: list[Instruction],
         tasks: Tasks,
-        keeping: Keeping,
+        keeping: DurableReplies,
         supervisor: Supervisor,
     ) -> None:
         self._state = state
@@ -82,7 +82,7 @@ class Batches:
         if len(self._answered) >= REMEMBERED - 1:  # before the first of them were others
             self._forget(next(iter(self._answered)))
 
-    def take(self, asked: BatchAsked) -> None:
+    def take(self, asked: BatchRequested) -> None:
         """Begin a batch as soon as it can be recorded, unless it is or was done already."""
         id = asked.batch.id
         if id and id in self._jobs:
@@ -109,7 +109,7 @@ class Batches:
         while len(self._forgotten) > REMEMBERED:
             del self._forgotten[next(iter(self._forgotten))]
 
-    def operate(self, asked: OperationAsked) -> None:
+    def operate(self, asked: OperationRequested) -> None:
         """Begin an operation."""
 
         def tell(results: list[Result]) -> None:
@@ -162,7 +162,7 @@ class Batches:
                 self._tasks.begin(self._started(job, name), job.batch.timeout_s)
 
     def _started(self, job: _Job, name: str) -> Procedure:
-        process: Process = yield Need(name)
+        process: Process = yield AcquireSlave(name)
         if job.is_over:
             yield from retire(self._state, process)
         return Result()

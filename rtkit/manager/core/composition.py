@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from rtkit.errors import Refused
-from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.core.wiring import living
 from rtkit.rtc.create import CreateString
 
 
-def process_of_members(state: State, create: CreateString) -> Process | None:
+def process_of_members(state: ManagerState, create: CreateString) -> Process | None:
     """Return the process of the members that a create string names, None if it names none.
 
     Raises:

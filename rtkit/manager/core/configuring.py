@@ -5,33 +5,33 @@ from __future__ import annotations
 import os.path
 
 from rtkit.deployment.actions import Result
+from rtkit.deployment.message import Message
 from rtkit.errors import Refused, RtkitError
+from rtkit.manager.core.effects import Call, Procedure, Send
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.message import Message
-from rtkit.manager.core.state import State
-from rtkit.manager.core.wishes import Ask, Procedure, Tell
-from rtkit.manager.settings.properties import INHERITED, canonical
+from rtkit.manager.core.state import ManagerState
+from rtkit.settings.properties import INHERITED, canonical
 
 _CONFIG_FILE = ".config_file"
 _OF_PROCESSES = ("manager.modules.", "manager.cpu_affinity", "logger.")
 
 
-def table(state: State) -> dict[str, str]:
+def table(state: ManagerState) -> dict[str, str]:
     """Return all properties: what was given over the defaults, what the manager is over both."""
     return {**state.settings.table(), **_facts(state)}
 
 
-def lookup(state: State, key: str) -> str | None:
+def lookup(state: ManagerState, key: str) -> str | None:
     """Return the value of one property by its present or old name, None if there is none."""
     fact = _facts(state).get(canonical(key))
     return state.settings.lookup(key) if fact is None else fact
 
 
-def _facts(state: State) -> dict[str, str]:
+def _facts(state: ManagerState) -> dict[str, str]:
     return {"manager.modules.load_path": ",".join(load_paths(state)), **state.properties}
 
 
-def load_paths(state: State) -> list[str]:
+def load_paths(state: ManagerState) -> list[str]:
     """Return the folders of modules, those that were given before those that are always there."""
     given = state.settings.items("manager.modules.load_path") or (".",)
     more = state.settings.items("manager.modules.Python.load_paths")
@@ -39,7 +39,7 @@ def load_paths(state: State) -> list[str]:
     return list(dict.fromkeys([*folders, *state.base_paths]))
 
 
-def message(state: State) -> Message:
+def message(state: ManagerState) -> Message:
     """Return what a process is told of the properties that concern it."""
     settings = state.settings
     return {
@@ -52,12 +52,12 @@ def message(state: State) -> Message:
     }
 
 
-def is_needed(state: State) -> bool:
+def is_needed(state: ManagerState) -> bool:
     """Whether a new process has to be told of properties: without it has the defaults."""
     return bool(state.settings.below(*_OF_PROCESSES))
 
 
-def change(state: State, argument: str) -> Procedure:
+def change(state: ManagerState, argument: str) -> Procedure:
     """Change the property of ``KEY: VALUE``, and tell those whom it concerns.
 
     Raises:
@@ -74,23 +74,23 @@ def change(state: State, argument: str) -> Procedure:
     if canonical(key).startswith(_OF_PROCESSES):
         told = message(state)
         try:
-            yield Ask(state.processes[OWN_PROCESS], told)
+            yield Call(state.processes[OWN_PROCESS], told)
         except RtkitError:
             state.settings.put_back(key, before)
             raise
         for process in list(state.processes.values()):
             if process.is_slave and process.is_ready:
-                yield Tell(process, told)
+                yield Send(process, told)
     state.kept.set(key, value)
     return Result(value=lookup(state, key) or "")
 
 
-def inherited(state: State) -> dict[str, str]:
+def inherited(state: ManagerState) -> dict[str, str]:
     """Return the properties that components inherit."""
     return state.settings.below(*INHERITED)
 
 
-def config_files(state: State) -> dict[str, str]:
+def config_files(state: ManagerState) -> dict[str, str]:
     """Return the files of further properties, by ``CATEGORY.NAME`` of type or instance."""
     return {
         key.removesuffix(_CONFIG_FILE): os.path.join(state.folder, path)

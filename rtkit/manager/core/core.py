@@ -12,59 +12,59 @@ from contextlib import suppress
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.figures import FIGURES
-from rtkit.deployment.news import TREE
+from rtkit.deployment.delta import TREE
+from rtkit.deployment.message import Message
+from rtkit.deployment.metrics import FIGURES
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.manager.core import adoption, configuring, facts_in, modules
-from rtkit.manager.core.announcing import Announcer
+from rtkit.manager.core import adoption, configuring, modules, report_intake
 from rtkit.manager.core.batches import STOPPING, Batches
+from rtkit.manager.core.change_feed import ChangeFeed
+from rtkit.manager.core.durable_replies import DurableReplies
 from rtkit.manager.core.events import (
     AdoptSlave,
     Answer,
     AnswerClient,
-    BatchAsked,
-    BirthsBarred,
+    BatchRequested,
     CallbackStuck,
+    ContainerReported,
     Event,
-    Finish,
+    ExitDaemon,
     FollowAsked,
     FollowSaid,
-    Forget,
-    HolderSaid,
     Instruction,
-    Kept,
-    Listened,
-    OperationAsked,
-    PictureAsked,
+    ListenersChanged,
+    OperationRequested,
     ProcessInspected,
-    Remembered,
-    RestoreAsked,
-    SendToHolder,
+    RecoveryRequested,
+    RemoveStore,
+    RowsStored,
+    SendToContainer,
     SignalSlave,
     SlaveEnded,
+    SlaveExitedUnseen,
     SlaveFailed,
     SlaveForked,
     SlaveFound,
-    SlaveHalted,
-    SlaveMissed,
     SlaveOverLimit,
     SlaveReady,
-    StopAsked,
-    Tick,
+    SlaveStopped,
+    SnapshotRequested,
+    SpawnDisabled,
+    StopRequested,
+    StoreRead,
+    TimerExpired,
     WakeAt,
 )
 from rtkit.manager.core.follows import Follows
-from rtkit.manager.core.keeping import Keeping
+from rtkit.manager.core.health_monitor import HealthMonitor
+from rtkit.manager.core.import_check import TRIAL
 from rtkit.manager.core.limiting import Limiting
-from rtkit.manager.core.message import Message
-from rtkit.manager.core.restoring import RESTORE_S, note_loss, repair, restore
-from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.metrics import MetricsCollector
+from rtkit.manager.core.recovery import RESTORE_S, note_loss, repair, restore
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.core.stopping import FINALISE_S, TERM_S, retire, stop_everything
-from rtkit.manager.core.supervising import Supervisor
-from rtkit.manager.core.surveying import Survey
+from rtkit.manager.core.supervisor import Supervisor
 from rtkit.manager.core.tasks import Tasks
-from rtkit.manager.core.trial import TRIAL
-from rtkit.manager.core.wellbeing import Wellbeing
 from rtkit.property.exchange import Reply
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -76,17 +76,19 @@ class Core:
         state: What it knows.
     """
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: ManagerState) -> None:
         self.state = state
         self._out: list[Instruction] = []
         self._tasks = Tasks(state, self._out)
-        self._keeping = Keeping(state, self._out, self._tasks)
+        self._keeping = DurableReplies(state, self._out, self._tasks)
         self._supervisor = Supervisor(state, self._tasks)
         self._batches = Batches(state, self._out, self._tasks, self._keeping, self._supervisor)
-        self._announcer = Announcer(state, self._out)
+        self._announcer = ChangeFeed(state, self._out)
         self._limiting = Limiting(state, self._out, self._tasks)
-        self._wellbeing = Wellbeing(state, self._supervisor, self._tasks)
-        self._survey = Survey(state, self._out, self._announcer.run_id, self._wellbeing)
+        self._health_monitor = HealthMonitor(state, self._supervisor, self._tasks)
+        self._survey = MetricsCollector(
+            state, self._out, self._announcer.run_id, self._health_monitor
+        )
         self._follows = Follows(state, self._out, self._keeping)
         self._listeners: dict[str, set[str]] = {}
         self._is_stopping = False
@@ -106,19 +108,19 @@ class Core:
         """
         self._now = self._batches.now = now
         match event:
-            case BatchAsked():
+            case BatchRequested():
                 self._batches.take(event)
-            case PictureAsked(answer):
+            case SnapshotRequested(answer):
                 self._announcer.send_picture(answer)
-            case Listened(line, is_heard, who):
+            case ListenersChanged(line, is_heard, who):
                 self._listened(line, is_heard, who)
             case FollowAsked():
                 self._follow(event)
             case FollowSaid():
                 self._follows.say(event)
-            case OperationAsked():
+            case OperationRequested():
                 self._batches.operate(event)
-            case HolderSaid(key, message):
+            case ContainerReported(key, message):
                 self._heard(key, message)
             case SlaveForked(key, pid):
                 self._forked(key, pid)
@@ -126,15 +128,15 @@ class Core:
                 self._ready(key)
             case SlaveFound():
                 self._found(event)
-            case SlaveMissed():
+            case SlaveExitedUnseen():
                 self._missed(event)
             case SlaveEnded(key, reason, last):
                 self._ended(key, reason, last)
             case SlaveFailed(key, reason):
                 self._ended(key, reason)
-            case BirthsBarred(why):
+            case SpawnDisabled(why):
                 self.state.barred = why
-            case SlaveHalted(key, is_halted):
+            case SlaveStopped(key, is_halted):
                 self._halted(key, is_halted)
             case SlaveOverLimit(key, why):
                 self._limiting.reached(key, why)
@@ -142,17 +144,17 @@ class Core:
                 self._stuck(event)
             case ProcessInspected(key):
                 self._tasks.inspected(key)
-            case Remembered():
+            case StoreRead():
                 self._remember(event)
-            case RestoreAsked(answer):
+            case RecoveryRequested(answer):
                 self._restore(answer)
-            case Kept(number, why, is_lost):
+            case RowsStored(number, why, is_lost):
                 self._keeping.kept(number, why, is_lost=is_lost)
-            case StopAsked(is_urgent, is_kept):
+            case StopRequested(is_urgent, is_kept):
                 self._stop(is_kept)
                 if is_urgent:
                     self._hurry()
-            case Tick():
+            case TimerExpired():
                 pass
         self._tasks.run(now)
         until = self._survey.run(now)
@@ -182,7 +184,7 @@ class Core:
 
     # what shall exist
 
-    def _remember(self, event: Remembered) -> None:
+    def _remember(self, event: StoreRead) -> None:
         state = self.state
         self._announcer.hold()
         bad = state.kept.read(event.rows)
@@ -224,15 +226,15 @@ class Core:
         if "reply" in message:
             self._tasks.hear(key, message)
         elif "facts" in message:
-            facts = facts_in.take(self.state, process, message["facts"])
+            facts = report_intake.take(self.state, process, message["facts"])
             self._limiting.heard(facts)
             self._supervisor.heard(facts, self._now)
             for wire in self.state.connectors_of(facts.instance):
                 ends = [end for end in wire.ports if end.instance == facts.instance]
                 if any(facts.port(end.port) is None for end in ends):
                     self._cut(wire)
-        elif "figures" in message:
-            self._survey.hear(process, message["figures"])
+        elif "metrics" in message:
+            self._survey.hear(process, message["metrics"])
         elif "loaded" in message:
             modules.take_all(self.state, process, message["loaded"])
         elif "gone" in message:
@@ -243,7 +245,7 @@ class Core:
     def _gone(self, process: Process, instance: object) -> None:
         if not isinstance(instance, str):
             return
-        if self.state.holders.get(instance) == process.key:
+        if self.state.containers.get(instance) == process.key:
             for wire in self.state.connectors_of(instance):
                 self._cut(wire)
             self.state.forget(instance)
@@ -271,7 +273,7 @@ class Core:
     def _configure(self, process: Process, *, is_found: bool = False) -> None:
         """Tell a process of properties; a new one has the defaults, one that was found any."""
         if configuring.is_needed(self.state) or (is_found and process.is_slave):
-            self._out.append(SendToHolder(process.key, configuring.message(self.state)))
+            self._out.append(SendToContainer(process.key, configuring.message(self.state)))
 
     def _found(self, event: SlaveFound) -> None:
         """Believe a process about what it holds; what contradicts the living, it is to drop."""
@@ -292,13 +294,13 @@ class Core:
             return
         self._configure(process, is_found=True)
         for message in adoption.take(self.state, process, holding):
-            self._out.append(SendToHolder(process.key, message))
+            self._out.append(SendToContainer(process.key, message))
         adoption.believe(self.state, process, holding)
         for wire in adoption.unsaid_wires(self.state, process, holding) if was_silent else ():
             self._cut(wire)
         if process.is_guest:
             welcome = {"welcome": self.state.held_by(process.key)}
-            self._out.append(SendToHolder(process.key, welcome))
+            self._out.append(SendToContainer(process.key, welcome))
         process.is_wanted &= not self._is_stopping
         self._end_unwanted(process)
         self._tasks.begin(adoption.cut_loose(self.state, process), adoption.SETTLE_S)
@@ -307,7 +309,7 @@ class Core:
             self._tasks.begin(repair(self.state, held), RESTORE_S)
         self._tasks.begin(retire(self.state, process), adoption.SETTLE_S)
 
-    def _missed(self, event: SlaveMissed) -> None:
+    def _missed(self, event: SlaveExitedUnseen) -> None:
         holding = adoption.read(event.name, event.components, [])
         name = adoption.free_name(self.state, event.name, event.pid)
         process = self._tasks.new_process(name, event.pid)
@@ -332,11 +334,11 @@ class Core:
         process.state, process.reason, process.last = "lost", process.verdict or reason, last
         process.silence = ""
         self.state.drop_loose(key)
-        self._bury(process)
+        self._release_slave(process)
         self.state.drop_if_empty(key)
         self._tasks.process_ended(process)
 
-    def _bury(self, process: Process) -> None:
+    def _release_slave(self, process: Process) -> None:
         lost = []
         for instance in self.state.held_by(process.key):
             for wire in self.state.connectors_of(instance):
@@ -354,16 +356,16 @@ class Core:
     def _cut(self, wire: ConnectorProfile) -> None:
         """Drop a connector and take it off the ends that live."""
         del self.state.connectors[wire.connector_id]
-        ends = {self.state.holders.get(end.instance) for end in wire.ports}
+        ends = {self.state.containers.get(end.instance) for end in wire.ports}
         for process in list(self.state.processes.values()):
             if process.key in ends and process.is_ready:
                 message = {"op": "unlink", "connector_id": wire.connector_id}
-                self._out.append(SendToHolder(process.key, message))
+                self._out.append(SendToContainer(process.key, message))
 
     def _halted(self, key: int, is_halted: bool) -> None:
         process = self.state.processes.get(key)
         if process is not None and process.state == "starting" and is_halted:
-            self._give_up_birth(process)
+            self._give_up_spawn(process)
         if process is None or not (process.is_ready or process.silence):
             return
         if process.silence:
@@ -375,7 +377,7 @@ class Core:
         for instance in self.state.held_by(key):
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
 
-    def _give_up_birth(self, process: Process) -> None:
+    def _give_up_spawn(self, process: Process) -> None:
         """End a slave that was stopped before it said hello: nobody has use for it."""
         process.is_wanted = False
         self._out.append(SignalSlave(process.key, signal.SIGKILL))
@@ -390,10 +392,10 @@ class Core:
             process.stuck[instance] = event.text
         else:
             process.stuck.pop(instance, None)
-        if self.state.holders.get(instance) == event.key:
+        if self.state.containers.get(instance) == event.key:
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
             self._supervisor.heard(self.state.components[instance], self._now)
-            self._wellbeing.stuck(instance, self._now, is_all_told=event.is_all)
+            self._health_monitor.stuck(instance, self._now, is_all_told=event.is_all)
 
     # the end
 
@@ -402,7 +404,7 @@ class Core:
             self._is_stopping = self._batches.is_stopping = True
             self._keeping.stop(is_kept=is_kept)
             if not is_kept:
-                self._out.append(Forget())
+                self._out.append(RemoveStore())
             self._tasks.cancel(Refused(STOPPING))
             self._tasks.begin(stop_everything(self.state), FINALISE_S, self._stopped)
 
@@ -417,4 +419,4 @@ class Core:
 
     def _stopped(self, _result: Result) -> None:
         self._announcer.end()
-        self._out.append(Finish())
+        self._out.append(ExitDaemon())

@@ -13,18 +13,18 @@ from typing import Any
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.errors import NotFound, Refused, RtkitError, Unreachable
-from rtkit.manager.core.claims import at_rest
+from rtkit.manager.core.effects import Call, Effect, Procedure
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.state import Process, State
+from rtkit.manager.core.name_reservations import at_rest
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
 from rtkit.manager.core.wiring import cut
-from rtkit.manager.core.wishes import Ask, Procedure, Wish
 
 FORCE_S = 1.0
 """How long a component that is ended by force has to end by itself [s]."""
 
 
-def delete(state: State, action: act.Delete) -> Procedure:
+def delete(state: ManagerState, action: act.Delete) -> Procedure:
     """Finalise a component and forget it; by force its process ends if it does not.
 
     Raises:
@@ -52,7 +52,7 @@ def delete(state: State, action: act.Delete) -> Procedure:
     except Unreachable as error:
         if not action.is_forced:
             raise _hopeful(state, process, instance, error) from error
-        others = yield from _end_holder(state, process, instance, error)
+        others = yield from _end_container(state, process, instance, error)
     finally:
         state.ending.discard(instance)
     state.forget(instance)
@@ -62,20 +62,20 @@ def delete(state: State, action: act.Delete) -> Procedure:
 
 
 def _finalise(
-    state: State, process: Process, instance: str, timeout_s: float
-) -> Generator[Wish, Any, None]:
+    state: ManagerState, process: Process, instance: str, timeout_s: float
+) -> Generator[Effect, Any, None]:
     if process.is_alive:
         with suppress(NotFound):  # an earlier request that was given up has come through
-            yield Ask(process, {"op": "delete", "instance": instance}, timeout_s, is_lasting=True)
+            yield Call(process, {"op": "delete", "instance": instance}, timeout_s, is_lasting=True)
     # Only now: if the manager is killed on the way, the component is there with its connectors or
     # not at all, for the next one cuts ends that lead nowhere.
     for wire in state.connectors_of(instance):
         yield from cut(state, wire)
 
 
-def _end_holder(
-    state: State, process: Process, instance: str, why: RtkitError
-) -> Generator[Wish, Any, list[str]]:
+def _end_container(
+    state: ManagerState, process: Process, instance: str, why: RtkitError
+) -> Generator[Effect, Any, list[str]]:
     """End the process of a component; return what else it held, which are zombies from then on."""
     if not process.is_alive:
         return []
@@ -91,7 +91,9 @@ def _end_holder(
     return others
 
 
-def _hopeful(state: State, process: Process, instance: str, error: Unreachable) -> RtkitError:
+def _hopeful(
+    state: ManagerState, process: Process, instance: str, error: Unreachable
+) -> RtkitError:
     """Return the error of a request that is given up, and done when it can be."""
     if not process.is_alive:
         return error
@@ -99,7 +101,7 @@ def _hopeful(state: State, process: Process, instance: str, error: Unreachable) 
     return Unreachable(f"{error}; {queued}; {remedy(state, process, instance)}")
 
 
-def remedy(state: State, process: Process, instance: str) -> str:
+def remedy(state: ManagerState, process: Process, instance: str) -> str:
     """Return what a user can do about a component of a process that does not answer."""
     if process.key == OWN_PROCESS:
         return "only rtmgr restart or rtmgr stop ends the manager's own process, which it is in"
@@ -110,7 +112,7 @@ def remedy(state: State, process: Process, instance: str) -> str:
     return f"rtexit --force ends its slave {process.name}{along}"
 
 
-def end_slave(state: State, action: act.EndSlave) -> Procedure:
+def end_slave(state: ManagerState, action: act.EndSlave) -> Procedure:
     """End a slave with all that it holds; by force at once.
 
     Raises:
@@ -132,7 +134,7 @@ def end_slave(state: State, action: act.EndSlave) -> Procedure:
     return Result()
 
 
-def _slave(state: State, name: str) -> Process:
+def _slave(state: ManagerState, name: str) -> Process:
     named = [process for process in state.processes.values() if process.name == name]
     living = [process for process in named if process.is_alive and process.is_wanted]
     if not named:

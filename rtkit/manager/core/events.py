@@ -9,11 +9,11 @@ import math
 from collections.abc import Callable, Sequence
 
 from rtkit.deployment.batch import Batch
-from rtkit.deployment.limits import Limits
+from rtkit.deployment.limits import SlaveLimits
+from rtkit.deployment.message import Message
 from rtkit.deployment.states.followed import Followed
-from rtkit.manager.core.message import Message
+from rtkit.fast_dataclass import dataclass
 from rtkit.property.exchange import Reply
-from rtkit.records import dataclass
 
 Answer = Callable[[Reply], None]
 Row = tuple[str, str, str | None]
@@ -24,7 +24,7 @@ OWN_PROCESS = 0
 
 
 @dataclass(frozen=True, slots=True)
-class BatchAsked:
+class BatchRequested:
     """A client wants actions performed.
 
     Attributes:
@@ -37,14 +37,14 @@ class BatchAsked:
 
 
 @dataclass(frozen=True, slots=True)
-class PictureAsked:
+class SnapshotRequested:
     """A client that listens to news wants to know what they begin with."""
 
     answer: Answer
 
 
 @dataclass(frozen=True, slots=True)
-class Listened:
+class ListenersChanged:
     """Somebody listens on a line now, or nobody does any more."""
 
     line: str
@@ -70,7 +70,7 @@ class FollowSaid:
 
 
 @dataclass(frozen=True, slots=True)
-class OperationAsked:
+class OperationRequested:
     """A client wants an operation done (see `rtkit.manager.core.operations`)."""
 
     name: str
@@ -79,7 +79,7 @@ class OperationAsked:
 
 
 @dataclass(frozen=True, slots=True)
-class StopAsked:
+class StopRequested:
     """A client or a signal wants the manager to end; if it is urgent, without any grace.
 
     What is wished for is kept only where it is not a user who wants that.
@@ -90,7 +90,7 @@ class StopAsked:
 
 
 @dataclass(frozen=True, slots=True)
-class Remembered:
+class StoreRead:
     """What an earlier manager kept, before anybody says what lives.
 
     Attributes:
@@ -105,14 +105,14 @@ class Remembered:
 
 
 @dataclass(frozen=True, slots=True)
-class RestoreAsked:
+class RecoveryRequested:
     """All that lives has said so: what is wished and missing is to be made again."""
 
     answer: Answer
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class RowsStored:
     """What was to be kept is on the disk; or why it is not.
 
     Attributes:
@@ -141,7 +141,7 @@ class SlaveFailed:
 
 
 @dataclass(frozen=True, slots=True)
-class BirthsBarred:
+class SpawnDisabled:
     """No slave can be made at present, for this reason; or, with none, they can again."""
 
     why: str
@@ -172,7 +172,7 @@ class SlaveFound:
 
 
 @dataclass(frozen=True, slots=True)
-class SlaveMissed:
+class SlaveExitedUnseen:
     """A slave ended while no manager ran; what it held is from its will.
 
     If nobody has seen how, all that ran with it was ended at once.
@@ -195,7 +195,7 @@ class SlaveEnded:
 
 
 @dataclass(frozen=True, slots=True)
-class SlaveHalted:
+class SlaveStopped:
     """The kernel reported that a slave was stopped (``SIGSTOP``) or goes on."""
 
     key: int
@@ -228,13 +228,13 @@ class CallbackStuck:
 
 @dataclass(frozen=True, slots=True)
 class ProcessInspected:
-    """What `Inspect` asked for has been found out, and told by `CallbackStuck`."""
+    """What `InspectProcess` asked for has been found out, and told by `CallbackStuck`."""
 
     key: int
 
 
 @dataclass(frozen=True, slots=True)
-class HolderSaid:
+class ContainerReported:
     """The holder of a process answered, or reported a fact."""
 
     key: int
@@ -242,34 +242,34 @@ class HolderSaid:
 
 
 @dataclass(frozen=True, slots=True)
-class Tick:
+class TimerExpired:
     """The moment that `WakeAt` asked for has come."""
 
 
 Event = (
-    BatchAsked
-    | PictureAsked
-    | Listened
+    BatchRequested
+    | SnapshotRequested
+    | ListenersChanged
     | FollowAsked
     | FollowSaid
-    | OperationAsked
-    | StopAsked
-    | Remembered
-    | RestoreAsked
-    | Kept
+    | OperationRequested
+    | StopRequested
+    | StoreRead
+    | RecoveryRequested
+    | RowsStored
     | SlaveForked
     | SlaveFailed
-    | BirthsBarred
+    | SpawnDisabled
     | SlaveReady
     | SlaveFound
-    | SlaveMissed
+    | SlaveExitedUnseen
     | SlaveEnded
-    | SlaveHalted
+    | SlaveStopped
     | SlaveOverLimit
     | CallbackStuck
     | ProcessInspected
-    | HolderSaid
-    | Tick
+    | ContainerReported
+    | TimerExpired
 )
 
 
@@ -291,7 +291,7 @@ class AdoptSlave:
 
 
 @dataclass(frozen=True, slots=True)
-class SendToHolder:
+class SendToContainer:
     """Send a message to the holder of a process."""
 
     key: int
@@ -312,11 +312,11 @@ class LimitSlave:
 
     key: int
     pid: int
-    limits: Limits
+    limits: SlaveLimits
 
 
 @dataclass(frozen=True, slots=True)
-class Inspect:
+class InspectProcess:
     """Find out what has been under way in a process for longer than `age_s` [s], and tell it.
 
     `ProcessInspected` ends what is told.
@@ -327,15 +327,15 @@ class Inspect:
 
 
 @dataclass(frozen=True, slots=True)
-class Keep:
-    """Write rows into the store, in one go; `Kept` tells when they are on the disk."""
+class StoreRows:
+    """Write rows into the store, in one go; `RowsStored` tells when they are on the disk."""
 
     number: int
     rows: Sequence[Row]
 
 
 @dataclass(frozen=True, slots=True)
-class Forget:
+class RemoveStore:
     """Remove the store at the end: nothing is wished any more."""
 
 
@@ -357,27 +357,27 @@ class Publish:
 
 @dataclass(frozen=True, slots=True)
 class WakeAt:
-    """Send a `Tick` at this monotonic time [s]."""
+    """Send a `TimerExpired` at this monotonic time [s]."""
 
     time_s: float
 
 
 @dataclass(frozen=True, slots=True)
-class Finish:
+class ExitDaemon:
     """Nothing is left to be ended: close the doors and end the process."""
 
 
 Instruction = (
     SpawnSlave
     | AdoptSlave
-    | SendToHolder
+    | SendToContainer
     | SignalSlave
     | LimitSlave
-    | Inspect
-    | Keep
-    | Forget
+    | InspectProcess
+    | StoreRows
+    | RemoveStore
     | AnswerClient
     | Publish
     | WakeAt
-    | Finish
+    | ExitDaemon
 )

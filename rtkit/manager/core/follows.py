@@ -9,12 +9,12 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.states.followed import Followed
 from rtkit.errors import NotFound, Refused, RtkitError
+from rtkit.manager.core.desired import FOLLOWED, REACHED, DesiredState
+from rtkit.manager.core.durable_replies import DurableReplies, unkept
 from rtkit.manager.core.events import Answer, AnswerClient, FollowAsked, FollowSaid, Instruction
-from rtkit.manager.core.keeping import Keeping, unkept
-from rtkit.manager.core.kept import FOLLOWED, REACHED, Kept
-from rtkit.manager.core.state import State
+from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Reply, failure
-from rtkit.rtc.plain import encode
+from rtkit.rtc.serde import encode
 
 _BEGIN = act.Create("")
 """Something that is not begun while nothing can be kept."""
@@ -23,7 +23,9 @@ _BEGIN = act.Create("")
 class Follows:
     """The rows about followed systems; `out` collects what the shell is to do."""
 
-    def __init__(self, state: State, out: list[Instruction], keeping: Keeping) -> None:
+    def __init__(
+        self, state: ManagerState, out: list[Instruction], keeping: DurableReplies
+    ) -> None:
         self._state = state
         self._out = out
         self._keeping = keeping
@@ -78,12 +80,12 @@ class Follows:
         self._keeping.finish([act.Tick("", "")], [Result(value=text)], tell)
 
 
-def told(kept: Kept) -> str:
+def told(kept: DesiredState) -> str:
     """Return all systems that are followed, with their states and events, as JSON."""
     return json.dumps([_told(kept, name) for name in kept.followed])
 
 
-def _told(kept: Kept, name: str) -> dict[str, Any]:
+def _told(kept: DesiredState, name: str) -> dict[str, Any]:
     spec = json.loads(kept.followed[name])
     plain = encode(kept.reached.get(name, Followed(name)))
     return {**plain, "table": spec["table"], "conditions": spec["conditions"]}

@@ -8,7 +8,7 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.limits import (
     NO_LIMITS,
-    Limits,
+    SlaveLimits,
     exhausted,
     limits_in,
     needs_slave,
@@ -16,7 +16,7 @@ from rtkit.deployment.limits import (
 )
 from rtkit.errors import Refused
 from rtkit.manager.core.events import OWN_PROCESS, Instruction, LimitSlave
-from rtkit.manager.core.state import NOWHERE, Process, State
+from rtkit.manager.core.state import NOWHERE, ManagerState, Process
 from rtkit.manager.core.stopping import HANGING_S, end_slaves
 from rtkit.manager.core.tasks import Tasks
 from rtkit.rtc.enums import LifeCycleState
@@ -32,11 +32,11 @@ class Limiting:
     It costs nothing while no component has limits.
     """
 
-    def __init__(self, state: State, out: list[Instruction], tasks: Tasks) -> None:
+    def __init__(self, state: ManagerState, out: list[Instruction], tasks: Tasks) -> None:
         self._state = state
         self._out = out
         self._tasks = tasks
-        self._told: dict[int, Limits] = {}
+        self._told: dict[int, SlaveLimits] = {}
 
     def run(self) -> None:
         """Tell what has changed since the last time."""
@@ -80,20 +80,20 @@ def _ignore(_result: Result) -> None:
     """Nobody waits for the end."""
 
 
-def _by_process(state: State) -> dict[int, Limits]:
+def _by_process(state: ManagerState) -> dict[int, SlaveLimits]:
     """Return the limits of processes: what the components in each say, added up."""
-    found: dict[int, Limits] = {}
+    found: dict[int, SlaveLimits] = {}
     for instance, limits in list(state.limits.items()):
         claim = state.claims.get(instance)
         if claim is None and instance not in state.components:
             del state.limits[instance]
             continue
-        key = state.holders.get(instance, NOWHERE) if claim is None else claim.key
+        key = state.containers.get(instance, NOWHERE) if claim is None else claim.key
         found[key] = found.get(key, NO_LIMITS) + limits
     return found
 
 
-def note_limits(state: State, instance: str, create: str) -> None:
+def note_limits(state: ManagerState, instance: str, create: str) -> None:
     """Note what a create string says of limits, from now on."""
     limits = limits_in(create)
     if limits:
@@ -102,7 +102,9 @@ def note_limits(state: State, instance: str, create: str) -> None:
         state.limits.pop(instance, None)
 
 
-def reserve(state: State, instance: str, create: str, process: Process | None = None) -> None:
+def reserve(
+    state: ManagerState, instance: str, create: str, process: Process | None = None
+) -> None:
     """Note the limits of a component, if the host has as much and its process can be limited.
 
     Raises:
@@ -119,7 +121,7 @@ def reserve(state: State, instance: str, create: str, process: Process | None = 
     note_limits(state, instance, create)
 
 
-def _is_there(state: State, instance: str) -> bool:
+def _is_there(state: ManagerState, instance: str) -> bool:
     facts = state.components.get(instance)
     is_alive = facts is not None and not facts.zombie
     return is_alive or instance in state.claims or instance in state.returning

@@ -8,18 +8,18 @@ from typing import Any
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.message import Message
 from rtkit.errors import NotFound, Refused
+from rtkit.fast_dataclass import replace
+from rtkit.manager.core.desired import MODULE, module_row
+from rtkit.manager.core.effects import Call, Procedure, Send
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.kept import MODULE, module_row
-from rtkit.manager.core.message import Message
-from rtkit.manager.core.state import Process, State
-from rtkit.manager.core.trial import read, try_module
-from rtkit.manager.core.wishes import Ask, Procedure, Tell
-from rtkit.records import replace
+from rtkit.manager.core.import_check import read, try_module
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.rtc.profiles import ModuleProfile
 
 
-def known(state: State, path: str, init: str) -> ModuleProfile | None:
+def known(state: ManagerState, path: str, init: str) -> ModuleProfile | None:
     """Return the module that a path means, loaded by an init function; by any if none is named."""
     return next(
         (each for each in state.modules.values() if each.is_at(path) and init in ("", each.init)),
@@ -27,7 +27,7 @@ def known(state: State, path: str, init: str) -> ModuleProfile | None:
     )
 
 
-def load(state: State, action: act.Load) -> Procedure:
+def load(state: ManagerState, action: act.Load) -> Procedure:
     """Load a module, or call another init function of it."""
     path = action.path
     module = known(state, path, action.init)
@@ -35,7 +35,7 @@ def load(state: State, action: act.Load) -> Procedure:
         tried = yield from try_module(state, path, action.init)
         return _loaded(action, "; ".join(tried.remarks), partial(take, state, tried.module, path))
     message = {"op": "fingerprint", "path": module.file or module.path}
-    present: Any = yield Ask(state.processes[OWN_PROCESS], message)
+    present: Any = yield Call(state.processes[OWN_PROCESS], message)
     is_changed = present and present != state.tried.get(module.path, present)
     note = f"{path} has changed since it was loaded (rtmgr -u forgets what it was)"
     return _loaded(action, note if is_changed else "")
@@ -53,7 +53,7 @@ def _loaded(action: act.Load, note: str, take_in: Callable[[], object] = bool) -
     return Result(value=action.path, note=note)
 
 
-def take(state: State, module: ModuleProfile, path: str = "") -> None:
+def take(state: ManagerState, module: ModuleProfile, path: str = "") -> None:
     """Take in that a module was loaded, by a path that perhaps is another one for the same file."""
     for key, each in state.modules.items():
         if (each.file or each.path, each.init) == (module.file or module.path, module.init):
@@ -64,7 +64,7 @@ def take(state: State, module: ModuleProfile, path: str = "") -> None:
     state.modules[f"{module.path}:{module.init}" if is_second else module.path] = module
 
 
-def take_all(state: State, process: Process, told: object) -> None:
+def take_all(state: ManagerState, process: Process, told: object) -> None:
     """Take in what a process says that it has loaded by itself.
 
     Raises:
@@ -77,17 +77,17 @@ def take_all(state: State, process: Process, told: object) -> None:
         state.tried.setdefault(tried.module.path, tried.fingerprint)
 
 
-def forget_found(state: State, process: Process) -> None:
+def forget_found(state: ManagerState, process: Process) -> None:
     """Forget what a process had loaded for a component, when it ended before that was made."""
     for key in process.found if not process.is_alive else ():
         state.modules.pop(key, None)
     process.found.clear()
 
 
-def unload(state: State, action: act.Unload) -> Procedure:
+def unload(state: ManagerState, action: act.Unload) -> Procedure:
     """Forget a module, all its init functions; components already made stay."""
     message: Message = {"op": "unload", "path": action.path}
-    file: Any = yield Ask(state.processes[OWN_PROCESS], message)
+    file: Any = yield Call(state.processes[OWN_PROCESS], message)
     gone = {
         key: each
         for key, each in state.modules.items()
@@ -102,5 +102,5 @@ def unload(state: State, action: act.Unload) -> Procedure:
                 state.kept.drop(MODULE, row)
     for process in list(state.processes.values()):
         if process.is_slave and process.is_ready:
-            yield Tell(process, message)
+            yield Send(process, message)
     return Result()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.message import Message
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.core.message import Message
+from rtkit.manager.core.effects import Procedure, Send
 from rtkit.manager.core.registration import check_free
-from rtkit.manager.core.state import State
-from rtkit.manager.core.wishes import Procedure, Tell
+from rtkit.manager.core.state import ManagerState
 
 
-def unregister(state: State, action: act.Unregister) -> Procedure:
+def unregister(state: ManagerState, action: act.Unregister) -> Procedure:
     """Remove a name; a component lives on without it, a zombie is forgotten with its last one."""
     name = action.name
     facts = next((c for c in state.components.values() if name in c.names), None)
@@ -30,11 +30,11 @@ def unregister(state: State, action: act.Unregister) -> Procedure:
         state.forget(facts.instance)
         state.kept.forget(facts.instance)
     elif process is not None and process.is_ready:
-        yield Tell(process, remember(state, facts.instance))
+        yield Send(process, remember(state, facts.instance))
     return Result()
 
 
-def register(state: State, action: act.Register) -> Procedure:
+def register(state: ManagerState, action: act.Register) -> Procedure:
     """Give a component a further name, which no other may have.
 
     Raises:
@@ -52,11 +52,11 @@ def register(state: State, action: act.Register) -> Procedure:
     state.kept.named(action.instance, names)
     process = state.process_of(action.instance)
     if process is not None and process.is_ready:
-        yield Tell(process, remember(state, action.instance))
+        yield Send(process, remember(state, action.instance))
     return Result()
 
 
-def remember(state: State, instance: str) -> Message:
+def remember(state: ManagerState, instance: str) -> Message:
     """Return the message that has a process remember names and origin of a component."""
     facts = state.components[instance]
     kept = {"names": list(facts.names), "create": facts.create}

@@ -13,10 +13,10 @@ from rtkit.deployment.extension import FOLLOW
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import configuring, follows
+from rtkit.manager.core.effects import AcquireSlave, Procedure, Spawn
 from rtkit.manager.core.procedures import procedure_for
-from rtkit.manager.core.state import State
+from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.stopping import retire_unused
-from rtkit.manager.core.wishes import Later, Need, Procedure
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.names import check_instance_name
 from rtkit.rtc.profiles import TypeProfile
@@ -52,21 +52,21 @@ def lines(table: Mapping[str, str]) -> str:
     return "\n".join(f"{key}: {value}" for key, value in sorted(table.items()))
 
 
-def _loaded_modules(state: State) -> str:
+def _loaded_modules(state: ManagerState) -> str:
     return "\n".join(record(each.path, {"init": each.init}) for each in state.modules.values())
 
 
-def _factory_profiles(state: State) -> str:
+def _factory_profiles(state: ManagerState) -> str:
     types = {type_ for module in state.modules.values() for type_ in module.types}
     types.update(facts.type for facts in _living(state) if not facts.is_stand_in)
     return "\n".join(sorted(map(type_record, types)))
 
 
-def _components(state: State) -> str:
+def _components(state: ManagerState) -> str:
     return "\n".join(each.instance for each in _living(state))
 
 
-def _component_profiles(state: State) -> str:
+def _component_profiles(state: ManagerState) -> str:
     return "\n".join(map(_component_record, _living(state)))
 
 
@@ -85,25 +85,25 @@ def _component_record(facts: ComponentFacts) -> str:
     return record(facts.instance, told)
 
 
-def _profile(state: State) -> str:
+def _profile(state: ManagerState) -> str:
     table = configuring.table(state)
     return lines({key: table[key] for key in table if key in _PROFILE or key.startswith("os.")})
 
 
-def _configuration(state: State) -> str:
+def _configuration(state: ManagerState) -> str:
     return lines(configuring.table(state))
 
 
-def _masters(state: State) -> str:
+def _masters(state: ManagerState) -> str:
     return "\n".join(state.masters)
 
 
-def _slaves(state: State) -> str:
+def _slaves(state: ManagerState) -> str:
     own = [p.name for p in state.processes.values() if p.is_slave and p.is_ready and not p.is_trial]
     return "\n".join([*own, *state.slaves])
 
 
-READ: Mapping[str, Callable[[State], str]] = {
+READ: Mapping[str, Callable[[ManagerState], str]] = {
     FOLLOW: lambda state: follows.told(state.kept),
     "get_loaded_modules": _loaded_modules,
     "get_factory_profiles": _factory_profiles,
@@ -117,7 +117,7 @@ READ: Mapping[str, Callable[[State], str]] = {
 }
 
 
-def _load(state: State, argument: str) -> Procedure:
+def _load(state: ManagerState, argument: str) -> Procedure:
     path, _, option = argument.partition("?")
     key, _, init = option.partition("=")
     if option and key != "init":
@@ -125,19 +125,19 @@ def _load(state: State, argument: str) -> Procedure:
     return (yield from procedure_for(act.Load(path, init), state))
 
 
-def _unload(state: State, argument: str) -> Procedure:
+def _unload(state: ManagerState, argument: str) -> Procedure:
     return (yield from procedure_for(act.Unload(argument), state))
 
 
-def _create(state: State, argument: str) -> Procedure:
+def _create(state: ManagerState, argument: str) -> Procedure:
     return (yield from procedure_for(act.Create(argument), state))
 
 
-def _delete(state: State, argument: str) -> Procedure:
+def _delete(state: ManagerState, argument: str) -> Procedure:
     return (yield from procedure_for(act.Delete(argument), state))
 
 
-def _by_name(state: State, argument: str) -> Procedure:
+def _by_name(state: ManagerState, argument: str) -> Procedure:
     """Find components by ``INSTANCE``, ``*/INSTANCE`` or ``CATEGORY/INSTANCE``."""
     yield from ()
     category, slash, instance = argument.rpartition("/")
@@ -149,14 +149,14 @@ def _by_name(state: State, argument: str) -> Procedure:
     return Result(value="\n".join(found))
 
 
-def _fork(state: State, argument: str) -> Procedure:
+def _fork(state: ManagerState, argument: str) -> Procedure:
     """Start another slave of equal configuration, without components."""
     if argument:
         check_instance_name(argument)
         if state.living_process(argument) is not None:
             raise Refused(f"there is a slave named {argument} already")
-    process = yield Need(argument or FRESH_SLAVE)
-    yield Later(retire_unused(state, process))
+    process = yield AcquireSlave(argument or FRESH_SLAVE)
+    yield Spawn(retire_unused(state, process))
     return Result(value=process.name)
 
 
@@ -186,12 +186,12 @@ def _remove(managers: list[str], argument: str) -> Procedure:
     return Result()
 
 
-def _service(_state: State, argument: str) -> Procedure:
+def _service(_state: ManagerState, argument: str) -> Procedure:
     yield from ()
     raise NotFound(f"the manager has no service {argument}")
 
 
-DO: Mapping[str, Callable[[State, str], Procedure]] = {
+DO: Mapping[str, Callable[[ManagerState, str], Procedure]] = {
     "load_module": _load,
     "unload_module": _unload,
     "create_component": _create,
@@ -207,7 +207,7 @@ DO: Mapping[str, Callable[[State, str], Procedure]] = {
 }
 
 
-def _living(state: State) -> Iterable[ComponentFacts]:
+def _living(state: ManagerState) -> Iterable[ComponentFacts]:
     return [facts for facts in state.components.values() if not facts.zombie]
 
 

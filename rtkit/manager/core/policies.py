@@ -7,19 +7,19 @@ from rtkit.deployment.actions import Result
 from rtkit.deployment.extension import with_policy
 from rtkit.deployment.health import Reaction, read_rules
 from rtkit.deployment.limits import read_limits
-from rtkit.deployment.supervision import Policy, Restart, read_policy, restart_of
+from rtkit.deployment.supervision import RestartPolicy, RestartRule, read_policy, restart_of
 from rtkit.errors import NotFound, Refused
+from rtkit.manager.core.effects import Procedure, Send
 from rtkit.manager.core.limiting import reserve
 from rtkit.manager.core.naming import remember
-from rtkit.manager.core.state import State
-from rtkit.manager.core.wishes import Procedure, Tell
+from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import parse_create
 
 DEFAULT = "manager.restart"
 """Property of the manager; with the name of a slave added, of what that holds."""
 
 
-def policy_of(state: State, create: str) -> Policy:
+def policy_of(state: ManagerState, create: str) -> RestartPolicy:
     """Return the policy that a create string says, over that of its slave and of the manager.
 
     Raises:
@@ -31,12 +31,12 @@ def policy_of(state: State, create: str) -> Policy:
     default = restart_of(DEFAULT, state.settings.text(DEFAULT))
     of_slave = f"{DEFAULT}.{made.place or state.name}"
     default = restart_of(of_slave, state.settings.text(of_slave), default)
-    if any(rule.reaction is Reaction.RESTART for rule in rules) and default is Restart.NEVER:
-        default = Restart.ON_FAILURE
+    if any(rule.reaction is Reaction.RESTART for rule in rules) and default is RestartRule.NEVER:
+        default = RestartRule.ON_FAILURE
     return read_policy(made.options, default)
 
 
-def set_policy(state: State, action: act.SetPolicy) -> Procedure:
+def set_policy(state: ManagerState, action: act.SetPolicy) -> Procedure:
     """Change the policy of a component; its create string says it from now on."""
     facts = state.components.get(action.instance)
     if facts is None:
@@ -51,5 +51,5 @@ def set_policy(state: State, action: act.SetPolicy) -> Procedure:
     state.kept.change(action.instance, create=create)
     (state.ruled.add if read_rules(action.policy) else state.ruled.discard)(action.instance)
     if process is not None and process.is_ready:
-        yield Tell(process, remember(state, action.instance))
+        yield Send(process, remember(state, action.instance))
     return Result()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound
-from rtkit.manager.core.state import State
+from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.nearest import did_you_mean
@@ -18,7 +18,7 @@ _DEFAULTS = {
 _OWN = ("dataport.", "port.", "rtkit.")
 
 
-def connector(state: State, text: str) -> ConnectorProfile | None:
+def connector(state: ManagerState, text: str) -> ConnectorProfile | None:
     """Return the connector to be made, None when the ports are connected already.
 
     Raises:
@@ -46,7 +46,7 @@ def connector(state: State, text: str) -> ConnectorProfile | None:
     return ConnectorProfile("-".join(map(str, ends)), name, ends, properties)
 
 
-def _port(state: State, text: str) -> tuple[PortRef, PortProfile]:
+def _port(state: ManagerState, text: str) -> tuple[PortRef, PortProfile]:
     """Find a port by ``COMPONENT.PORT``; both names may have dots."""
     parts = text.split(".")
     for index in range(len(parts) - 1, 0, -1):

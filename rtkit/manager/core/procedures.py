@@ -14,32 +14,32 @@ from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.facts import ComponentFacts
 from rtkit.deployment.health import read_rules
 from rtkit.deployment.limits import needs_slave
+from rtkit.deployment.message import Message
 from rtkit.errors import Malformed, Refused, RtkitError, Unreachable
-from rtkit.manager.core.claims import at_rest, claim_name, names_elsewhere
+from rtkit.fast_dataclass import replace
 from rtkit.manager.core.composition import process_of_members
 from rtkit.manager.core.configuring import config_files, inherited
 from rtkit.manager.core.deletion import delete, end_slave
+from rtkit.manager.core.effects import AcquireSlave, Call, Effect, Procedure, Send, Spawn
 from rtkit.manager.core.events import OWN_PROCESS
+from rtkit.manager.core.import_check import share_trial
 from rtkit.manager.core.limiting import reserve
-from rtkit.manager.core.message import Message
 from rtkit.manager.core.modules import forget_found, load, unload
+from rtkit.manager.core.name_reservations import at_rest, claim_name, names_elsewhere
 from rtkit.manager.core.naming import register, remember, unregister
-from rtkit.manager.core.noting import note
 from rtkit.manager.core.policies import policy_of, set_policy
+from rtkit.manager.core.record_desired import note
 from rtkit.manager.core.registration import late_names
-from rtkit.manager.core.state import Claim, Process, State
+from rtkit.manager.core.state import ManagerState, NameReservation, Process
 from rtkit.manager.core.stopping import end_slaves, grace_s, retire
 from rtkit.manager.core.transitions import change_state
-from rtkit.manager.core.trial import share_trial
 from rtkit.manager.core.wiring import connect, cut, disconnect, living
-from rtkit.manager.core.wishes import Ask, Later, Need, Procedure, Tell, Wish
-from rtkit.manager.settings.values import DEFAULT_PORT
-from rtkit.records import replace
 from rtkit.rtc.address import is_port
 from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
 from rtkit.rtc.names import MANAGER_SUFFIX, check_instance_name, is_local_host
-from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import NOTHING
+from rtkit.rtc.serde import encode
+from rtkit.settings.values import DEFAULT_PORT
 
 _OPERATIONS = {
     act.SetRate: "set_rate",
@@ -49,7 +49,7 @@ _OPERATIONS = {
 }
 
 
-def procedure_for(action: Action, state: State) -> Procedure:
+def procedure_for(action: Action, state: ManagerState) -> Procedure:
     """Do an action, and note what is wished from then on."""
     result = yield from _steps(action, state)
     if isinstance(action, act.Connect):  # with the ports' own names
@@ -58,7 +58,7 @@ def procedure_for(action: Action, state: State) -> Procedure:
     return result
 
 
-def _steps(action: Action, state: State) -> Procedure:
+def _steps(action: Action, state: ManagerState) -> Procedure:
     match action:
         case act.Load():
             return load(state, action)
@@ -93,7 +93,7 @@ def _steps(action: Action, state: State) -> Procedure:
             return _share(state, action)
 
 
-def _share(state: State, action: act.Attach | act.Detach) -> Procedure:
+def _share(state: ManagerState, action: act.Attach | act.Detach) -> Procedure:
     """Attach a component to a context of another, or detach it."""
     owner, participant = living(state, action.owner), living(state, action.participant)
     if owner is not participant:
@@ -109,14 +109,14 @@ def _share(state: State, action: act.Attach | act.Detach) -> Procedure:
     return (yield from _tell(state, action.owner, message))
 
 
-def _tell(state: State, instance: str, message: Message) -> Procedure:
+def _tell(state: ManagerState, instance: str, message: Message) -> Procedure:
     process = living(state, instance)
-    yield Ask(process, {**message, "instance": instance})
+    yield Call(process, {**message, "instance": instance})
     return Result()
 
 
 def _configure(
-    state: State, instance: str, op: str, set_id: str, values: Mapping[str, str] = NOTHING
+    state: ManagerState, instance: str, op: str, set_id: str, values: Mapping[str, str] = NOTHING
 ) -> Procedure:
     """Change settings; those that a component does not take over in time are as they were."""
     process, facts = living(state, instance), state.components[instance]
@@ -128,14 +128,14 @@ def _configure(
         if process.is_ready:
             before = {name: present[name] for name in values if name in present}
             back = {"op": "set_back", "before": before, "active_set": facts.active_set}
-            yield Tell(process, {**message, **back, "instance": instance})
+            yield Send(process, {**message, **back, "instance": instance})
         raise
 
 
 # components
 
 
-def _create(state: State, action: act.Create) -> Procedure:
+def _create(state: ManagerState, action: act.Create) -> Procedure:
     create = parse_create(action.create)
     yield from at_rest(state, create.instance_name)
     known = state.components.get(create.instance_name)
@@ -160,7 +160,7 @@ def _create(state: State, action: act.Create) -> Procedure:
             names = (*names, *late_names(state, create, instance))
     except RtkitError as error:
         del state.claims[instance]
-        yield Later(_unmake(state, claim, instance, known))
+        yield Spawn(_unmake(state, claim, instance, known))
         if isinstance(error, Unreachable):
             raise _consequence(state, claim, instance, error) from error
         raise
@@ -168,15 +168,17 @@ def _create(state: State, action: act.Create) -> Procedure:
         state.claims.pop(instance, None)
     process.found.clear()
     state.update(instance, create=str(made), process=process.name, names=names)
-    lacks = _enter(state, action, instance, str(made), is_renewed=known is not None)
+    left_out = _enter(state, action, instance, str(made), is_renewed=known is not None)
     if read_rules(made.options):
         state.ruled.add(instance)
     if names != claim.names:
-        yield Tell(process, remember(state, instance))
-    return Result(value=instance, note="; ".join(filter(None, [note, lacks])))
+        yield Send(process, remember(state, instance))
+    return Result(value=instance, note=note, left_out=left_out)
 
 
-def _enter(state: State, action: act.Create, instance: str, made: str, *, is_renewed: bool) -> str:
+def _enter(
+    state: ManagerState, action: act.Create, instance: str, made: str, *, is_renewed: bool
+) -> str:
     """Note that a component is desired; return what it lacks of one whose place it takes."""
     before, is_revived = state.watched(instance), instance in state.kept.revived
     note = _lacking(state, instance) if is_renewed and not is_revived else ""
@@ -185,11 +187,11 @@ def _enter(state: State, action: act.Create, instance: str, made: str, *, is_ren
         state.watch(instance, restarts=before.restarts + 1, why=before.pending)
     elif not is_revived and before.restarts:  # by a user: no restart, and all is forgiven
         state.watch(instance, restarts=before.restarts, why=before.why, took_s=before.took_s)
-    state.tell_upkeep(instance)
+    state.report_restart_status(instance)
     return note
 
 
-def _lacking(state: State, instance: str) -> str:
+def _lacking(state: ManagerState, instance: str) -> str:
     """Tell what hung on a component that has died, and is not made again with a new one."""
     kept = state.kept
     wires = [
@@ -208,7 +210,7 @@ def _lacking(state: State, instance: str) -> str:
 
 
 def _otherwise(
-    state: State, action: act.Create, create: CreateString, known: ComponentFacts
+    state: ManagerState, action: act.Create, create: CreateString, known: ComponentFacts
 ) -> str:
     """Tell that a component that is there already is not where it was asked for.
 
@@ -233,7 +235,7 @@ def _check_strict(action: act.Create, note: str) -> None:
         raise Refused(note)
 
 
-def _in_language(state: State, create: CreateString) -> CreateString:
+def _in_language(state: ManagerState, create: CreateString) -> CreateString:
     """Return what is asked for in the language of the option ``language``, if it is given.
 
     Raises:
@@ -249,7 +251,9 @@ def _in_language(state: State, create: CreateString) -> CreateString:
     return create if create.language else replace(create, language=found)
 
 
-def _place(state: State, claim: Claim, create: CreateString) -> Generator[Need, Any, Process]:
+def _place(
+    state: ManagerState, claim: NameReservation, create: CreateString
+) -> Generator[AcquireSlave, Any, Process]:
     home = process_of_members(state, create)
     if home is not None:
         return home
@@ -260,7 +264,7 @@ def _place(state: State, claim: Claim, create: CreateString) -> Generator[Need, 
         check_instance_name(name)
     known = None if name == FRESH_SLAVE else state.living_process(name)
     claim.is_in_new_slave = known is None or known.state == "starting"
-    process: Process = yield Need(name)
+    process: Process = yield AcquireSlave(name)
     return process
 
 
@@ -276,7 +280,7 @@ def slaves_of(actions: Iterable[Action]) -> list[str]:
     return list(names) if len(names) > 1 else []
 
 
-def _slave_at(state: State, address: str) -> str:
+def _slave_at(state: ManagerState, address: str) -> str:
     """Return the slave that stands for ``host:port``; port 2810 is the manager itself."""
     if not address:
         return ""
@@ -289,8 +293,8 @@ def _slave_at(state: State, address: str) -> str:
 
 
 def _make(
-    state: State, process: Process, action: act.Create, create: CreateString
-) -> Generator[Wish, Any, tuple[CreateString, str]]:
+    state: ManagerState, process: Process, action: act.Create, create: CreateString
+) -> Generator[Effect, Any, tuple[CreateString, str]]:
     """Have a process make a component; return the create string for it, and what is odd."""
     instance = create.instance_name
     is_fresh = create.place == FRESH_SLAVE
@@ -307,7 +311,7 @@ def _make(
     if process.key == OWN_PROCESS:
         told = yield from _make_here(state, process, message)
     else:
-        told = yield Ask(process, message)
+        told = yield Call(process, message)
     facts = state.components.get(instance)
     if facts is None or facts.zombie:
         raise Refused(f"{instance} ended while it was made")
@@ -327,16 +331,18 @@ def _oddities(told: object, instance: str, process: Process) -> str:
     return "; ".join(found)
 
 
-def _make_here(state: State, own: Process, message: Message) -> Generator[Wish, Any, object]:
+def _make_here(
+    state: ManagerState, own: Process, message: Message
+) -> Generator[Effect, Any, object]:
     """Have the manager's own process make a component, once others have tried its modules."""
     while True:
-        told = yield Ask(own, {**message, "tried": dict(state.tried)})
+        told = yield Call(own, {**message, "tried": dict(state.tried)})
         if not isinstance(told, dict) or "untried" not in told:
             return told
         yield from share_trial(state, str(told["untried"]), str(told["init"]))
 
 
-def _modules_for(state: State, create: CreateString) -> list[list[str]]:
+def _modules_for(state: ManagerState, create: CreateString) -> list[list[str]]:
     """Return the modules that offer a type, and those that offer none but do something else."""
     return [
         [module.path, module.init]
@@ -346,7 +352,9 @@ def _modules_for(state: State, create: CreateString) -> list[list[str]]:
     ]
 
 
-def _unmake(state: State, claim: Claim, instance: str, before: ComponentFacts | None) -> Procedure:
+def _unmake(
+    state: ManagerState, claim: NameReservation, instance: str, before: ComponentFacts | None
+) -> Procedure:
     """Leave nothing of a component that could not be made; a zombie stays the zombie it was.
 
     A slave that was started for it ends too, one that was there before does not.
@@ -357,7 +365,7 @@ def _unmake(state: State, claim: Claim, instance: str, before: ComponentFacts | 
             yield from cut(state, wire)
         state.forget(instance)
     if process is not None and process.is_ready:
-        yield Tell(process, {"op": "delete", "instance": instance})
+        yield Send(process, {"op": "delete", "instance": instance})
         if claim.is_in_new_slave and not state.is_needed(process.key):
             yield from end_slaves([process], grace_s(state))
         else:
@@ -367,7 +375,9 @@ def _unmake(state: State, claim: Claim, instance: str, before: ComponentFacts | 
     return Result()
 
 
-def _consequence(state: State, claim: Claim, instance: str, error: Unreachable) -> Unreachable:
+def _consequence(
+    state: ManagerState, claim: NameReservation, instance: str, error: Unreachable
+) -> Unreachable:
     """Return an error with what becomes of the process in which a component hangs at its making."""
     process = state.processes.get(claim.key)
     if process is None or not process.is_alive or instance not in process.stuck:

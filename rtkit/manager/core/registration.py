@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rtkit.errors import Refused
-from rtkit.manager.core.state import State
-from rtkit.manager.settings import formats
+from rtkit.manager.core.state import ManagerState
 from rtkit.rtc.create import CreateString
 from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
+from rtkit.settings import formats
 
 
-def early_names(state: State, create: CreateString, instance: str) -> tuple[str, ...]:
+def early_names(state: ManagerState, create: CreateString, instance: str) -> tuple[str, ...]:
     """Return the names of a component that is to be made, as far as they are known.
 
     Raises:
@@ -21,7 +21,7 @@ def early_names(state: State, create: CreateString, instance: str) -> tuple[str,
     return formats.expand(templates, instance=instance, host=state.host, manager=state.name)
 
 
-def late_names(state: State, create: CreateString, instance: str) -> tuple[str, ...]:
+def late_names(state: ManagerState, create: CreateString, instance: str) -> tuple[str, ...]:
     """Return the further names of a component that was made.
 
     Raises:
@@ -34,7 +34,7 @@ def late_names(state: State, create: CreateString, instance: str) -> tuple[str, 
     return names
 
 
-def free_names(state: State, instance: str) -> tuple[str, ...]:
+def free_names(state: ManagerState, instance: str) -> tuple[str, ...]:
     """Return the names that the templates give a component that came by itself, if nobody has them.
 
     Raises:
@@ -45,7 +45,7 @@ def free_names(state: State, instance: str) -> tuple[str, ...]:
     return tuple(name for name in names if state.name_owner(name) in ("", instance))
 
 
-def _expanded(state: State, templates: Iterable[str], instance: str) -> tuple[str, ...]:
+def _expanded(state: ManagerState, templates: Iterable[str], instance: str) -> tuple[str, ...]:
     process = state.process_of(instance)
     return formats.expand(
         templates,
@@ -57,7 +57,7 @@ def _expanded(state: State, templates: Iterable[str], instance: str) -> tuple[st
     )
 
 
-def check_free(state: State, names: Iterable[str], instance: str) -> None:
+def check_free(state: ManagerState, names: Iterable[str], instance: str) -> None:
     """Refuse names that somebody else has, or that would be in the way of others.
 
     Raises:
@@ -75,7 +75,7 @@ def check_free(state: State, names: Iterable[str], instance: str) -> None:
             raise Refused(f"name /{name} is a directory: it has /{below}")
 
 
-def is_own_place(state: State, name: str, instance: str) -> bool:
+def is_own_place(state: ManagerState, name: str, instance: str) -> bool:
     """Whether a name is where a component is found anyway, below its manager or its slave."""
     *folders, leaf = name.split("/")
     while folders and "/".join(folders) not in state.names:
@@ -90,7 +90,7 @@ def _above(name: str) -> Iterator[str]:
     return ("/".join(parts[:length]) for length in range(2, len(parts)))
 
 
-def _templates(state: State, create: CreateString) -> tuple[str, ...]:
+def _templates(state: ManagerState, create: CreateString) -> tuple[str, ...]:
     if not state.settings.flag("naming.enable"):
         return ()
     own = create.options.get("naming.formats", "")

@@ -13,35 +13,35 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.batch import Batch, results_from_text
 from rtkit.errors import Refused, RtkitError
-from rtkit.manager.core.events import BatchAsked, RestoreAsked
+from rtkit.manager.core.events import BatchRequested, RecoveryRequested
 from rtkit.manager.core.preconnect import connector
-from rtkit.manager.core.state import State
-from rtkit.manager.settings import values
-from rtkit.manager.settings.properties import STRICT
+from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
+from rtkit.settings import values
+from rtkit.settings.properties import STRICT
 
 TIMEOUT_S = 10.0
 """How long each action may take [s]."""
 
-_Plan = Callable[[State, str], list[Action]]
+_Plan = Callable[[ManagerState, str], list[Action]]
 
 
-def _load(_state: State, text: str) -> list[Action]:
+def _load(_state: ManagerState, text: str) -> list[Action]:
     return [act.Load(file, init) for file, init in values.modules(text)]
 
 
-def _create(_state: State, text: str) -> list[Action]:
+def _create(_state: ManagerState, text: str) -> list[Action]:
     return [act.Create(str(parse_create(text)))]
 
 
-def _connect(state: State, text: str) -> list[Action]:
+def _connect(state: ManagerState, text: str) -> list[Action]:
     wire = connector(state, text)
     return [] if wire is None else [act.Connect(wire)]
 
 
-def _activate(state: State, instance: str) -> list[Action]:
+def _activate(state: ManagerState, instance: str) -> list[Action]:
     facts = state.components.get(instance)
     contexts = [each.id for each in facts.contexts] if facts is not None else ["0"]
     return [act.ChangeState(instance, context, Transition.ACTIVATE) for context in contexts]
@@ -65,8 +65,8 @@ class StartUp:
 
     def __init__(
         self,
-        state: State,
-        post: Callable[[BatchAsked | RestoreAsked], object],
+        state: ManagerState,
+        post: Callable[[BatchRequested | RecoveryRequested], object],
         done: Callable[[list[tuple[str, str]]], object],
         warn: Callable[[str], object],
     ) -> None:
@@ -82,7 +82,7 @@ class StartUp:
 
     def restore(self) -> None:
         """Have made again what an earlier manager kept, then begin."""
-        self._post(RestoreAsked(self._restored))
+        self._post(RecoveryRequested(self._restored))
 
     def _restored(self, reply: Reply) -> None:
         for result in results_from_text(reply.value()):
@@ -104,7 +104,7 @@ class StartUp:
             if actions:
                 heard = partial(self._heard, key, item)
                 asked = tuple(map(act.strict, actions) if self._is_strict else actions)
-                self._post(BatchAsked(Batch(asked, True, TIMEOUT_S), heard))
+                self._post(BatchRequested(Batch(asked, True, TIMEOUT_S), heard))
                 return
         self._done(self._failures)
 

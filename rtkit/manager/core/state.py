@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.limits import Capacity, Limits
-from rtkit.deployment.upkeep import Upkeep
+from rtkit.deployment.limits import Capacity, SlaveLimits
+from rtkit.deployment.restart_status import RestartStatus
 from rtkit.errors import RtkitError
+from rtkit.fast_dataclass import dataclass, field, replace
+from rtkit.manager.core.desired import DesiredComponent, DesiredState
 from rtkit.manager.core.events import OWN_PROCESS
-from rtkit.manager.core.kept import Kept, Wish
-from rtkit.manager.core.watched import Watched
-from rtkit.manager.settings.properties import Settings
-from rtkit.records import dataclass, field, replace
+from rtkit.manager.core.restart_record import RestartRecord
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile
+from rtkit.settings.properties import Settings
 
 NOWHERE = -1
 """Key of no process."""
-_UNWATCHED = Watched()
+_UNWATCHED = RestartRecord()
 
 
 @dataclass(slots=True)
@@ -99,7 +99,7 @@ class Process:
 
 
 @dataclass(slots=True)
-class Claim:
+class NameReservation:
     """What a component will have that is being made: its names, and its process once chosen.
 
     Attributes:
@@ -122,7 +122,7 @@ class Opening:
 
 
 @dataclass(slots=True)
-class State:
+class ManagerState:
     """Everything one manager knows; only its core changes it.
 
     Attributes:
@@ -161,11 +161,11 @@ class State:
     version: str
     processes: dict[int, Process] = field(default_factory=dict)
     components: dict[str, ComponentFacts] = field(default_factory=dict)
-    holders: dict[str, int] = field(default_factory=dict)
+    containers: dict[str, int] = field(default_factory=dict)
     connectors: dict[str, ConnectorProfile] = field(default_factory=dict)
     modules: dict[str, ModuleProfile] = field(default_factory=dict)
     properties: dict[str, str] = field(default_factory=dict)
-    claims: dict[str, Claim] = field(default_factory=dict)
+    claims: dict[str, NameReservation] = field(default_factory=dict)
     ending: set[str] = field(default_factory=set)
     openings: dict[str, Opening] = field(default_factory=dict)
     tried: dict[str, int] = field(default_factory=dict)
@@ -179,16 +179,16 @@ class State:
     slaves: list[str] = field(default_factory=list)
     is_in_haste: bool = False
     barred: str = ""
-    kept: Kept = field(default_factory=Kept)
+    kept: DesiredState = field(default_factory=DesiredState)
     unkept: str = ""
     remark: str = ""
     returning: set[str] = field(default_factory=set)
     unwell: set[str] = field(default_factory=set)
     ruled: set[str] = field(default_factory=set)
     degraded: dict[str, str] = field(default_factory=dict)
-    limits: dict[str, Limits] = field(default_factory=dict)
+    limits: dict[str, SlaveLimits] = field(default_factory=dict)
     capacity: Callable[[], Capacity] = Capacity
-    since_made: dict[str, Wish] = field(default_factory=dict)
+    since_made: dict[str, DesiredComponent] = field(default_factory=dict)
 
     def trouble_of(self, instance: str, process: Process) -> str:
         """Return why a component that lives does not answer; empty when it does."""
@@ -196,16 +196,16 @@ class State:
             return "stopped"
         return process.stuck.get(instance, "") or process.silence
 
-    def watched(self, instance: str) -> Watched:
+    def watched(self, instance: str) -> RestartRecord:
         """Return what has been done about the ends of a component."""
         return self.kept.watched.get(instance, _UNWATCHED)
 
     def watch(self, instance: str, **changes: object) -> None:
         """Note what was done about the ends of a component, and tell it."""
         self.kept.watch(instance, **changes)
-        self.tell_upkeep(instance)
+        self.report_restart_status(instance)
 
-    def upkeep_of(self, instance: str) -> Upkeep:
+    def restart_status_of(self, instance: str) -> RestartStatus:
         """Return what is told of the ends and the health of a component."""
         return self.watched(instance).told(self.degraded.get(instance, ""))
 
@@ -215,11 +215,13 @@ class State:
         is_dead = facts is not None and bool(facts.zombie)
         return is_dead and instance in self.kept.components and watched.is_in_hand
 
-    def tell_upkeep(self, instance: str) -> None:
+    def report_restart_status(self, instance: str) -> None:
         """Have the facts of a component say what was done about it."""
         facts = self.components.get(instance)
-        if facts is not None and facts.upkeep != (upkeep := self.upkeep_of(instance)):
-            self.update(instance, upkeep=upkeep)
+        if facts is not None and facts.restart_status != (
+            restart_status := self.restart_status_of(instance)
+        ):
+            self.update(instance, restart_status=restart_status)
 
     def trouble_in(self, process: Process) -> str:
         """Return what is wrong with a process and is shown at none of its components."""
@@ -227,7 +229,7 @@ class State:
         told += [
             f"{name} is {text}"
             for name, text in process.stuck.items()
-            if self.holders.get(name) != process.key
+            if self.containers.get(name) != process.key
         ]
         if process.key == OWN_PROCESS:
             told += [self.remark] if self.remark else []
@@ -251,15 +253,15 @@ class State:
 
     def process_of(self, instance: str) -> Process | None:
         """Return the process that holds (or held) a component."""
-        return self.processes.get(self.holders.get(instance, NOWHERE))
+        return self.processes.get(self.containers.get(instance, NOWHERE))
 
     def held_by(self, key: int) -> list[str]:
         """Return the instances in a process, in the order of their creation."""
-        return [instance for instance, holder in self.holders.items() if holder == key]
+        return [instance for instance, container in self.containers.items() if container == key]
 
     def is_needed(self, key: int) -> bool:
         """Whether a process holds a component, or one is being made in it."""
-        return key in self.holders.values() or any(c.key == key for c in self.claims.values())
+        return key in self.containers.values() or any(c.key == key for c in self.claims.values())
 
     def connectors_of(self, instance: str) -> list[ConnectorProfile]:
         """Return the connectors that have an end at a component."""
@@ -286,7 +288,7 @@ class State:
         """Drop a component with its connectors; a lost process goes with its last one."""
         self.drop_connectors(instance)
         self.components.pop(instance, None)
-        key = self.holders.pop(instance, None)
+        key = self.containers.pop(instance, None)
         if key is not None:
             self.drop_if_empty(key)
 
@@ -346,15 +348,15 @@ class State:
         """
         own = self.processes[OWN_PROCESS]
         assert own.state == "up", own
-        assert self.components.keys() == self.holders.keys(), "component without holder"
+        assert self.components.keys() == self.containers.keys(), "component without holder"
         for key, process in self.processes.items():
             assert process.key == key, process
             assert process.is_alive or self.held_by(key), f"empty lost process: {process}"
         for instance, facts in self.components.items():
-            holder = self.process_of(instance)
+            container = self.process_of(instance)
             assert facts.instance == instance, facts
-            assert holder is not None, f"no process holds {instance}"
-            assert bool(facts.zombie) is not holder.is_alive, f"{instance} in {holder}"
+            assert container is not None, f"no process holds {instance}"
+            assert bool(facts.zombie) is not container.is_alive, f"{instance} in {container}"
         for _, key in self.loose:
             assert self.processes[key].is_alive, "a lost process holds an end"
         names = [name for facts in self.components.values() for name in facts.names]

@@ -8,8 +8,8 @@ from collections.abc import Generator, Iterable
 
 from rtkit.deployment.actions import Result
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.manager.core.state import Process, State
-from rtkit.manager.core.wishes import AllEnded, Ask, Clock, Pause, Procedure, Signal
+from rtkit.manager.core.effects import Call, Procedure, ReadClock, SendSignal, Sleep, WaitForEnds
+from rtkit.manager.core.state import ManagerState, Process
 
 FINALISE_S = 5.0
 """Grace that all components together have to finalise, one after the other [s]."""
@@ -22,7 +22,7 @@ HANGING_S = 0.1
 """The same for one in which something hangs: the rest of it has time to finalise [s]."""
 
 
-def retire(state: State, process: Process) -> Procedure:
+def retire(state: ManagerState, process: Process) -> Procedure:
     """End a slave that holds nothing any more (``manager.shutdown_on_nortcs``)."""
     may_end = state.settings.flag("manager.shutdown_on_nortcs")
     if may_end and process.is_slave and process.is_ready and not state.is_needed(process.key):
@@ -30,15 +30,15 @@ def retire(state: State, process: Process) -> Procedure:
     return Result()
 
 
-def retire_unused(state: State, process: Process) -> Procedure:
+def retire_unused(state: ManagerState, process: Process) -> Procedure:
     """End a slave in which nothing was made for long (``manager.shutdown_auto``)."""
-    yield Pause(state.settings.number("manager.auto_shutdown_duration"))
+    yield Sleep(state.settings.number("manager.auto_shutdown_duration"))
     if state.settings.flag("manager.shutdown_auto"):
         yield from retire(state, process)
     return Result()
 
 
-def grace_s(state: State) -> float:
+def grace_s(state: ManagerState) -> float:
     """Return the grace between TERM and KILL that the manager's properties say [s]."""
     return state.settings.number("manager.termination_waittime")
 
@@ -49,44 +49,44 @@ def end_slaves(slaves: Iterable[Process], term_s: float = TERM_S) -> Procedure:
     for process in meant:
         yield from _terminate(process)
     try:
-        yield AllEnded(meant, term_s)
+        yield WaitForEnds(meant, term_s)
     except Unreachable:
         for process in meant:
             if process.is_alive:
-                yield Signal(process, signal.SIGKILL)
+                yield SendSignal(process, signal.SIGKILL)
         with contextlib.suppress(Unreachable):
-            yield AllEnded(meant, term_s)
+            yield WaitForEnds(meant, term_s)
     return Result()
 
 
-def _terminate(process: Process) -> Generator[Signal, None, None]:
+def _terminate(process: Process) -> Generator[SendSignal, None, None]:
     """Send TERM, once, to a process that is wanted no longer."""
     if not process.is_wanted or not process.is_alive:
         return
     process.is_wanted = False
-    yield Signal(process, signal.SIGTERM)
+    yield SendSignal(process, signal.SIGTERM)
     if process.is_stopped:
-        yield Signal(process, signal.SIGCONT)
+        yield SendSignal(process, signal.SIGCONT)
 
 
-def stop_everything(state: State) -> Procedure:
+def stop_everything(state: ManagerState) -> Procedure:
     """End all components in reverse order of their creation, then all slaves.
 
     It never fails and never takes longer than its graces: components that did not come to their
     turn are finalised by their own process when it is told to end.
     """
-    began: float = yield Clock()
+    began: float = yield ReadClock()
     silent: set[int] = set()
     for instance in reversed(list(state.components)):
         process = state.process_of(instance)
-        now: float = yield Clock()
+        now: float = yield ReadClock()
         left_s = began + FINALISE_S - now
         if left_s <= 0 or state.is_in_haste:
             break
         if process is None or not process.is_alive or process.key in silent:
             continue
         try:
-            yield Ask(process, {"op": "delete", "instance": instance}, left_s, is_lasting=True)
+            yield Call(process, {"op": "delete", "instance": instance}, left_s, is_lasting=True)
         except RtkitError:
             silent.add(process.key)
         else:

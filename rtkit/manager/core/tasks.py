@@ -17,35 +17,35 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from rtkit.deployment.actions import Result
+from rtkit.deployment.message import Message
 from rtkit.errors import RtkitError, Unreachable
-from rtkit.manager.core import facts_in
+from rtkit.fast_dataclass import dataclass
+from rtkit.manager.core import report_intake
+from rtkit.manager.core.effects import (
+    AcquireSlave,
+    Call,
+    Effect,
+    Gather,
+    Procedure,
+    ReadClock,
+    Send,
+    SendSignal,
+    Sleep,
+    Spawn,
+    Wait,
+    WaitForEnds,
+    WaitUntil,
+)
 from rtkit.manager.core.events import (
     OWN_PROCESS,
-    Inspect,
+    InspectProcess,
     Instruction,
-    SendToHolder,
+    SendToContainer,
     SignalSlave,
     SpawnSlave,
     WakeAt,
 )
-from rtkit.manager.core.message import Message
-from rtkit.manager.core.state import Process, State
-from rtkit.manager.core.wishes import (
-    AllEnded,
-    Ask,
-    Clock,
-    Later,
-    Need,
-    Pause,
-    Procedure,
-    Signal,
-    Tell,
-    Together,
-    Until,
-    Wait,
-    Wish,
-)
-from rtkit.records import dataclass
+from rtkit.manager.core.state import ManagerState, Process
 from rtkit.rtc.create import FRESH_SLAVE
 from rtkit.rtc.enums import ReturnCode
 
@@ -92,7 +92,7 @@ class _Step(NamedTuple):
 class Tasks:
     """All procedures under way; `out` collects what the shell is to do."""
 
-    def __init__(self, state: State, out: list[Instruction]) -> None:
+    def __init__(self, state: ManagerState, out: list[Instruction]) -> None:
         self._state = state
         self._out = out
         self._now = 0.0
@@ -143,20 +143,20 @@ class Tasks:
         """Take the answer of a holder; one that nobody waits for any more is ignored."""
         number = message["reply"]
         task = self._waiting.get(number) if isinstance(number, int) else None
-        if task is None or task.key != key or not isinstance(task.wait, Ask):
+        if task is None or task.key != key or not isinstance(task.wait, Call):
             return
-        result = facts_in.result(message)
+        result = report_intake.result(message)
         if result.ok:
             self._go_on(number, message.get("value", ""))
         else:
-            error = facts_in.error(result)
+            error = report_intake.error(result)
             task.told = (error, result)
             self._go_on(number, None, error)
 
     def process_is_up(self, process: Process) -> None:
         """Go on with those who need this slave."""
         for number, task in self._waiting_for(process.key):
-            if isinstance(task.wait, Need):
+            if isinstance(task.wait, AcquireSlave):
                 self._go_on(number, process)
 
     def inspected(self, key: int) -> None:
@@ -169,7 +169,7 @@ class Tasks:
         """Tell those who wait for this slave that it ended."""
         self.give_up_on(process, Unreachable(process.end))
         for number, task in list(self._waiting.items()):
-            if isinstance(task.wait, AllEnded) and _have_ended(task.wait):
+            if isinstance(task.wait, WaitForEnds) and _have_ended(task.wait):
                 self._go_on(number, None)
 
     def give_up_on(self, process: Process, error: RtkitError) -> None:
@@ -186,7 +186,7 @@ class Tasks:
     def give_up(self, error: RtkitError, key: int | None = None) -> None:
         """Raise an error in every procedure that waits for an answer, of one process or of any."""
         for number, task in list(self._waiting.items()):
-            if isinstance(task.wait, Ask) and key in (None, task.key):
+            if isinstance(task.wait, Call) and key in (None, task.key):
                 self._go_on(number, None, error)
 
     def _waiting_for(self, key: int) -> list[tuple[int, _Task]]:
@@ -205,20 +205,20 @@ class Tasks:
             match wish:
                 case None:
                     return
-                case Clock():
+                case ReadClock():
                     value = self._now
-                case Later(procedure):
+                case Spawn(procedure):
                     self._resume(_Step(_Task(procedure, task.timeout_s)))
-                case Signal(process, number):
+                case SendSignal(process, number):
                     self._out.append(SignalSlave(process.key, number))
-                case Tell(process, message):
-                    self._out.append(SendToHolder(process.key, message))
-                case Ask(process):
+                case Send(process, message):
+                    self._out.append(SendToContainer(process.key, message))
+                case Call(process):
                     if not process.unfit:
                         self._ask(task, wish)
                         return
                     error = Unreachable(process.unfit)
-                case Need():
+                case AcquireSlave():
                     slave = self._needed(wish)
                     if slave is None:
                         error = Unreachable(f"no slave can be started: {self._state.barred}")
@@ -226,18 +226,18 @@ class Tasks:
                         self._wait(task, wish, slave.key)
                         return
                     value = slave
-                case Pause(time_s):
+                case Sleep(time_s):
                     self._wait(task, wish, -1, time_s)
                     return
-                case AllEnded():
+                case WaitForEnds():
                     if not _have_ended(wish):
                         self._wait(task, wish, -1, wish.timeout_s)
                         return
-                case Until(is_so):
+                case WaitUntil(is_so):
                     if not is_so():
                         self._conditions[self._wait(task, wish, -1)] = None
                         return
-                case Together():
+                case Gather():
                     self._side_by_side(task, wish)
                     return
 
@@ -252,15 +252,15 @@ class Tasks:
         heapq.heappush(self._deadlines, (until, number))
         return number
 
-    def _ask(self, task: _Task, ask: Ask) -> None:
+    def _ask(self, task: _Task, ask: Call) -> None:
         key = ask.process.key
         number = self._wait(task, ask, key, ask.timeout_s or None)
         message = {**ask.message, "call": number}
         if not ask.is_lasting:
             message["until"] = task.until if not ask.timeout_s else self._now + ask.timeout_s
-        self._out.append(SendToHolder(key, message))
+        self._out.append(SendToContainer(key, message))
 
-    def _side_by_side(self, task: _Task, wish: Together) -> None:
+    def _side_by_side(self, task: _Task, wish: Gather) -> None:
         """Begin procedures, and go on with the task when each has ended; each has its time-out."""
         results: list[Result | None] = [None] * len(wish.procedures)
         left = len(results)
@@ -279,7 +279,7 @@ class Tasks:
         for index, steps in enumerate(wish.procedures):
             self.begin(steps, task.timeout_s, partial(done, index))
 
-    def _needed(self, need: Need) -> Process | None:
+    def _needed(self, need: AcquireSlave) -> Process | None:
         """Return a slave that lives, or is started now; None when none can be."""
         name = need.name
         is_fresh = bool(need.trial_of) or name == FRESH_SLAVE
@@ -295,7 +295,7 @@ class Tasks:
             task = self._waiting.get(number)
             if task is None:
                 del self._conditions[number]
-            elif isinstance(task.wait, Until) and task.wait.is_so():
+            elif isinstance(task.wait, WaitUntil) and task.wait.is_so():
                 self._go_on(number, None)
                 return True  # one at a time: what it does may undo what the next one waits for
         return False
@@ -307,10 +307,10 @@ class Tasks:
             task = self._waiting.get(number)
             if task is None:
                 continue
-            if isinstance(task.wait, Ask) and not task.is_late:
+            if isinstance(task.wait, Call) and not task.is_late:
                 self._inspect(number, task)
             else:
-                is_late = not isinstance(task.wait, Pause)
+                is_late = not isinstance(task.wait, Sleep)
                 self._go_on(number, None, self._late(task) if is_late else None)
         return bool(self._ready)
 
@@ -318,11 +318,11 @@ class Tasks:
         """Find out what holds up an answer before it is given up; it may still come meanwhile."""
         task.is_late = True
         waited_s = self._now - task.since
-        self._out.append(Inspect(task.key, waited_s / 2))
+        self._out.append(InspectProcess(task.key, waited_s / 2))
         heapq.heappush(self._deadlines, (self._now + _INSPECTION_S, number))
 
     def _late(self, task: _Task) -> Unreachable:
-        if isinstance(task.wait, Until):
+        if isinstance(task.wait, WaitUntil):
             return Unreachable(task.wait.why)
         key = task.key
         process = self._state.processes.get(key)
@@ -357,7 +357,7 @@ def failed(error: RtkitError) -> Result:
     return Result(code, error.kind, str(error))
 
 
-def _advance(task: _Task, value: Any, error: RtkitError | None) -> Wish | None:
+def _advance(task: _Task, value: Any, error: RtkitError | None) -> Effect | None:
     """Let a procedure go on; return what it wishes next, None when it is over."""
     try:
         return task.steps.throw(error) if error else task.steps.send(value)
@@ -374,5 +374,5 @@ def _advance(task: _Task, value: Any, error: RtkitError | None) -> Wish | None:
     return None
 
 
-def _have_ended(wait: AllEnded) -> bool:
+def _have_ended(wait: WaitForEnds) -> bool:
     return not any(process.is_alive for process in wait.slaves)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.manager.core.kept import WATCHED
-from rtkit.manager.core.state import State
+from rtkit.manager.core.desired import WATCHED
+from rtkit.manager.core.effects import Call, Procedure
+from rtkit.manager.core.state import ManagerState
 from rtkit.manager.core.wiring import living
-from rtkit.manager.core.wishes import Ask, Procedure
-from rtkit.manager.settings.properties import check
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import Transition
+from rtkit.settings.properties import check
 
 _WORD = {
     Transition.ACTIVATE: "activation",
@@ -19,7 +19,7 @@ _WORD = {
 }
 
 
-def change_state(state: State, action: act.ChangeState) -> Procedure:
+def change_state(state: ManagerState, action: act.ChangeState) -> Procedure:
     """Activate, deactivate or reset a component.
 
     Raises:
@@ -39,11 +39,11 @@ def change_state(state: State, action: act.ChangeState) -> Procedure:
         "instance": action.instance,
     }
     _forgive(state, action)
-    told = yield Ask(process, message, float(bound or 0))
+    told = yield Call(process, message, float(bound or 0))
     return Result(note=told if isinstance(told, str) else "")
 
 
-def _forgive(state: State, action: act.ChangeState) -> None:
+def _forgive(state: ManagerState, action: act.ChangeState) -> None:
     """Begin anew with a component that its user resets, or activates after it was stopped."""
     watched = state.kept.watched.get(action.instance)
     if watched is None:
@@ -52,10 +52,10 @@ def _forgive(state: State, action: act.ChangeState) -> None:
         state.kept.put(WATCHED, action.instance, watched.record)
     elif action.transition is Transition.ACTIVATE:
         state.kept.watch(action.instance, rested="", halted="")
-    state.tell_upkeep(action.instance)
+    state.report_restart_status(action.instance)
 
 
-def _option(state: State, instance: str, *keys: str) -> str:
+def _option(state: ManagerState, instance: str, *keys: str) -> str:
     """Return the first of these properties that component or manager was given."""
     create = state.components[instance].create
     own = parse_create(create).options if create else {}

@@ -8,15 +8,15 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
 from rtkit.deployment.shown_ports import OwnEnds
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
-from rtkit.manager.core.state import Opening, Process, State
-from rtkit.manager.core.wishes import Ask, Procedure, Tell, Until
+from rtkit.manager.core.effects import Call, Procedure, Send, WaitUntil
+from rtkit.manager.core.state import ManagerState, Opening, Process
 from rtkit.rtc.enums import Polarity, PortType
 from rtkit.rtc.interface_types import DIRECT, differing
-from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile
+from rtkit.rtc.serde import encode
 
 
-def living(state: State, instance: str) -> Process:
+def living(state: ManagerState, instance: str) -> Process:
     """Return the process that holds a component.
 
     Raises:
@@ -34,12 +34,12 @@ def living(state: State, instance: str) -> Process:
     return process
 
 
-def connect(state: State, wire: ConnectorProfile) -> Procedure:
+def connect(state: ManagerState, wire: ConnectorProfile) -> Procedure:
     """Make a connector; one that exists between the same ports is what was asked for."""
     connector_id = wire.connector_id
     while connector_id in state.openings:
         why = f"connection {connector_id} is just being made"
-        yield Until(lambda: connector_id not in state.openings, why)
+        yield WaitUntil(lambda: connector_id not in state.openings, why)
     known = state.connectors.get(connector_id)
     own = OwnEnds(state.components)
     if known is not None:
@@ -80,7 +80,7 @@ def _same(known: ConnectorProfile, wire: ConnectorProfile) -> Result:
     return Result(value=wire.connector_id)
 
 
-def _ports(state: State, wire: ConnectorProfile) -> list[PortProfile]:
+def _ports(state: ManagerState, wire: ConnectorProfile) -> list[PortProfile]:
     if len(wire.ports) != 2:
         raise Malformed(f"a connection joins two ports, not {len(wire.ports)}")
     ports = []
@@ -98,7 +98,7 @@ def _open(ends: list[Process], wire: ConnectorProfile) -> Procedure:
     out, into = ends
     plain = encode(wire)
     if out is into:
-        yield Ask(out, {"op": "link", "connector": plain})
+        yield Call(out, {"op": "link", "connector": plain})
         return Result()
     options = parse_options(wire.properties)
     if options.interface == DIRECT:
@@ -108,8 +108,8 @@ def _open(ends: list[Process], wire: ConnectorProfile) -> Procedure:
         first, opens, second, joins = out, "serve", into, "fetch"
     else:
         first, opens, second, joins = into, "sink", out, "source"
-    endpoint = yield Ask(first, {"op": opens, "connector": plain})
-    yield Ask(second, {"op": joins, "connector": plain, "endpoint": endpoint})
+    endpoint = yield Call(first, {"op": opens, "connector": plain})
+    yield Call(second, {"op": joins, "connector": plain, "endpoint": endpoint})
     return Result()
 
 
@@ -119,15 +119,15 @@ def _open_services(
     """Open each direction in which one port provides what the other needs, the provider first."""
     plain = encode(wire)
     if ends[0] is ends[1]:
-        yield Ask(ends[0], {"op": "link", "connector": plain})
+        yield Call(ends[0], {"op": "link", "connector": plain})
         return Result()
     ways = [way for way in ((0, 1), (1, 0)) if _provides(ports[way[0]], ports[way[1]])]
     for provider, consumer in ways:
-        endpoint = yield Ask(ends[provider], {"op": "offer", "connector": plain, "end": provider})
+        endpoint = yield Call(ends[provider], {"op": "offer", "connector": plain, "end": provider})
         wish = {"op": "consult", "connector": plain, "end": consumer, "endpoint": endpoint}
-        yield Ask(ends[consumer], wish)
+        yield Call(ends[consumer], wish)
     for end in (0, 1) if not ways else ():
-        yield Ask(ends[end], {"op": "keep", "connector": plain, "end": end})
+        yield Call(ends[end], {"op": "keep", "connector": plain, "end": end})
     return Result()
 
 
@@ -138,12 +138,12 @@ def _provides(one: PortProfile, other: PortProfile) -> bool:
     )
 
 
-def _cut_loose(state: State, connector_id: str) -> Procedure:
+def _cut_loose(state: ManagerState, connector_id: str) -> Procedure:
     """Take what is left of a connector of that name off the slaves that outlived their manager."""
     for id, key in list(state.loose):
         if id == connector_id:
             del state.loose[id, key]
-            yield Tell(state.processes[key], {"op": "unlink", "connector_id": id})
+            yield Send(state.processes[key], {"op": "unlink", "connector_id": id})
     return Result()
 
 
@@ -151,11 +151,11 @@ def _abandon(ends: list[Process], connector_id: str) -> Procedure:
     """Take off what was opened of a connector, also by an answer that came too late."""
     for process in _distinct(ends):
         if process.is_ready:
-            yield Tell(process, {"op": "unlink", "connector_id": connector_id})
+            yield Send(process, {"op": "unlink", "connector_id": connector_id})
     return Result()
 
 
-def disconnect(state: State, action: act.Disconnect) -> Procedure:
+def disconnect(state: ManagerState, action: act.Disconnect) -> Procedure:
     """Remove a connector."""
     wire = state.connectors.get(action.connector_id)
     if wire is None:
@@ -164,7 +164,7 @@ def disconnect(state: State, action: act.Disconnect) -> Procedure:
     return Result()
 
 
-def unwire(state: State, wire: ConnectorProfile, timeout_s: float = 0.0) -> Procedure:
+def unwire(state: ManagerState, wire: ConnectorProfile, timeout_s: float = 0.0) -> Procedure:
     """Take a connector off both ends, the sending one first; a dead end is no obstacle.
 
     A time-out of 0 means that of the batch [s].
@@ -180,10 +180,10 @@ def unwire(state: State, wire: ConnectorProfile, timeout_s: float = 0.0) -> Proc
         if not process.is_ready:
             continue  # it ended while the other end was waited for
         if process.state == "stopped" or late is not None:
-            yield Tell(process, message)
+            yield Send(process, message)
             continue
         try:
-            yield Ask(process, message, timeout_s, is_lasting=True)
+            yield Call(process, message, timeout_s, is_lasting=True)
         except Unreachable as error:
             late = error if process.is_alive else late
     if late is not None:
@@ -191,7 +191,7 @@ def unwire(state: State, wire: ConnectorProfile, timeout_s: float = 0.0) -> Proc
     return Result()
 
 
-def cut(state: State, wire: ConnectorProfile) -> Procedure:
+def cut(state: ManagerState, wire: ConnectorProfile) -> Procedure:
     """Take a connector off its ends without waiting for them."""
     state.connectors.pop(wire.connector_id, None)
     ends = [state.process_of(end.instance) for end in wire.ports]

@@ -9,17 +9,17 @@ from functools import partial
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-from rtkit.deployment.figures import FIGURES
-from rtkit.deployment.news import TREE
+from rtkit.deployment.delta import TREE
+from rtkit.deployment.metrics import FIGURES
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
 from rtkit.errors import Malformed
-from rtkit.manager.core.events import Event, FollowAsked, FollowSaid, Listened
-from rtkit.manager.core.state import State
+from rtkit.manager.core.events import Event, FollowAsked, FollowSaid, ListenersChanged
+from rtkit.manager.core.state import ManagerState
 from rtkit.property.exchange import Request, failure
 
 if TYPE_CHECKING:
-    from rtkit.manager.following.attendant import Attendant
+    from rtkit.manager.following.worker import FollowingWorker
 
 _END_S = 5.0
 """How long a transition under way is waited for when a system is to be followed no more [s]."""
@@ -31,10 +31,10 @@ Post = Callable[["Event | Request"], object]
 class Following:
     """The followers of a manager; all but what is said otherwise is called on its loop."""
 
-    def __init__(self, post: Post, state: State) -> None:
+    def __init__(self, post: Post, state: ManagerState) -> None:
         self._post = post
         self._state = state
-        self._attendants: dict[str, Attendant] = {}
+        self._workers: dict[str, FollowingWorker] = {}
         self._numbers = itertools.count()
         self._has_begun = self._is_over = False
 
@@ -48,19 +48,19 @@ class Following:
         if not self._has_begun or self._is_over:
             return
         kept = self._state.kept
-        for name in [name for name in self._attendants if name not in kept.followed]:
-            self._attendants.pop(name).end()
+        for name in [name for name in self._workers if name not in kept.followed]:
+            self._workers.pop(name).end()
         for name, text in kept.followed.items():
             told = kept.reached.get(name, Followed(name))
-            known = self._attendants.get(name)
+            known = self._workers.get(name)
             if told.is_over:
-                self._attendants.pop(name, None)
+                self._workers.pop(name, None)
             elif known is None or known.is_ended:
-                self._attendants[name] = self._attendant(name, text, told)
+                self._workers[name] = self._attendant(name, text, told)
 
-    def _attendant(self, name: str, text: str, told: Followed) -> Attendant:
-        from rtkit.manager.following.attendant import Attendant
+    def _attendant(self, name: str, text: str, told: Followed) -> FollowingWorker:
         from rtkit.manager.following.own_site import OwnSite
+        from rtkit.manager.following.worker import FollowingWorker
 
         purpose = f"the manager itself, which follows {name}"
         site = OwnSite(self._post, self._state.name, purpose)
@@ -70,40 +70,40 @@ class Following:
             site.awaited()
 
         listen = partial(self._listen, f"{name} {next(self._numbers)}")
-        attendant = Attendant(text, told, site, say, listen)
-        attendant.begin()
-        return attendant
+        worker = FollowingWorker(text, told, site, say, listen)
+        worker.begin()
+        return worker
 
     def _listen(self, who: str, lines: Sequence[str]) -> None:
         """Have one told what is told on these lines, and no others; called on its thread."""
         for line in (TREE, FIGURES):
-            self._post(Listened(line, line in lines, who))
+            self._post(ListenersChanged(line, line in lines, who))
 
     def heard(self, line: str, message: Mapping[str, Any]) -> None:
         """Tell the followers what the manager tells on its lines."""
-        attendants = [*self._attendants.values()]
+        attendants = [*self._workers.values()]
         if line == TREE:
-            for attendant in attendants:
-                attendant.changed()
-        elif any(each.needs_figures for each in attendants):
-            from rtkit.deployment.figures import Figures
-            from rtkit.rtc.plain import decode
+            for worker in attendants:
+                worker.changed()
+        elif any(each.needs_metrics for each in attendants):
+            from rtkit.deployment.metrics import Metrics
+            from rtkit.rtc.serde import decode
 
-            figures = decode(Figures, message)
-            for attendant in attendants:
-                attendant.changed(figures)
+            metrics = decode(Metrics, message)
+            for worker in attendants:
+                worker.changed(metrics)
 
     def end(self) -> None:
         """Begin nothing any more."""
         self._is_over = True
-        for attendant in self._attendants.values():
-            attendant.end()
+        for worker in self._workers.values():
+            worker.end()
 
     def close(self) -> None:
         """Wait a little for the threads to end."""
         self.end()
-        for attendant in self._attendants.values():
-            attendant.join(_CLOSE_S)
+        for worker in self._workers.values():
+            worker.join(_CLOSE_S)
 
     def ask(self, request: Request) -> None:
         """Begin to follow a system, ``{"start": …}``, or end it, ``{"stop": NAME}``.
@@ -130,8 +130,8 @@ class Following:
             return FollowAsked(states.name, text, request.answer)
         if not isinstance(name, str):
             raise Malformed("neither {start: …} nor {stop: NAME}")
-        attendant = self._attendants.get(name)
-        if attendant is not None:
-            attendant.end()
-            attendant.join(_END_S)
+        worker = self._workers.get(name)
+        if worker is not None:
+            worker.end()
+            worker.join(_END_S)
         return FollowAsked(name, None, request.answer)

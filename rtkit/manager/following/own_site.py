@@ -13,12 +13,12 @@ from threading import Event
 from rtkit.deployment.actions import Action, Result
 from rtkit.deployment.batch import Batch, batch_to_text, results_from_text
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.joint import sent
-from rtkit.deployment.lease import Holder, holder_from_text
+from rtkit.deployment.lease import LeaseHolder, holder_from_text
+from rtkit.deployment.multi_manager import sent
 from rtkit.errors import Refused
 from rtkit.link.ports import user_name
 from rtkit.property.exchange import Reply, Request
-from rtkit.rtc.plain import decode, encode
+from rtkit.rtc.serde import decode, encode
 
 TIMEOUT_S = 10.0
 """How long each action may take [s]."""
@@ -46,7 +46,7 @@ class OwnSite:
         self._is_over = Event()
         host = os.uname().nodename
         user, pid = user_name(os.getuid()), os.getpid()
-        self._holder = Holder(uuid.uuid4().hex, purpose, user, host, pid)
+        self._holder = LeaseHolder(uuid.uuid4().hex, purpose, user, host, pid)
 
     @property
     def is_over(self) -> bool:
@@ -82,7 +82,7 @@ class OwnSite:
         """End the managers that were started: none."""
         return []
 
-    def holder(self) -> Holder | None:
+    def holder(self) -> LeaseHolder | None:
         """Return who carries a plan out; None for nobody."""
         return holder_from_text(self._ask("lease", is_extension=True))
 

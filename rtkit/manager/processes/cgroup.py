@@ -10,8 +10,8 @@ import os
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 
-from rtkit.deployment.limits import Limits
-from rtkit.manager.processes.leftovers import family
+from rtkit.container.orphans import family
+from rtkit.deployment.limits import SlaveLimits
 
 _ROOT = "/sys/fs/cgroup"
 _WANTED = ("memory", "pids", "cpu")
@@ -32,7 +32,7 @@ class ControlGroups:
         self._proc = proc
         self._folders: dict[int, str] = {}
 
-    def limit(self, pid: int, limits: Limits) -> None:
+    def limit(self, pid: int, limits: SlaveLimits) -> None:
         """Have a process, and what it starts from now on, kept within limits.
 
         Raises:

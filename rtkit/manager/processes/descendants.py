@@ -13,16 +13,16 @@ import os
 from collections.abc import Collection, Iterator
 from contextlib import suppress
 
-from rtkit.link import places, running
-from rtkit.link.deadline import boot_id
-from rtkit.manager.processes.inherited import MARK
-from rtkit.manager.processes.leftovers import (
+from rtkit.container.inherited import MARK
+from rtkit.container.orphans import (
     began_at,
     end_family,
     environment_of,
     family,
     family_beside,
 )
+from rtkit.link import places, running
+from rtkit.link.deadline import boot_id
 
 _log = logging.getLogger(__name__)
 KIND = "family"

@@ -15,15 +15,15 @@ from math import inf
 from rtkit.deployment.limits import (
     NO_LIMITS,
     WINDOW_S,
-    Limits,
+    SlaveLimits,
     TreeUsage,
     memory_reached,
     reached,
 )
+from rtkit.fast_dataclass import dataclass, field
 from rtkit.manager.core.events import SlaveOverLimit
 from rtkit.manager.processes import tree_usage as tree
 from rtkit.manager.processes.cgroup import ControlGroups, control_groups
-from rtkit.records import dataclass, field
 
 LOOK_S = 0.05
 """How often what can run away is looked at [s]."""
@@ -50,7 +50,7 @@ class _Limited:
     """
 
     pid: int
-    limits: Limits
+    limits: SlaveLimits
     look_at: float = 0.0
     is_told: bool = False
     times: deque[tuple[float, float]] = field(default_factory=deque)
@@ -70,7 +70,7 @@ class Limiter:
         """When the next `look` has something to do, monotonic [s]."""
         return min((each.look_at for each in self._slaves.values()), default=inf)
 
-    def limit(self, key: int, pid: int, limits: Limits) -> None:
+    def limit(self, key: int, pid: int, limits: SlaveLimits) -> None:
         """Keep a slave within these limits from now on; without any, within none."""
         known = self._slaves.get(key)
         before = known.limits if known is not None else NO_LIMITS
@@ -99,7 +99,7 @@ class Limiter:
             if why:
                 slave.is_told = True
                 found.append(SlaveOverLimit(key, why))
-            bare = Limits(processor=slave.limits.processor)
+            bare = SlaveLimits(processor=slave.limits.processor)
             slave.look_at = now + (_SLOWLY_S if slave.limits == bare else LOOK_S)
         return found
 
@@ -115,7 +115,7 @@ class Limiter:
             return memory_reached(slave.limits, f"{reason}: {last}")
         return reason
 
-    def _hold(self, pid: int, before: Limits, limits: Limits) -> None:
+    def _hold(self, pid: int, before: SlaveLimits, limits: SlaveLimits) -> None:
         """Have the kernel hold what runs away between two looks."""
         rooms = (
             (resource.RLIMIT_DATA, before.memory, limits.memory, tree.data_bytes(pid) + _DATA_ROOM),

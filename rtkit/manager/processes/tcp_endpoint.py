@@ -18,7 +18,7 @@ import threading
 import time
 
 from rtkit.errors import Unreachable
-from rtkit.manager.processes.patience import Patience
+from rtkit.manager.processes.backoff import Backoff
 from rtkit.manager.processes.zygote import reason
 
 _log = logging.getLogger(__name__)
@@ -41,7 +41,7 @@ class TcpEndpoint:
     def __init__(self, inner: str) -> None:
         self._inner = inner
         self._wanted = b""
-        self._patience = Patience()
+        self._patience = Backoff()
         self._closing = threading.Event()
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None

@@ -22,14 +22,14 @@ from functools import partial
 from typing import Any, NoReturn
 
 from rtkit import fault
-from rtkit.manager.core.message import Message
-from rtkit.manager.logs.logs import Log, share_log
-from rtkit.manager.processes.leftovers import end_orphans
-from rtkit.manager.processes.packing import fill_gaps
-from rtkit.manager.processes.rehearsal import rehearse
-from rtkit.manager.processes.slave import Slave
-from rtkit.manager.processes.subreaper import become_subreaper
-from rtkit.manager.processes.wire import Channel
+from rtkit.container.control_channel import ControlChannel
+from rtkit.container.orphans import end_orphans
+from rtkit.container.slave import Slave
+from rtkit.container.subreaper import become_subreaper
+from rtkit.deployment.message import Message
+from rtkit.logs.logs import Log, share_log
+from rtkit.manager.processes.heap_compaction import fill_gaps
+from rtkit.manager.processes.warm_up import warm_up
 
 _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 STOPS = (os.CLD_STOPPED, os.CLD_TRAPPED)
@@ -39,8 +39,8 @@ AHEAD = (
     "rtkit.component.fsm",
     "rtkit.deployment.listing",
     "rtkit.link.running",
-    "rtkit.manager.holding.figures_out",
-    "rtkit.manager.settings.values",
+    "rtkit.container.metrics",
+    "rtkit.settings.values",
 )
 """What a holder imports when it needs it, so that guests need not: here it is had before any fork,
 so that slaves share it."""
@@ -61,12 +61,12 @@ class Zygote:
 
     Args:
         channel: To the first manager.
-        settings: Of slaves (see `rtkit.manager.processes.slave`), and ``zygote``, the path.
+        settings: Of slaves (see `rtkit.container.slave`), and ``zygote``, the path.
         log: Its log.
     """
 
-    def __init__(self, channel: Channel, settings: Any, log: Log) -> None:
-        self._channel: Channel | None = channel
+    def __init__(self, channel: ControlChannel, settings: Any, log: Log) -> None:
+        self._channel: ControlChannel | None = channel
         self._settings = settings
         self._log = log
         self._slave = Slave(settings, log)
@@ -110,7 +110,7 @@ class Zygote:
     def _rehearse(self) -> None:
         try:
             with fault.unheeded():
-                rehearse(self._log, self._settings)
+                warm_up(self._log, self._settings)
         except Exception:  # slaves are born all the same
             _log.exception("cannot rehearse")
         gc.collect()
@@ -140,7 +140,7 @@ class Zygote:
             return
         connection, _ = self._listener.accept()
         self._unlisten()
-        self._channel = Channel(connection)
+        self._channel = ControlChannel(connection)
         self._selector.register(self._channel, selectors.EVENT_READ, self._hear)
         children = sorted(self._children)
         self._tell({"children": children, "names": self._children, "zygote": os.getpid()})
@@ -224,7 +224,7 @@ def main() -> None:
     os.setsid()
     settings = json.loads(sys.argv[2])
     log = share_log(settings["manager"], "zygote", is_shown=settings["is_shown"])
-    Zygote(Channel(socket.socket(fileno=int(sys.argv[1]))), settings, log).run()
+    Zygote(ControlChannel(socket.socket(fileno=int(sys.argv[1]))), settings, log).run()
     os._exit(0)
 
 

@@ -6,7 +6,7 @@ from textwrap import dedent
 
 import pytest
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.rtc_doc_model import (
     ActionDoc,
     BasicDoc,
@@ -17,24 +17,24 @@ from rtkit.profile.rtc_doc_model import (
 from rtkit.profile.rtc_model import (
     Actions,
     ActionStatus,
-    Configuration,
-    ConfigurationSet,
-    DataPort,
-    Event,
+    ConfigurationParameter,
+    DataPortDeclaration,
+    DeclaredParameters,
+    FsmTransition,
     ServiceInterface,
-    ServicePort,
+    ServicePortDeclaration,
 )
 
 
 def ports(*items):
     return tuple(
-        DataPort(kind, name, type, "LEFT", doc=DataPortDoc(doc), unit=unit)
+        DataPortDeclaration(kind, name, type, "LEFT", doc=DataPortDoc(doc), unit=unit)
         for kind, name, type, doc, unit in items
     )
 
 
 def settings(*items):
-    return ConfigurationSet(tuple(Configuration(*item) for item in items))
+    return DeclaredParameters(tuple(ConfigurationParameter(*item) for item in items))
 
 
 def test_a_component(builder):
@@ -105,13 +105,13 @@ def test_services(builder):
     text = builder.code(
         idl=("MyService.idl", "Arm.idl"),
         service_ports=(
-            ServicePort(
+            ServicePortDeclaration(
                 "service",
                 "LEFT",
                 service_interfaces=(offer("service", "Provided", "SimpleService::MyService"),),
                 doc=ServicePortDoc("echoes"),
             ),
-            ServicePort(
+            ServicePortDeclaration(
                 "arm",
                 "LEFT",
                 service_interfaces=(
@@ -120,7 +120,7 @@ def test_services(builder):
                     offer("c", "Provided", "No::Thing"),
                 ),
             ),
-            ServicePort("none", "LEFT"),
+            ServicePortDeclaration("none", "LEFT"),
         ),
     )
     assert text == dedent('''
@@ -182,7 +182,8 @@ def test_two_ports_with_one_interface_get_servants(builder):
     text = builder.code(
         idl=("MyService.idl",),
         service_ports=tuple(
-            ServicePort(name, "LEFT", service_interfaces=interfaces) for name in ("one", "two")
+            ServicePortDeclaration(name, "LEFT", service_interfaces=interfaces)
+            for name in ("one", "two")
         ),
     )
     assert text.startswith("class TwoMyService:\n")
@@ -194,14 +195,14 @@ def test_two_ports_with_one_interface_get_servants(builder):
 
 def test_a_state_machine(builder):
     events = (
-        Event("", "InitialState", "Idle"),
-        Event("go", "Idle", "Busy.Deep", "if ready", "RTC::TimedLong"),
-        Event("halt", "Busy.Deep", "Idle"),
+        FsmTransition("", "InitialState", "Idle"),
+        FsmTransition("go", "Idle", "Busy.Deep", "if ready", "RTC::TimedLong"),
+        FsmTransition("halt", "Busy.Deep", "Idle"),
     )
     text = builder.code(
         data_ports=(
-            DataPort("EventPort", "events", "Any", "LEFT", events=events),
-            DataPort("EventPort", "other", "Any", "LEFT"),
+            DataPortDeclaration("EventPort", "events", "Any", "LEFT", events=events),
+            DataPortDeclaration("EventPort", "other", "Any", "LEFT"),
         ),
         actions=Actions(on_execute=ActionStatus(True), on_action=ActionStatus(True)),
     )
@@ -268,11 +269,13 @@ def test_a_state_machine(builder):
 
 def test_each_state_has_a_class(builder):
     events = (
-        Event("", "InitialState", "Idle"),
-        Event("on_entry", "Idle", "Idle.Deep", "", "RTC::TimedLong"),
-        Event("ab'c", "Idle.Deep", "Foo"),
+        FsmTransition("", "InitialState", "Idle"),
+        FsmTransition("on_entry", "Idle", "Idle.Deep", "", "RTC::TimedLong"),
+        FsmTransition("ab'c", "Idle.Deep", "Foo"),
     )
-    built = builder.build(data_ports=(DataPort("EventPort", "e", "Any", "LEFT", events=events),))
+    built = builder.build(
+        data_ports=(DataPortDeclaration("EventPort", "e", "Any", "LEFT", events=events),)
+    )
     text = built.files["Foo.py"].text
     states = text[text.index("class Idle(") : text.index("class Foo(")]
     assert (
@@ -343,7 +346,9 @@ def test_each_state_has_a_class(builder):
 
 
 def test_a_drawing_has_the_states(builder):
-    port = DataPort("EventPort", "events", "Any", "LEFT", events=(Event("go", "A", "B"),))
+    port = DataPortDeclaration(
+        "EventPort", "events", "Any", "LEFT", events=(FsmTransition("go", "A", "B"),)
+    )
     text = builder.code(data_ports=(port,), drawn={"X": {"go": "X.Y"}, "X.Y": {}})
     assert '"X": {"go": "X.Y"},' in text
     assert '"go": bytes,' in text
@@ -393,14 +398,14 @@ def test_defaults_that_are_none(builder, type, default, code, note):
 
 
 def test_hints_of_parameters(builder):
-    parameter = Configuration(
+    parameter = ConfigurationParameter(
         "x",
         "int",
         "1",
         doc=ConfigurationDoc(description="how\nmany", unit="m"),
-        properties=(Property("__widget__", "slider.1"),),
+        properties=(ExtensionProperty("__widget__", "slider.1"),),
     )
-    text = builder.code(configuration_set=ConfigurationSet((parameter,)))
+    text = builder.code(configuration_set=DeclaredParameters((parameter,)))
     assert 'x = rt.Parameter(1, unit="m", doc="how many", widget="slider.1")' in text
 
 
@@ -411,7 +416,7 @@ def test_names_that_are_taken_get_others(builder):
             ("DataOutPort", "a", "Any", "", ""),
             ("DataOutPort", "", "Any", "", ""),
         ),
-        service_ports=(ServicePort("a", "LEFT"),),
+        service_ports=(ServicePortDeclaration("a", "LEFT"),),
         configuration_set=settings(("a", "int", "1"), ("a", "int", "1"), ("", "int", "1")),
     )
     text = built.files["Foo.py"].text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.builder.merge import Fate, merge
+from rtkit.builder.merge import MergeOutcome, merge
 from rtkit.builder.regions import CODE_STAMP, FILE_STAMP, region, split, stamp_of, stamped
 from rtkit.errors import Malformed
 
@@ -22,20 +22,20 @@ def again(old, new, *, has_regions=True):
 
 def test_a_new_file_is_written_with_its_stamp():
     merged = again(None, code())
-    assert merged.fate is Fate.WRITE
+    assert merged.assignment is MergeOutcome.WRITE
     assert stamp_of(merged.text) not in ("", "0" * 12)
-    assert again(merged.text, code()).fate is Fate.SAME
+    assert again(merged.text, code()).assignment is MergeOutcome.SAME
 
 
 def test_code_between_the_marks_is_kept():
     mine = stamped(code("one"), has_regions=True).replace("    pass", "    mine = 1\n\n    # 日本")
     merged = again(mine, code("one"))
-    assert (merged.fate, merged.text) == (Fate.SAME, mine)
+    assert (merged.assignment, merged.text) == (MergeOutcome.SAME, mine)
     changed = again(mine, code("two"))
-    assert changed.fate is Fate.WRITE
+    assert changed.assignment is MergeOutcome.WRITE
     assert "    mine = 1\n\n    # 日本\n" in changed.text
     assert "two" in changed.text
-    assert again(changed.text, code("two")).fate is Fate.SAME
+    assert again(changed.text, code("two")).assignment is MergeOutcome.SAME
 
 
 def test_what_was_emptied_stays_empty():
@@ -48,7 +48,7 @@ def test_a_change_to_the_generated_part_is_a_conflict():
         stamped(code("one", "two"), has_regions=True).replace("two", "2").replace("pass", "x = 1")
     )
     merged = again(mine, code("one", "two"))
-    assert (merged.fate, merged.line) == (Fate.CONFLICT, 3)
+    assert (merged.assignment, merged.line) == (MergeOutcome.CONFLICT, 3)
     assert merged.why == "the generated part was changed"
     assert "x = 1" in merged.text
     assert "two" in merged.text
@@ -56,17 +56,17 @@ def test_a_change_to_the_generated_part_is_a_conflict():
 
 def test_code_without_a_place_is_a_conflict():
     mine = stamped(code(names=("a", "b")), has_regions=True)
-    assert again(mine, code()).fate is Fate.WRITE
+    assert again(mine, code()).assignment is MergeOutcome.WRITE
     used = mine.replace("<user code b>\n    pass", "<user code b>\n    mine = 1")
     merged = again(used, code())
-    assert merged.fate is Fate.CONFLICT
+    assert merged.assignment is MergeOutcome.CONFLICT
     assert merged.why == "there is no place any more for your code b"
     assert used.split("\n")[merged.line - 1] == "    # <user code b>"
 
 
 def test_a_file_of_somebody_else_is_a_conflict():
     merged = again("x = 1\n", code())
-    assert (merged.fate, merged.why) == (Fate.CONFLICT, "it was not made by rtbuild")
+    assert (merged.assignment, merged.why) == (MergeOutcome.CONFLICT, "it was not made by rtbuild")
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_a_file_of_somebody_else_is_a_conflict():
 def test_broken_marks_are_a_conflict(before, after, why):
     mine = stamped(code(), has_regions=True).replace(before, after, 1)
     merged = again(mine, code())
-    assert merged.fate is Fate.CONFLICT
+    assert merged.assignment is MergeOutcome.CONFLICT
     assert merged.why == why
     assert merged.line > 1
 
@@ -89,18 +89,18 @@ def test_broken_marks_are_a_conflict(before, after, why):
 def test_whole_files_are_the_user_s_once_changed():
     text = f"{FILE_STAMP}\none\n"
     made = again(None, text, has_regions=False).text
-    assert again(made, text, has_regions=False).fate is Fate.SAME
-    assert again(made, f"{FILE_STAMP}\ntwo\n", has_regions=False).fate is Fate.WRITE
+    assert again(made, text, has_regions=False).assignment is MergeOutcome.SAME
+    assert again(made, f"{FILE_STAMP}\ntwo\n", has_regions=False).assignment is MergeOutcome.WRITE
     changed = again(made.replace("one", "mine"), text, has_regions=False)
-    assert (changed.fate, changed.why) == (Fate.KEEP, "it was changed")
+    assert (changed.assignment, changed.why) == (MergeOutcome.KEEP, "it was changed")
     other = again("other\n", text, has_regions=False)
-    assert (other.fate, other.why) == (Fate.KEEP, "it was not made by rtbuild")
+    assert (other.assignment, other.why) == (MergeOutcome.KEEP, "it was not made by rtbuild")
 
 
 def test_marks_in_whole_files_mean_nothing():
     made = again(None, f"{FILE_STAMP}\none\n", has_regions=False).text
     mine = made + "# <user code a>\n"
-    assert again(mine, f"{FILE_STAMP}\none\n", has_regions=False).fate is Fate.KEEP
+    assert again(mine, f"{FILE_STAMP}\none\n", has_regions=False).assignment is MergeOutcome.KEEP
 
 
 def test_regions_are_split_with_their_lines():

@@ -15,11 +15,11 @@ from rtkit.builder.prepare import Sources
 from rtkit.builder.profile_of import profile_of
 from rtkit.component import Component, InPort, OutPort, Parameter, TimedLong
 from rtkit.component.kinds import kind_of
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.read import read_rtc
 from rtkit.profile.rtc_doc_model import ActionDoc, BasicDoc, ConfigurationDoc, DataPortDoc
-from rtkit.profile.rtc_model import Actions, ActionStatus, DataPort, RtcProfile
+from rtkit.profile.rtc_model import Actions, ActionStatus, DataPortDeclaration, RtcProfile
 from rtkit.profile.words import normal_data_type, property_value
 
 ROOT = Path(__file__).parents[3]
@@ -67,7 +67,7 @@ def carried(profile: RtcProfile) -> dict[str, Any]:
     }
 
 
-def port(each: DataPort) -> Any:
+def port(each: DataPortDeclaration) -> Any:
     doc = each.doc or DataPortDoc()
     kind = normal_data_type(each.type) or "Any"
     # Where the machine begins is told anew: some editors leave it to the order of the states.
@@ -185,7 +185,7 @@ def test_code_that_nobody_generated():
     assert info.description == "Do several things."
     assert info.doc == BasicDoc(description="At once.", creator="Me")
     assert (info.activity_type, info.execution_rate) == ("EVENTDRIVEN", None)
-    assert info.properties == (Property("a", "b"),)
+    assert info.properties == (ExtensionProperty("a", "b"),)
     into, out = profile.data_ports
     assert (into.type, into.unit, into.doc) == ("RTC::TimedLong", "m", DataPortDoc("How far"))
     assert (out.type, out.position, out.doc) == ("Any", "RIGHT", None)

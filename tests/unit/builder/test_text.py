@@ -8,11 +8,11 @@ import pytest
 
 from rtkit.builder import text
 from rtkit.builder.layout import (
-    Call,
-    Code,
-    Mapping,
-    Text,
-    Tuple,
+    CallExpression,
+    MappingExpression,
+    PlainExpression,
+    StringExpression,
+    TupleExpression,
     assigned,
     chained,
     constant,
@@ -109,22 +109,35 @@ LONG = "word " * 30
 
 
 def test_expressions_are_on_one_line_where_they_fit():
-    call = Call("f", [("", Code("1")), ("doc", Text("a"))])
+    call = CallExpression("f", [("", PlainExpression("1")), ("doc", StringExpression("a"))])
     assert assigned("x", call) == ['    x = f(1, doc="a")']
     assert assigned("x", constant((1, 2)), "") == ["x = (1, 2)"]
     assert assigned("x", constant((1,)), "") == ["x = (1,)"]
-    assert assigned("x", Mapping([("a", constant("b"))]), "") == ['x = {"a": "b"}']
+    assert assigned("x", MappingExpression([("a", constant("b"))]), "") == ['x = {"a": "b"}']
 
 
 @pytest.mark.parametrize(
     "node",
     [
-        Text(LONG),
-        Call("f", [("", Code("1")), ("doc", Text(LONG)), ("more", Text("a"))]),
-        Call("f", [("", Call("g", [("", Text(LONG))])), ("x", Tuple([Text(LONG)]))]),
-        Mapping([("a" * 120, Code("1")), ("b", Text(LONG))]),
+        StringExpression(LONG),
+        CallExpression(
+            "f",
+            [
+                ("", PlainExpression("1")),
+                ("doc", StringExpression(LONG)),
+                ("more", StringExpression("a")),
+            ],
+        ),
+        CallExpression(
+            "f",
+            [
+                ("", CallExpression("g", [("", StringExpression(LONG))])),
+                ("x", TupleExpression([StringExpression(LONG)])),
+            ],
+        ),
+        MappingExpression([("a" * 120, PlainExpression("1")), ("b", StringExpression(LONG))]),
         constant(tuple(range(60))),
-        Call("f", [("", Code("a" * 120))]),
+        CallExpression("f", [("", PlainExpression("a" * 120))]),
     ],
 )
 def test_long_expressions_are_split_and_mean_the_same(node):
@@ -137,24 +150,24 @@ def test_long_expressions_are_split_and_mean_the_same(node):
 
 
 def test_chains():
-    short = [Call("a", []), Call(".b", [("", Code("1"))])]
+    short = [CallExpression("a", []), CallExpression(".b", [("", PlainExpression("1"))])]
     assert chained("x", short, "") == ["x = a().b(1)"]
     assert chained("x", short[:1], "") == ["x = a()"]
-    assert chained("x", [*short, Call(".c", [])], "") == [
+    assert chained("x", [*short, CallExpression(".c", [])], "") == [
         "x = (",
         "    a()",
         "    .b(1)",
         "    .c()",
         ")",
     ]
-    last = [Call("a", []), Call(".b", [("", Text(LONG))])]
+    last = [CallExpression("a", []), CallExpression(".b", [("", StringExpression(LONG))])]
     assert chained("x", last, "")[0] == "x = a().b("
-    first = [Call("a", [("", Text(LONG))]), Call(".b", [])]
+    first = [CallExpression("a", [("", StringExpression(LONG))]), CallExpression(".b", [])]
     assert chained("x", first, "")[-1] == ").b()"
 
 
 def test_mappings_have_a_line_for_each_item():
-    assert mapping("x", [("a", Code("1"))], "") == ["x = {", '    "a": 1,', "}"]
+    assert mapping("x", [("a", PlainExpression("1"))], "") == ["x = {", '    "a": 1,', "}"]
 
 
 @pytest.mark.parametrize(

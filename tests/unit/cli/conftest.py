@@ -10,7 +10,7 @@ from typing import NamedTuple
 import pytest
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import LifeCycleState, Polarity, PortType
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile, TypeProfile
@@ -73,10 +73,10 @@ def _types() -> list[ComponentPattern]:
     ]
 
 
-def make_world() -> World:
+def make_world() -> FakeManager:
     """Return a world with components in the manager, in slaves, in a directory, and a zombie."""
     types = _types()
-    world = World(types, modules={"/mods/a.py": types[:1], "b.py": types[1:2]})
+    world = FakeManager(types, modules={"/mods/a.py": types[:1], "b.py": types[1:2]})
     for create, name in (
         ("Std?instance_name=Std0", ""),
         ("Output?instance_name=Output0", "localhost/local.host_cxt/Output0.rtc"),
@@ -96,7 +96,7 @@ def make_world() -> World:
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> FakeManager:
     return make_world()
 
 
@@ -123,7 +123,7 @@ def plain_environment(
 
 @pytest.fixture
 def run(
-    world: World, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    world: FakeManager, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[str], Outcome]:
     """Return what types a line as a shell takes it: ``NAME=VALUE command … && command …``."""
 

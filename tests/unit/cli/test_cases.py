@@ -15,21 +15,21 @@ from typing import Any, NamedTuple
 import pytest
 
 from rtkit.deployment.actions import Connect
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 FOLDER = Path(__file__).parent / "cases"
 WIRES = {"a": ("Std0", "Std0"), "b": ("Std0", "Input0"), "c": ("Output0", "Input0")}
 
 
-def give_machine(world: World, _place: Path, _patch: pytest.MonkeyPatch) -> None:
+def give_machine(world: FakeManager, _place: Path, _patch: pytest.MonkeyPatch) -> None:
     """Make Std0 a component with a state machine."""
     states = {"Off": {"toggle": "On"}, "On": {"toggle": "Off"}, "On.Dim": {}}
     events = {"toggle": "RTC::TimedShort", "more": "Mine::Event"}
     world.update("Std0", fsm_state="On.Dim", fsm_states=states, fsm_events=events)
 
 
-def give_files(_world: World, place: Path, patch: pytest.MonkeyPatch) -> None:
+def give_files(_world: FakeManager, place: Path, patch: pytest.MonkeyPatch) -> None:
     """Stand in a folder with copies of the files."""
     shutil.copytree(FOLDER.parent / "files", place, dirs_exist_ok=True)
     patch.chdir(place)
@@ -79,7 +79,7 @@ CASES = [case for file in sorted(FOLDER.glob("*.txt")) for case in read_cases(fi
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.line)
 def test_case(
     run: Callable[[str], Any],
-    world: World,
+    world: FakeManager,
     case: Case,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,

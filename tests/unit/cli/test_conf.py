@@ -12,13 +12,13 @@ from typing import Any
 import pytest
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 STD = "/localhost/Std0.rtc"
 
 
-def test_a_set_s_description_stands_in_brackets(world: World, run: Run) -> None:
+def test_a_set_s_description_stands_in_brackets(world: FakeManager, run: Run) -> None:
     slow = {"param": "1", "description": "slow and\nsafe"}
     fast = {"param": "2", "description": "fast"}
     world.update("Std0", sets={"default": slow, "fast": fast})
@@ -29,7 +29,7 @@ def test_a_set_s_description_stands_in_brackets(world: World, run: Run) -> None:
 
 
 @pytest.fixture
-def hinted(world: World) -> World:
+def hinted(world: FakeManager) -> FakeManager:
     world.update(
         "Std0",
         sets={
@@ -42,7 +42,7 @@ def hinted(world: World) -> World:
     return world
 
 
-def test_a_value_that_does_not_fit_is_not_sent(hinted: World, run: Run) -> None:
+def test_a_value_that_does_not_fit_is_not_sent(hinted: FakeManager, run: Run) -> None:
     told = "rtconf: gain cannot be 'x': it is no number\n"
     assert run(f"rtconf {STD} set gain x") == (1, "", told)
     told = "rtconf: gain cannot be '10': it is to be 0<=x<=9\n"
@@ -57,12 +57,12 @@ def test_a_value_that_does_not_fit_is_not_sent(hinted: World, run: Run) -> None:
     assert hinted.performed == []
 
 
-def test_hints_themselves_are_not_checked(hinted: World, run: Run) -> None:
+def test_hints_themselves_are_not_checked(hinted: FakeManager, run: Run) -> None:
     assert run(f"rtconf -a -s __constraints__ {STD} set gain x<99").status == 0
     assert run(f"rtconf {STD} set gain 50").status == 0
 
 
-def test_a_property_of_a_manager_is_set(world: World, run: Run) -> None:
+def test_a_property_of_a_manager_is_set(world: FakeManager, run: Run) -> None:
     assert run("rtconf /localhost/manager.mgr set a.b=1 c=x=y") == (0, "", "")
     assert (world.properties["a.b"], world.properties["c"]) == ("1", "x=y")
 
@@ -87,7 +87,7 @@ def test_hidden_sets_are_exported_on_demand(run: Run, tmp_path: Path) -> None:
     assert sorted(document["sets"]) == ["__hidden__", "default", "set1", "set2"]
 
 
-def test_differences_from_a_file(world: World, run: Run, tmp_path: Path) -> None:
+def test_differences_from_a_file(world: FakeManager, run: Run, tmp_path: Path) -> None:
     file = exported(run, f"-a {STD}", tmp_path)
     world.update("Std0", active_set="set1", sets={"default": {"new": "0"}, "set1": {"param": "7"}})
     assert run(f"rtconf {STD} diff {file}") == (
@@ -107,7 +107,7 @@ def test_differences_from_a_file(world: World, run: Run, tmp_path: Path) -> None
     assert [json.loads(each)["value_there"] for each in records] == ["1"]
 
 
-def test_only_what_differs_is_imported(world: World, run: Run, tmp_path: Path) -> None:
+def test_only_what_differs_is_imported(world: FakeManager, run: Run, tmp_path: Path) -> None:
     file = exported(run, STD, tmp_path)
     assert run(f"rtconf {STD} import {file}") == (0, "", "")
     assert world.performed == []
@@ -121,7 +121,9 @@ def test_only_what_differs_is_imported(world: World, run: Run, tmp_path: Path) -
     ]
 
 
-def test_a_change_of_the_active_set_is_seen_at_once(world: World, run: Run, tmp_path: Path) -> None:
+def test_a_change_of_the_active_set_is_seen_at_once(
+    world: FakeManager, run: Run, tmp_path: Path
+) -> None:
     file = exported(run, STD, tmp_path)
     run(f"rtconf {STD} set param 9")
     world.performed.clear()
@@ -132,7 +134,7 @@ def test_a_change_of_the_active_set_is_seen_at_once(world: World, run: Run, tmp_
     ]
 
 
-def test_one_set_of_a_file_is_imported(world: World, run: Run, tmp_path: Path) -> None:
+def test_one_set_of_a_file_is_imported(world: FakeManager, run: Run, tmp_path: Path) -> None:
     file = exported(run, STD, tmp_path)
     for name in ("set1", "set2"):
         run(f"rtconf -s {name} {STD} set param 9")
@@ -144,7 +146,7 @@ def test_one_set_of_a_file_is_imported(world: World, run: Run, tmp_path: Path) -
     assert run(f"rtconf -s set1 {STD} import {file}") == (1, "", told)
 
 
-def test_stdin_is_imported(world: World, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stdin_is_imported(world: FakeManager, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     document = {"sets": {"default": {"param": 2.5}, "set1": {"param": True}}}
     text = io.TextIOWrapper(io.BytesIO(json.dumps(document).encode()))
     monkeypatch.setattr(sys, "stdin", text)
@@ -174,7 +176,7 @@ def test_stdin_is_imported(world: World, run: Run, monkeypatch: pytest.MonkeyPat
     ],
 )
 def test_nothing_of_a_bad_file_is_imported(
-    world: World, run: Run, tmp_path: Path, text: str, why: str
+    world: FakeManager, run: Run, tmp_path: Path, text: str, why: str
 ) -> None:
     file = tmp_path / "bad.json"
     file.write_text(text)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 OUT, INTO = "/localhost/local.host_cxt/Output0.rtc:out", "/localhost/Std0.rtc:in"
@@ -22,17 +22,17 @@ def saved(run: Run, tmp_path: Path) -> Path:
     return file
 
 
-def test_what_is_missing_is_made(world: World, run: Run, saved: Path) -> None:
+def test_what_is_missing_is_made(world: FakeManager, run: Run, saved: Path) -> None:
     assert run(f"rtresurrect {saved}") == (0, "", "")
     assert sorted(world.connectors) == ["wire"]
 
 
-def test_the_same_connection_is_left_alone(world: World, run: Run, saved: Path) -> None:
+def test_the_same_connection_is_left_alone(world: FakeManager, run: Run, saved: Path) -> None:
     assert run(f"rtcon -i wire {OUT} {INTO} && rtresurrect {saved}") == (0, "", "")
     assert sorted(world.connectors) == ["wire"]
 
 
-def test_another_id_is_a_second_connection(world: World, run: Run, saved: Path) -> None:
+def test_another_id_is_a_second_connection(world: FakeManager, run: Run, saved: Path) -> None:
     assert run(f"rtcon -i other {OUT} {INTO} && rtresurrect {saved}") == (0, "", "")
     assert sorted(world.connectors) == ["other", "wire"]
 
@@ -45,7 +45,7 @@ def test_another_id_is_a_second_connection(world: World, run: Run, saved: Path) 
     ],
 )
 def test_an_id_in_use_for_something_else(
-    world: World, run: Run, saved: Path, line: str, why: str
+    world: FakeManager, run: Run, saved: Path, line: str, why: str
 ) -> None:
     assert run(line).status == 0
     before = dict(world.connectors)
@@ -56,7 +56,9 @@ def test_an_id_in_use_for_something_else(
     assert world.connectors == before
 
 
-def test_only_the_connection_of_that_id_is_removed(world: World, run: Run, saved: Path) -> None:
+def test_only_the_connection_of_that_id_is_removed(
+    world: FakeManager, run: Run, saved: Path
+) -> None:
     assert run(f"rtcon -i wire {OUT} {INTO} && rtcon -i other {OUT} {INTO}").status == 0
     assert (
         run(f"rtteardown --dry-run {saved}").out == f"Disconnect {OUT} from {INTO} with ID wire\n"

@@ -7,19 +7,19 @@ from dataclasses import replace
 from textwrap import dedent
 from typing import Any
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.profiles import ConnectorProfile, ModuleProfile, PortRef
 
 Run = Callable[[str], Any]
 
 
-def wire(world: World, connector_id: str, *ends: tuple[str, str], **properties: str) -> None:
+def wire(world: FakeManager, connector_id: str, *ends: tuple[str, str], **properties: str) -> None:
     ports = tuple(PortRef(*end) for end in ends)
     world.connectors[connector_id] = ConnectorProfile(connector_id, "in_out", ports, properties)
 
 
-def test_connections_are_folded_at_level_one(world: World, run: Run) -> None:
+def test_connections_are_folded_at_level_one(world: FakeManager, run: Run) -> None:
     wire(world, "w", ("Output0", "out"), ("Std0", "in"))
     assert run("rtcat -l /localhost/Std0.rtc:in").out == dedent("""\
         -DataInPort: in
@@ -28,7 +28,7 @@ def test_connections_are_folded_at_level_one(world: World, run: Run) -> None:
         """)
 
 
-def test_connections_are_unfolded_at_level_two(world: World, run: Run) -> None:
+def test_connections_are_unfolded_at_level_two(world: FakeManager, run: Run) -> None:
     wire(
         world,
         "connection_id0",
@@ -51,7 +51,7 @@ def test_connections_are_unfolded_at_level_two(world: World, run: Run) -> None:
         """)
 
 
-def test_third_parties_are_aligned_under_the_first(world: World, run: Run) -> None:
+def test_third_parties_are_aligned_under_the_first(world: FakeManager, run: Run) -> None:
     wire(world, "w", ("Std0", "out"), ("Input0", "in"), ("Err0", "in"))
     assert run("rtcat -l /localhost/Std0.rtc:out").out == dedent("""\
         -DataOutPort: out
@@ -61,20 +61,20 @@ def test_third_parties_are_aligned_under_the_first(world: World, run: Run) -> No
         """)
 
 
-def test_ports_that_nobody_knows_are_counted(world: World, run: Run) -> None:
+def test_ports_that_nobody_knows_are_counted(world: FakeManager, run: Run) -> None:
     wire(world, "w", ("Std0", "out"), ("Far0", "in"))
     assert run("rtcat -l /localhost/Std0.rtc:out").out.splitlines()[-1] == " (1 other connection)"
     wire(world, "v", ("Std0", "out"), ("Far1", "in"))
     assert run("rtcat -l /localhost/Std0.rtc:out").out.splitlines()[-1] == " (2 other connections)"
 
 
-def test_a_component_without_name_is_told_by_its_manager(world: World, run: Run) -> None:
+def test_a_component_without_name_is_told_by_its_manager(world: FakeManager, run: Run) -> None:
     world.update("Output0", names=())
     wire(world, "w", ("Output0", "out"), ("Std0", "in"))
     assert "/localhost/manager.mgr/Output0.rtc:out" in run("rtcat -l /localhost/Std0.rtc:in").out
 
 
-def test_properties_and_participants_unfold(world: World, run: Run) -> None:
+def test_properties_and_participants_unfold(world: FakeManager, run: Run) -> None:
     (context,) = world.components["Std0"].contexts
     changed = replace(
         context,
@@ -112,7 +112,7 @@ def test_properties_and_participants_unfold(world: World, run: Run) -> None:
     ]
 
 
-def test_a_manager_tells_its_modules(world: World, run: Run) -> None:
+def test_a_manager_tells_its_modules(world: FakeManager, run: Run) -> None:
     world.properties.update(
         {"manager.modules.load_path": "/mods", "os.name": "Linux", "manager.name": "manager"}
     )
@@ -136,6 +136,6 @@ def test_a_manager_tells_its_modules(world: World, run: Run) -> None:
     ]
 
 
-def test_a_property_s_last_character_may_be_a_blank(world: World, run: Run) -> None:
+def test_a_property_s_last_character_may_be_a_blank(world: FakeManager, run: Run) -> None:
     world.update("Std0", properties={"note": "\u3000wide\u3000"})
     assert "  note  \u3000wide\n" in run("rtcat -ll /localhost/Std0.rtc").out

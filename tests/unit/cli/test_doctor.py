@@ -14,7 +14,7 @@ from rtkit.cli.doctor import data_link, folders, installation, live
 from rtkit.cli.doctor.diagnosis import ERROR, NOTE, OK, WARNING, Diagnosis
 from rtkit.cli.rtdoctor import main
 from rtkit.deployment.facts import ProcessFacts, Snapshot
-from rtkit.deployment.listing import Listing, Row
+from rtkit.deployment.listing import Listing, ListingRow
 from rtkit.errors import Unreachable
 from rtkit.version import __version__
 
@@ -155,12 +155,14 @@ def test_what_killed_processes_left(place: Path) -> None:
     assert "live on: 1" in next(folders.remains()).text
 
 
-def listing(*rows: Row, slaves: tuple[tuple[str, str, str], ...] = ()) -> Listing:
+def listing(*rows: ListingRow, slaves: tuple[tuple[str, str, str], ...] = ()) -> Listing:
     return Listing("box", "m", 1, slaves, rows)
 
 
-def row(name: str, state: str = "Inactive", **more: str) -> Row:
-    plain = Row(name, state, 0, 0, 0, 0, 0, 0, "m", "", "", False, (f"localhost/{name}.rtc",))
+def row(name: str, state: str = "Inactive", **more: str) -> ListingRow:
+    plain = ListingRow(
+        name, state, 0, 0, 0, 0, 0, 0, "m", "", "", False, (f"localhost/{name}.rtc",)
+    )
     return plain._replace(**more)  # type: ignore[arg-type]
 
 
@@ -195,7 +197,7 @@ def test_a_manager_of_another_version() -> None:
     ],
 )
 def test_doors(address: str, properties: dict[str, str], asked: str, wanted: str) -> None:
-    (found,) = live.door("m", address, properties, asked)
+    (found,) = live.endpoint("m", address, properties, asked)
     assert found.severity == wanted
 
 

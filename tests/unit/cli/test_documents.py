@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 FILES = Path(__file__).parent / "files"
@@ -29,7 +29,7 @@ DOC = {
 
 
 @pytest.fixture
-def documented(world: World) -> World:
+def documented(world: FakeManager) -> FakeManager:
     sets = {"default": {"param": "0"}, "__doc__": DOC, "__description__": {"param": "How many"}}
     world.update("Std0", sets=sets)
     return world
@@ -39,7 +39,7 @@ def titles(text: str) -> list[str]:
     return [line.removeprefix("## ") for line in text.splitlines() if line.startswith("## ")]
 
 
-def test_what_a_component_documents_itself(documented: World, run: Run) -> None:
+def test_what_a_component_documents_itself(documented: FakeManager, run: Run) -> None:
     text = run(f"rtdoc -f markdown {STD}").out
     assert titles(text) == [
         "Introduction",
@@ -53,7 +53,7 @@ def test_what_a_component_documents_itself(documented: World, run: Run) -> None:
         assert word in text
 
 
-def test_the_order_that_a_component_asks_for(documented: World, run: Run) -> None:
+def test_the_order_that_a_component_asks_for(documented: FakeManager, run: Run) -> None:
     doc = {**DOC, "__order__": "config, tips, nothing"}
     documented.update("Std0", sets={"default": {"param": "0"}, "__doc__": doc})
     done = run(f"rtdoc -f markdown {STD}")
@@ -62,7 +62,7 @@ def test_the_order_that_a_component_asks_for(documented: World, run: Run) -> Non
 
 
 @pytest.mark.parametrize("form", ["html", "rst", "latex", "markdown", "text"])
-def test_every_form_says_the_same(documented: World, run: Run, form: str) -> None:
+def test_every_form_says_the_same(documented: FakeManager, run: Run, form: str) -> None:
     text = run(f"rtdoc -f {form} {STD}").out
     for word in ("Std", "Apache", "Turn it on.", "Changelog", "How many"):
         assert word in text
@@ -72,7 +72,7 @@ def test_every_form_says_the_same(documented: World, run: Run, form: str) -> Non
         etree.fromstring(text.encode())
 
 
-def test_pictures(documented: World, run: Run, tmp_path: Path) -> None:
+def test_pictures(documented: FakeManager, run: Run, tmp_path: Path) -> None:
     assert "<svg" in run(f"rtdoc -g {STD}").out
     assert "<svg" not in run(f"rtdoc {STD}").out
     assert "   digraph component {" in run(f"rtdoc -f rst -g {STD}").out

@@ -13,7 +13,7 @@ from rtkit.cli.rtact import main as rtact
 from rtkit.cli.rtmgr import main as rtmgr
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode, Transition
 from rtkit.rtc.profiles import PortRef
 from rtkit.tree.fake import fake_tree
@@ -29,7 +29,7 @@ STD, INPUT, OUTPUT = (
 class Batches:
     """A tree that remembers the batches that went through it."""
 
-    def __init__(self, world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self, world: FakeManager, monkeypatch: pytest.MonkeyPatch) -> None:
         self.sent: list[tuple[int, bool]] = []
         self.tree = fake_tree(world)
         apply = self.tree.apply
@@ -42,33 +42,35 @@ class Batches:
 
 
 @pytest.fixture
-def batches(world: World, monkeypatch: pytest.MonkeyPatch) -> Batches:
+def batches(world: FakeManager, monkeypatch: pytest.MonkeyPatch) -> Batches:
     return Batches(world, monkeypatch)
 
 
-def test_components_are_activated_in_one_unordered_batch(world: World, batches: Batches) -> None:
+def test_components_are_activated_in_one_unordered_batch(
+    world: FakeManager, batches: Batches
+) -> None:
     assert rtact([STD, OUTPUT, INPUT], tree=batches.tree) == 0
     assert batches.sent == [(3, False)]
     assert [world.state_of(name) for name in ("Std0", "Output0", "Input0")] == ["Active"] * 3
 
 
-def test_the_default_context_is_the_first_one_only(world: World, run: Run) -> None:
+def test_the_default_context_is_the_first_one_only(world: FakeManager, run: Run) -> None:
     assert run(f"rtact {INPUT}").status == 0
     assert world.performed == [act.ChangeState("Input0", "0", Transition.ACTIVATE, True)]
 
 
-def test_a_context_is_chosen_by_its_place(world: World, run: Run) -> None:
+def test_a_context_is_chosen_by_its_place(world: FakeManager, run: Run) -> None:
     assert run(f"rtact -e 1 --no-wait {INPUT}").status == 0
     assert world.performed == [act.ChangeState("Input0", "slow", Transition.ACTIVATE, False)]
 
 
-def test_all_contexts_are_addressed_by_all(world: World, run: Run) -> None:
+def test_all_contexts_are_addressed_by_all(world: FakeManager, run: Run) -> None:
     assert run(f"rtact -e all {INPUT}").status == 0
     states = [context.state for context in world.components["Input0"].contexts]
     assert states == [LifeCycleState.ACTIVE] * 2
 
 
-def test_a_component_without_context_has_none_to_activate(world: World, run: Run) -> None:
+def test_a_component_without_context_has_none_to_activate(world: FakeManager, run: Run) -> None:
     world.update("Std0", contexts=())
     told = f"rtact: Bad execution context index: 0 ({STD} has 0)\n"
     assert run(f"rtact {STD}").err == told
@@ -93,13 +95,13 @@ def test_a_component_without_context_has_none_to_activate(world: World, run: Run
     ],
 )
 def test_nothing_changes_when_a_part_of_the_line_is_wrong(
-    world: World, run: Run, line: str
+    world: FakeManager, run: Run, line: str
 ) -> None:
     assert run(line).status != 0
     assert world.performed == []
 
 
-def test_one_refusal_does_not_keep_others_from_the_state(world: World, run: Run) -> None:
+def test_one_refusal_does_not_keep_others_from_the_state(world: FakeManager, run: Run) -> None:
     assert run(f"rtact /localhost/Err0.rtc {STD}").status == 1
     assert world.state_of("Std0") == "Active"
 
@@ -107,7 +109,7 @@ def test_one_refusal_does_not_keep_others_from_the_state(world: World, run: Run)
 # wiring
 
 
-def test_a_connector_has_the_defaults_and_its_out_port_first(world: World, run: Run) -> None:
+def test_a_connector_has_the_defaults_and_its_out_port_first(world: FakeManager, run: Run) -> None:
     assert run(f"rtcon -i id -p a.b=c=d {STD}:in {OUTPUT}:out").status == 0
     wire = world.connectors["id"]
     assert wire.name == "in_out"
@@ -121,19 +123,19 @@ def test_a_connector_has_the_defaults_and_its_out_port_first(world: World, run: 
     }
 
 
-def test_a_service_connector_says_that_it_is_one(world: World, run: Run) -> None:
+def test_a_service_connector_says_that_it_is_one(world: FakeManager, run: Run) -> None:
     assert run("rtcon -n calls /localhost/Adder0.rtc:offer /localhost/User0.rtc:need").status == 0
     (wire,) = world.connectors.values()
     assert (wire.name, wire.properties) == ("calls", {"port.port_type": "CorbaPort"})
 
 
-def test_each_connector_gets_an_id_of_its_own(world: World, run: Run) -> None:
+def test_each_connector_gets_an_id_of_its_own(world: FakeManager, run: Run) -> None:
     for _ in range(2):
         assert run(f"rtcon {STD}:out {INPUT}:in").status == 0
     assert len(world.connectors) == 2
 
 
-def test_more_ports_are_each_connected_to_the_first(world: World, run: Run) -> None:
+def test_more_ports_are_each_connected_to_the_first(world: FakeManager, run: Run) -> None:
     assert run(f"rtcon -i w {STD}:out {INPUT}:in {STD}:in /localhost/Err0.rtc:in").status == 0
     made = {name: wire.ports[1] for name, wire in world.connectors.items()}
     assert made == {
@@ -143,7 +145,7 @@ def test_more_ports_are_each_connected_to_the_first(world: World, run: Run) -> N
     }
 
 
-def test_either_all_connectors_are_made_or_none(world: World, run: Run) -> None:
+def test_either_all_connectors_are_made_or_none(world: FakeManager, run: Run) -> None:
     world.fault = lambda action: (
         Result(ReturnCode.ERROR, "refused", "the port is full")
         if isinstance(action, act.Connect) and action.connector.connector_id == "w-2"
@@ -154,7 +156,7 @@ def test_either_all_connectors_are_made_or_none(world: World, run: Run) -> None:
     assert world.connectors == {}
 
 
-def test_a_connection_that_was_there_survives_a_failure(world: World, run: Run) -> None:
+def test_a_connection_that_was_there_survives_a_failure(world: FakeManager, run: Run) -> None:
     assert run(f"rtcon -i w {STD}:out {INPUT}:in").status == 0
     assert run(f"rtcon -i w-2 {STD}:out /localhost/Err0.rtc:in").status == 0
     assert run(f"rtcon -i w {STD}:out {INPUT}:in {STD}:in").status == 1
@@ -173,7 +175,7 @@ def test_no_duplicates_of_the_same_ports(run: Run, options: str, why: str) -> No
     assert run(f"rtcon -d {options} {STD}:out {INPUT}:in") == (1, "", f"rtcon: {why}\n")
 
 
-def test_no_duplicates_of_id_or_name(world: World, run: Run) -> None:
+def test_no_duplicates_of_id_or_name(world: FakeManager, run: Run) -> None:
     assert run(f"rtcon -i w -n wire {STD}:out {INPUT}:in").status == 0
     other = f"{STD}:out {STD}:in"
     assert run(f"rtcon -d -i w {other}").err == "rtcon: A connection with ID w already exists\n"
@@ -188,7 +190,7 @@ def test_verbose_tells_what_was_connected(run: Run) -> None:
     assert outcome == (0, "", "Std0.out -> Input0.in: w\n")
 
 
-def test_a_connection_gone_meanwhile_is_no_failure(world: World, run: Run) -> None:
+def test_a_connection_gone_meanwhile_is_no_failure(world: FakeManager, run: Run) -> None:
     assert run(f"rtcon -i w {STD}:out {INPUT}:in").status == 0
     world.fault = lambda action: (
         Result(ReturnCode.BAD_PARAMETER, "not-found", "no connection with id w")
@@ -198,7 +200,7 @@ def test_a_connection_gone_meanwhile_is_no_failure(world: World, run: Run) -> No
     assert run(f"rtdis {STD}") == (0, "", "")
 
 
-def test_connections_that_remain_are_told(world: World, run: Run) -> None:
+def test_connections_that_remain_are_told(world: FakeManager, run: Run) -> None:
     assert run(f"rtcon -i w {STD}:out {INPUT}:in {STD}:in").status == 0
     world.fault = lambda action: (
         Result(ReturnCode.ERROR, "unreachable", "no answer from slave1 in time")
@@ -212,7 +214,7 @@ def test_connections_that_remain_are_told(world: World, run: Run) -> None:
 # configuration
 
 
-def test_several_parameters_are_set_at_once(world: World, run: Run) -> None:
+def test_several_parameters_are_set_at_once(world: FakeManager, run: Run) -> None:
     world.update("Std0", sets={"default": {"a": "1", "b": "2"}, "other": {"a": "3"}})
     assert run(f"rtconf {STD} set a=-1 b=x=y").status == 0
     assert world.performed == [
@@ -222,14 +224,14 @@ def test_several_parameters_are_set_at_once(world: World, run: Run) -> None:
     assert world.components["Std0"].sets["other"] == {"a": "3"}
 
 
-def test_a_set_that_is_not_active_is_not_activated(world: World, run: Run) -> None:
+def test_a_set_that_is_not_active_is_not_activated(world: FakeManager, run: Run) -> None:
     assert run(f"rtconf -s set1 {STD} set param 7").status == 0
     assert world.performed == [act.SetParameters("Std0", "set1", {"param": "7"})]
 
 
 @pytest.mark.parametrize("value", ["-5", "-.5", "-0.5,1", "a=b", "", "ü\n"])
 def test_values_are_kept_as_they_are(
-    world: World, capsys: pytest.CaptureFixture[str], value: str
+    world: FakeManager, capsys: pytest.CaptureFixture[str], value: str
 ) -> None:
     from rtkit.cli.rtconf import main as rtconf
 
@@ -242,7 +244,7 @@ def test_values_are_kept_as_they_are(
 # managers
 
 
-def test_commands_travel_in_the_order_of_the_line(world: World, batches: Batches) -> None:
+def test_commands_travel_in_the_order_of_the_line(world: FakeManager, batches: Batches) -> None:
     line = ["-c", "Std?instance_name=x", "-d", "x", "-l", "/mods/a.py:aInit", "-c", "Output"]
     assert rtmgr([*line, "/localhost/manager.mgr", "-u", "/mods/a.py"], tree=batches.tree) == 0
     kinds = [type(action).__name__ for action in world.performed]
@@ -257,21 +259,21 @@ def test_a_question_between_commands_sees_what_is_done_so_far(run: Run) -> None:
     assert len(lines) == 9 + 8
 
 
-def test_commands_after_a_failure_are_not_done(world: World, run: Run) -> None:
+def test_commands_after_a_failure_are_not_done(world: FakeManager, run: Run) -> None:
     outcome = run("rtmgr -c Std --print -c Nix -c Std /localhost/manager.mgr -r")
     assert outcome.out == "/localhost/Std1.rtc\n"
     assert outcome.status == 1
     assert [type(action) for action in world.performed] == [act.Create, act.Create]
 
 
-def test_a_slave_s_path_places_components_there(world: World, run: Run) -> None:
+def test_a_slave_s_path_places_components_there(world: FakeManager, run: Run) -> None:
     assert run("rtmgr -c Std /localhost/manager.mgr/slave1.mgr").status == 0
     assert world.components["Std1"].process == "slave1"
     assert run("rtmgr -c Std?manager_name=slave9 /localhost/manager.mgr/slave1.mgr").status == 0
     assert world.components["Std2"].process == "slave9"
 
 
-def test_a_slave_s_path_deletes_only_what_is_there(world: World, run: Run) -> None:
+def test_a_slave_s_path_deletes_only_what_is_there(world: FakeManager, run: Run) -> None:
     run("rtmgr -c Std /localhost/manager.mgr/slave1.mgr")
     run("rtmgr -c Std?manager_name=slave9 /localhost/manager.mgr/slave1.mgr")
     outcome = run("rtmgr -d Std2 /localhost/manager.mgr/slave1.mgr")
@@ -282,7 +284,7 @@ def test_a_slave_s_path_deletes_only_what_is_there(world: World, run: Run) -> No
     assert "Std1" not in world.components
 
 
-def test_modules_from_here_are_named_in_full(world: World, run: Run) -> None:
+def test_modules_from_here_are_named_in_full(world: FakeManager, run: Run) -> None:
     run("rtmgr -l ./x.py:xInit /localhost/manager.mgr")
     run("rtmgr -l x.py:xInit /localhost/manager.mgr")
     run("rtmgr -u ../x.py /localhost/manager.mgr")
@@ -293,7 +295,7 @@ def test_modules_from_here_are_named_in_full(world: World, run: Run) -> None:
     ]
 
 
-def test_a_module_path_may_have_colons(world: World, run: Run) -> None:
+def test_a_module_path_may_have_colons(world: FakeManager, run: Run) -> None:
     run("rtmgr -l C:/mods/x.py:xInit /localhost/manager.mgr")
     assert world.performed == [act.Load("C:/mods/x.py", "xInit")]
 
@@ -323,7 +325,7 @@ RTC = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def test_a_profile_makes_a_stand_in(world: World, run: Run, tmp_path: Path) -> None:
+def test_a_profile_makes_a_stand_in(world: FakeManager, run: Run, tmp_path: Path) -> None:
     file = tmp_path / "Wheel.xml"
     file.write_text(RTC)
     line = f"rtmgr --print -c {file}?instance_name=Left&manager_name=slave1"
@@ -346,7 +348,7 @@ def test_a_profile_makes_a_stand_in(world: World, run: Run, tmp_path: Path) -> N
     assert made.contexts[0].rate == 50.0
 
 
-def test_a_stand_in_is_marked(world: World, run: Run) -> None:
+def test_a_stand_in_is_marked(world: FakeManager, run: Run) -> None:
     world.update("Std0", is_stand_in=True)
     world.update("Text0", is_stand_in=True, trouble="stopped")
     out = run("rtls -l /localhost").out
@@ -415,7 +417,7 @@ def test_the_working_directory_in_the_tree_is_respected(
     assert run("rtcat No.rtc").err == "rtcat: No such object: No.rtc\n"
 
 
-def test_a_refusal_names_what_was_typed_only(world: World, run: Run) -> None:
+def test_a_refusal_names_what_was_typed_only(world: FakeManager, run: Run) -> None:
     world.fault = lambda _: Result(
         ReturnCode.PRECONDITION_NOT_MET, "refused", "precondition not met (state is Error): Std0"
     )
@@ -424,7 +426,7 @@ def test_a_refusal_names_what_was_typed_only(world: World, run: Run) -> None:
 
 
 def test_what_was_there_otherwise_is_told(
-    world: World, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    world: FakeManager, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     tree = fake_tree(world)
     note = "Std0 exists already, as Input in slave1: nothing was made"
@@ -433,7 +435,9 @@ def test_what_was_there_otherwise_is_told(
     assert capsys.readouterr() == ("/localhost/Std0.rtc\n", f"rtmgr: note: {note}\n")
 
 
-def test_properties_of_connections_that_are_not_known_are_warned_of(run: Run, world: World) -> None:
+def test_properties_of_connections_that_are_not_known_are_warned_of(
+    run: Run, world: FakeManager
+) -> None:
     odd = "unknown connector property: dataport.bufer.length (did you mean dataport.buffer.length?)"
     line = f"-p dataport.bufer.length=3 -i id {STD}:in {OUTPUT}:out"
     assert run(f"rtcon --strict {line}") == (1, "", f"rtcon: {odd}\n")

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 OUT, INTO = "/localhost/local.host_cxt/Output0.rtc:out", "/localhost/Std0.rtc:in"
@@ -35,7 +35,7 @@ def test_yaml_is_written(saved: Path) -> None:
     ]
 
 
-def test_what_was_saved_comes_back(world: World, run: Run, saved: Path) -> None:
+def test_what_was_saved_comes_back(world: FakeManager, run: Run, saved: Path) -> None:
     assert run(f"rtcheck --yaml -s inactive {saved}") == (0, "", "")
     assert run(f"rtteardown -y {saved}") == (0, "", "")
     assert world.connectors == {}

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 STD = "/localhost/Std0.rtc"
@@ -23,12 +23,12 @@ CHART = """<?xml version="1.0"?>
 
 
 @pytest.fixture
-def machine(world: World) -> World:
+def machine(world: FakeManager) -> FakeManager:
     world.update("Std0", fsm_state="Off", fsm_states={"Off": {}}, fsm_events={})
     return world
 
 
-def test_a_structure_is_taken_from_a_file(machine: World, run: Run, tmp_path: Path) -> None:
+def test_a_structure_is_taken_from_a_file(machine: FakeManager, run: Run, tmp_path: Path) -> None:
     file = tmp_path / "chart.scxml"
     file.write_text(CHART)
     assert run(f"rtfsm {STD} setstructure {file}") == (0, "", "")
@@ -39,7 +39,7 @@ def test_a_structure_is_taken_from_a_file(machine: World, run: Run, tmp_path: Pa
 
 
 def test_what_was_printed_can_be_read_again(
-    machine: World, run: Run, monkeypatch: pytest.MonkeyPatch
+    machine: FakeManager, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     states = {"On": {"toggle": "Off"}, "On.Dim": {"up": "On.Full"}, "On.Full": {}, "Off": {}}
     machine.update("Std0", fsm_states=states)
@@ -52,7 +52,7 @@ def test_what_was_printed_can_be_read_again(
 
 
 def test_a_file_that_cannot_be_used_changes_nothing(
-    machine: World, run: Run, tmp_path: Path
+    machine: FakeManager, run: Run, tmp_path: Path
 ) -> None:
     file = tmp_path / "bad.scxml"
     for text, why in (("<scxml", ":1: "), (CHART.replace('target="B"', 'target="C"'), ":3: no st")):

@@ -31,7 +31,7 @@ LINES = [
 SCRIPT = """
 import importlib, os, sys
 from rtkit.cli import COMMANDS
-import rtkit.cli.prompt.answer, rtkit.cli.prompt.grammar
+import rtkit.cli.completion.answer, rtkit.cli.completion.grammar
 for name in COMMANDS.values():
     importlib.import_module(f"rtkit.cli.{name}")
 for line in sys.stdin.read().splitlines():

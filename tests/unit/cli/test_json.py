@@ -17,10 +17,10 @@ from rtkit.component.codec import codec_for
 from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.literal import Literal
 from rtkit.component.types import Time, TimedDouble, TimedLong
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.probe.tap import Arrival
-from rtkit.recording.entries import Channel, Entry
-from rtkit.recording.mcap_file import Writer
+from rtkit.recording.entries import RecordedStream, RecordedValue
+from rtkit.recording.mcap_file import RecordingWriter
 
 Run = Callable[[str], Any]
 ROOT = Path(__file__).parents[3]
@@ -132,7 +132,7 @@ def test_the_words_of_rtmgr(capsys: pytest.CaptureFixture[str]) -> None:
     assert {jsonrecords.kind_of(record) for record in records} == {"manager-status"}
 
 
-def test_a_state_machine(world: World, run: Run) -> None:
+def test_a_state_machine(world: FakeManager, run: Run) -> None:
     world.update(
         "Std0", fsm_states={"off": {"toggle": "on"}, "on": {}}, fsm_events={"toggle": "RTC::X"}
     )
@@ -161,13 +161,13 @@ def test_profiles(run: Run) -> None:
 
 def test_recordings(tmp_path: Path, run: Run) -> None:
     file = tmp_path / "run.mcap"
-    with file.open("wb") as stream, Writer(stream) as writer:
+    with file.open("wb") as stream, RecordingWriter(stream) as writer:
         for name in ("full", "empty"):
-            writer.add_channel(Channel(name, "IDL:RTC/TimedLong:1.0", ("/a",)), TimedLong)
+            writer.add_channel(RecordedStream(name, "IDL:RTC/TimedLong:1.0", ("/a",)), TimedLong)
         for number in range(3):
             payload = codec_for(TimedLong).encode(TimedLong(Time(number, 5), number))
             stamp = number * 1_000_000_000 + 5
-            writer.write(Entry("full", stamp, 7_000_000_000 + number, payload))
+            writer.write(RecordedValue("full", stamp, 7_000_000_000 + number, payload))
     (record,) = jsonrecords.checked(run(f"rtlog --info --json -f {file}").out)
     assert jsonrecords.kind_of(record) == "recording"
     assert (record["first"], record["last"]) == (
@@ -181,12 +181,12 @@ def test_recordings(tmp_path: Path, run: Run) -> None:
 
 def test_exports(tmp_path: Path, run: Run) -> None:
     file = tmp_path / "run.mcap"
-    with file.open("wb") as stream, Writer(stream) as writer:
-        writer.add_channel(Channel("s", "IDL:RTC/TimedPose2D:1.0", ("/a",)), TimedPose2D)
+    with file.open("wb") as stream, RecordingWriter(stream) as writer:
+        writer.add_channel(RecordedStream("s", "IDL:RTC/TimedPose2D:1.0", ("/a",)), TimedPose2D)
         for number in range(3):
             pose = TimedPose2D(Time(number, 5), Pose2D(Point2D(number, -1), 0.5))
             payload = codec_for(TimedPose2D).encode(pose)
-            writer.write(Entry("s", number * 10**9 + 5, 7 * 10**9 + number, payload))
+            writer.write(RecordedValue("s", number * 10**9 + 5, 7 * 10**9 + number, payload))
     records = jsonrecords.checked(run(f"rtlog --export json -f {file}").out)
     assert [record["value"]["data"]["position"]["x"] for record in records] == [0, 1, 2]
     assert records[0]["received"] == "1970-01-01T00:00:07.000000000Z"

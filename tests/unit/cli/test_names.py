@@ -13,7 +13,7 @@ import pytest
 from rtkit.cli.rtcwd import main as rtcwd
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import ReturnCode
 from rtkit.tree.fake import fake_tree
 
@@ -26,7 +26,9 @@ def found(run: Run, name: str) -> list[str]:
     return lines
 
 
-def test_a_component_without_a_name_is_found_below_its_manager(world: World, run: Run) -> None:
+def test_a_component_without_a_name_is_found_below_its_manager(
+    world: FakeManager, run: Run
+) -> None:
     assert run("rtdel /localhost/Input0.rtc").status == 0
     assert found(run, "Input0.rtc") == [
         "/localhost/manager.mgr/Input0.rtc",
@@ -35,13 +37,13 @@ def test_a_component_without_a_name_is_found_below_its_manager(world: World, run
     assert world.state_of("Input0") == "Inactive"
 
 
-def test_one_name_of_several_goes(world: World, run: Run) -> None:
+def test_one_name_of_several_goes(world: FakeManager, run: Run) -> None:
     world.update("Std0", names=("localhost/a/Std0.rtc", "box/b/Std0.rtc"))
     assert run("rtdel /localhost/b/Std0.rtc").status == 0
     assert world.components["Std0"].names == ("localhost/a/Std0.rtc",)
 
 
-def test_a_directory_goes_with_every_name_in_it(world: World, run: Run) -> None:
+def test_a_directory_goes_with_every_name_in_it(world: FakeManager, run: Run) -> None:
     world.update("Std0", names=("localhost/dir/in/Std0.rtc", "localhost/dir2/Std0.rtc"))
     world.update("Text0", names=("localhost/dir/Text0.rtc",))
     world.names = (*world.names, "localhost/dir/manager.mgr")
@@ -52,19 +54,19 @@ def test_a_directory_goes_with_every_name_in_it(world: World, run: Run) -> None:
     assert world.names == ("localhost/manager.mgr",)
 
 
-def test_a_manager_without_a_name_still_answers(world: World, run: Run) -> None:
+def test_a_manager_without_a_name_still_answers(world: FakeManager, run: Run) -> None:
     assert run("rtdel /localhost/manager.mgr").status == 0
     assert "manager.mgr" not in run("rtls /localhost").out
     assert run("rtls /localhost/Std0.rtc").status == 0
 
 
-def test_zombies_go_with_their_last_name(world: World, run: Run) -> None:
+def test_zombies_go_with_their_last_name(world: FakeManager, run: Run) -> None:
     assert run("rtdel -z /localhost/Zombie0.rtc").status == 0
     assert "Zombie0" not in world.components
     assert "slave2" not in world.processes
 
 
-def test_all_zombies_go_and_nothing_that_lives(world: World, run: Run) -> None:
+def test_all_zombies_go_and_nothing_that_lives(world: FakeManager, run: Run) -> None:
     world.perform(act.Create("Std?instance_name=Nameless&manager_name=slave3"))
     world.update("Nameless", names=())
     world.update("Zombie0", names=("localhost/a/Z.rtc", "localhost/b/Z.rtc"))
@@ -76,26 +78,26 @@ def test_all_zombies_go_and_nothing_that_lives(world: World, run: Run) -> None:
     assert run("rtdel -z") == (0, "", "")
 
 
-def test_a_zombie_that_came_back_is_not_deleted(world: World, run: Run) -> None:
+def test_a_zombie_that_came_back_is_not_deleted(world: FakeManager, run: Run) -> None:
     world.fault = lambda action: world.update("Zombie0", zombie="")  # type: ignore[func-returns-value]
     told = "rtdel: no zombie is registered as /localhost/Zombie0.rtc\n"
     assert run("rtdel -z") == (1, "", told)
     assert world.components["Zombie0"].names == ("localhost/Zombie0.rtc",)
 
 
-def test_a_name_gone_meanwhile_is_no_failure(world: World, run: Run) -> None:
+def test_a_name_gone_meanwhile_is_no_failure(world: FakeManager, run: Run) -> None:
     world.fault = lambda _: Result(ReturnCode.BAD_PARAMETER, "not-found", "nothing is there")
     assert run("rtdel /localhost/Std0.rtc") == (0, "", "")
 
 
-def test_nothing_remains_of_what_was_ended(world: World, run: Run) -> None:
+def test_nothing_remains_of_what_was_ended(world: FakeManager, run: Run) -> None:
     assert run("rtcon /localhost/Std0.rtc:out /localhost/Input0.rtc:in").status == 0
     assert run("rtexit /localhost/Std0.rtc").status == 0
     assert found(run, "Std0.rtc") == []
     assert world.connectors == {}
 
 
-def test_why_a_component_does_not_end_is_told(world: World, run: Run) -> None:
+def test_why_a_component_does_not_end_is_told(world: FakeManager, run: Run) -> None:
     world.fault = lambda _: Result(ReturnCode.ERROR, "unreachable", "no answer from slave1 in time")
     outcome = run("rtexit /localhost/Input0.rtc")
     assert outcome == (1, "", "rtexit: no answer from slave1 in time\n")
@@ -106,7 +108,7 @@ def test_why_a_component_does_not_end_is_told(world: World, run: Run) -> None:
 )
 @pytest.mark.parametrize("shell", SHELLS)
 def test_no_shell_takes_a_name_for_its_own(
-    world: World,
+    world: FakeManager,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     shell: str,

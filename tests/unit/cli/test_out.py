@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rtkit.cli import _out
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 
@@ -124,7 +124,7 @@ def test_what_steers_a_terminal_is_escaped(text: str, shown: str) -> None:
 
 @pytest.mark.usefixtures("terminal")
 def test_a_value_is_escaped_for_a_terminal_only(
-    world: World, run: Run, monkeypatch: pytest.MonkeyPatch
+    world: FakeManager, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     world.update("Std0", sets={"default": {"param": "a\x1b[2Jb"}})
     line = shlex.join(["rtconf", "/localhost/Std0.rtc", "get", "param"])

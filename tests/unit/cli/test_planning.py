@@ -14,6 +14,7 @@ import pytest
 from rtkit.cli import rtapply, rtplan, rtresurrect
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.planning.costs import (
     ENOUGH,
     Mean,
@@ -21,7 +22,6 @@ from rtkit.deployment.planning.costs import (
     times_from_text,
     times_to_text,
 )
-from rtkit.deployment.world import World
 from rtkit.errors import Unreachable
 from rtkit.rtc.enums import LifeCycleState, PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
@@ -58,9 +58,9 @@ PROPERTY = '<rtsExt:Properties rtsExt:name="{}" rtsExt:value="{}"/>'
 LONG = "IDL:RTC/TimedLong:1.0"
 
 
-def make_world(*, sink_type: str = LONG) -> World:
+def make_world(*, sink_type: str = LONG) -> FakeManager:
     sets = {"default": {"gain": "1", "mode": "a"}}
-    return World(
+    return FakeManager(
         [
             ComponentPattern(
                 TypeProfile(kind, "Me", "test", "1.0"),

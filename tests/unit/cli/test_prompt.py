@@ -15,18 +15,18 @@ import click
 import pytest
 
 from rtkit.cli import COMMANDS
-from rtkit.cli._group import Group
-from rtkit.cli.prompt import grammar
-from rtkit.cli.prompt.answer import candidates, complete, shown
-from rtkit.cli.prompt.candidates import Files
-from rtkit.cli.prompt.files import named
-from rtkit.cli.prompt.fitting import is_fit
-from rtkit.cli.prompt.grammar import ask
-from rtkit.cli.prompt.kinds import KINDS
-from rtkit.cli.prompt.line import quoted, read
+from rtkit.cli._group import CommandGroup
+from rtkit.cli.completion import grammar
+from rtkit.cli.completion.answer import candidates, complete, shown
+from rtkit.cli.completion.argument_types import KINDS
+from rtkit.cli.completion.candidates import Files
+from rtkit.cli.completion.files import named
+from rtkit.cli.completion.fitting import is_fit
+from rtkit.cli.completion.grammar import ask
+from rtkit.cli.completion.line import quoted, read
 from rtkit.component.check import refusal
-from rtkit.deployment.world import World
-from rtkit.rtc.plain import encode
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.rtc.serde import encode
 from rtkit.tree.fake import fake_tree
 
 BREAKS = " \t\n\"'><=;|&(:"
@@ -67,7 +67,7 @@ def all_commands() -> list[tuple[str, click.Command]]:
     for name in COMMANDS.values():
         command = importlib.import_module(f"rtkit.cli.{name}").main.command
         found.append((name, command))
-        if isinstance(command, Group):
+        if isinstance(command, CommandGroup):
             inner = {word: importlib.import_module(w.module) for word, w in command.words.items()}
             found += [(f"{name} {word}", module.main.command) for word, module in inner.items()]
     return found
@@ -136,7 +136,7 @@ def test_what_is_meant(line: str, kind: str, typed: str) -> None:
 
 
 @pytest.fixture
-def told(world: World) -> Callable[[str], list[str]]:
+def told(world: FakeManager) -> Callable[[str], list[str]]:
     def tell(line: str) -> list[str]:
         *words, typed = line.split(" ")
         found = candidates(words, typed, fake_tree(world))
@@ -224,7 +224,7 @@ def test_names_are_relative_to_the_working_directory(
     assert told("rtcon Std0.rtc:out ../localhost/Inp") == ["../localhost/Input0.rtc:in"]
 
 
-def test_connections(run: Any, world: World, told: Callable[[str], list[str]]) -> None:
+def test_connections(run: Any, world: FakeManager, told: Callable[[str], list[str]]) -> None:
     assert run("rtcon -i one /localhost/Std0.rtc:out /localhost/Input0.rtc:in").status == 0
     assert told("rtdis -i ") == ["one"]
     assert told("rtdis /localhost/Std0.rtc:") == [f"{HOST}Std0.rtc:out"]
@@ -239,7 +239,7 @@ def test_modules(run: Any, told: Callable[[str], list[str]]) -> None:
     assert told("rtmgr /localhost/manager.mgr -c ") == ["Output"]
 
 
-def test_what_fits_is_what_the_rules_let_pass(world: World) -> None:
+def test_what_fits_is_what_the_rules_let_pass(world: FakeManager) -> None:
     ports = [(c.instance, port) for c in world.components.values() for port in c.ports]
     for (_, one), (_, other) in product(ports, ports):
         is_right = refusal((one, other), {}) == ""
@@ -280,7 +280,7 @@ def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )  # fmt: skip
 def test_answers(
-    world: World, capsys: pytest.CaptureFixture[str], arguments: list[str], answer: str
+    world: FakeManager, capsys: pytest.CaptureFixture[str], arguments: list[str], answer: str
 ) -> None:
     assert complete("rtkit", arguments, fake_tree(world)) == 0
     assert capsys.readouterr() == (answer, "")
@@ -315,14 +315,16 @@ def test_without_a_manager_nothing_is_offered_and_the_reason_is_on_stderr(
 
 @pytest.mark.parametrize("line", ["rtls --", "rtls /localhost/", "rtcat /localhost/A.rtc:"])
 def test_nothing_heavy_is_imported(line: str, tmp_path: Path) -> None:
-    heavy = ("asyncio", "lxml", "rich", "rtkit.deployment.facts", "rtkit.rtc.plain", "subprocess",
+    heavy = ("asyncio", "lxml", "rich", "rtkit.deployment.facts", "rtkit.rtc.serde", "subprocess",
              "importlib.metadata", "rtkit.component", "rtkit.manager", "tempfile")  # fmt: skip
     script = (
         "import sys\n"
         "from rtkit.cli._rtkit import run\n"
         "import rtkit.tree.client\n"
-        "from rtkit.deployment.listing import Listing, Row\n"
-        "rows = (Row('A', 'Active', 1, 1, 1, 0, 0, 0, 'm', '', '', False, ('localhost/A.rtc',)),)\n"
+        "from rtkit.deployment.listing import Listing, ListingRow\n"
+        "names = ('localhost/A.rtc',)\n"
+        "row = ListingRow('A', 'Active', 1, 1, 1, 0, 0, 0, 'm', '', '', False, names)\n"
+        "rows = (row,)\n"
         "class Tree:\n"
         "    manager = 'm'\n"
         "    def close(self): pass\n"

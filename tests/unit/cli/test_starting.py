@@ -11,13 +11,13 @@ import pytest
 from rtkit.cli import rtact, rtcheck, rtdeact, rtresurrect, rtstart, rtstop
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Unreachable
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
-from rtkit.tree.bell import Bell
 from rtkit.tree.fake import fake_tree
+from rtkit.tree.wakeup import Wakeup
 
 COMMANDS = {
     "rtact": rtact,
@@ -92,8 +92,8 @@ def file(tmp_path: Path) -> Callable[..., str]:
 
 
 @pytest.fixture
-def world() -> World:
-    world = World([ComponentPattern(TypeProfile("Thing", "Me", "test", "1.0"))])
+def world() -> FakeManager:
+    world = FakeManager([ComponentPattern(TypeProfile("Thing", "Me", "test", "1.0"))])
     for instance in "ABCD":
         world.perform(act.Create(f"Thing?instance_name={instance}&manager_name=s{instance}"))
     world.performed.clear()
@@ -101,7 +101,7 @@ def world() -> World:
 
 
 @pytest.fixture
-def run(world: World, capsys: pytest.CaptureFixture[str]) -> Run:
+def run(world: FakeManager, capsys: pytest.CaptureFixture[str]) -> Run:
     def typed(command: str, *arguments: str) -> tuple[int, str, str]:
         status = COMMANDS[command].main(list(arguments), tree=fake_tree(world, 5.0))
         captured = capsys.readouterr()
@@ -110,11 +110,11 @@ def run(world: World, capsys: pytest.CaptureFixture[str]) -> Run:
     return typed
 
 
-def order(world: World) -> str:
+def order(world: FakeManager) -> str:
     return "".join(a.instance for a in world.performed if isinstance(a, act.ChangeState))
 
 
-def test_all_kinds(run: Run, file: Any, world: World) -> None:
+def test_all_kinds(run: Run, file: Any, world: FakeManager) -> None:
     status, out, err = run("rtstart", file(*FOUR_KINDS))
     assert (status, out) == (0, "")
     assert err.splitlines() == [
@@ -126,7 +126,7 @@ def test_all_kinds(run: Run, file: Any, world: World) -> None:
     assert order(world) == "ACBD"
 
 
-def test_a_dry_run(run: Run, file: Any, world: World) -> None:
+def test_a_dry_run(run: Run, file: Any, world: FakeManager) -> None:
     status, out, err = run("rtstart", "--dry-run", file(*FOUR_KINDS, optional="D"))
     assert (status, err) == (0, "")
     assert out.replace("/localhost/", "").splitlines() == [
@@ -143,7 +143,9 @@ def test_a_dry_run(run: Run, file: Any, world: World) -> None:
     assert not world.performed
 
 
-def test_a_stop_is_the_reverse_or_as_its_block_says(run: Run, file: Any, world: World) -> None:
+def test_a_stop_is_the_reverse_or_as_its_block_says(
+    run: Run, file: Any, world: FakeManager
+) -> None:
     status, out, _ = run("rtstop", "--dry-run", file(*FOUR_KINDS))
     lines = [line.split()[2] for line in out.splitlines()]
     assert (status, lines) == (0, [f"/localhost/{n}.rtc" for n in "DBCA"])
@@ -188,7 +190,7 @@ def test_a_graph_needs_no_manager(
     ],
 )
 def test_what_makes_no_sense_is_refused_before_anything_is_done(
-    run: Run, file: Any, world: World, entries: list[str], why: str
+    run: Run, file: Any, world: FakeManager, entries: list[str], why: str
 ) -> None:
     path = file(*entries)
     for option in ("--dry-run", "--plan", "-v"):
@@ -209,7 +211,7 @@ def test_an_unknown_component_is_found_with_its_line(run: Run, file: Any) -> Non
 
 
 def test_what_cannot_be_started_as_written_can_be_stopped(
-    run: Run, file: Any, world: World
+    run: Run, file: Any, world: FakeManager
 ) -> None:
     path = file(entry("A", 1, after="A"))
     status, _, err = run("rtstop", path)
@@ -232,7 +234,9 @@ def test_who_depends_on_something_optional_is_warned(run: Run, file: Any) -> Non
     assert "warning" not in run("rtstop", path)[2]
 
 
-def test_a_preceding_condition_that_is_not_met_in_time(run: Run, file: Any, world: World) -> None:
+def test_a_preceding_condition_that_is_not_met_in_time(
+    run: Run, file: Any, world: FakeManager
+) -> None:
     def fault(action: act.Action) -> Result | None:
         if getattr(action, "instance", "") == "A":
             world.kill("sA")
@@ -252,7 +256,7 @@ def test_a_preceding_condition_that_is_not_met_in_time(run: Run, file: Any, worl
     assert order(world) == "AC"
 
 
-def test_a_time_out_bounds_the_whole(run: Run, file: Any, world: World) -> None:
+def test_a_time_out_bounds_the_whole(run: Run, file: Any, world: FakeManager) -> None:
     path = file(entry("B", 1, wait=600_000), entry("C", 2, after="B"))
     status, _, err = run("rtstart", "--timeout", "0.5", path)
     assert status == 1
@@ -264,7 +268,7 @@ def test_a_time_out_bounds_the_whole(run: Run, file: Any, world: World) -> None:
     assert order(world) == "AD"
 
 
-def test_a_required_failure_cancels_the_rest(run: Run, file: Any, world: World) -> None:
+def test_a_required_failure_cancels_the_rest(run: Run, file: Any, world: FakeManager) -> None:
     world.fault = lambda action: NO if getattr(action, "instance", "") == "B" else None
     status, _, err = run("rtstart", file(*FOUR_KINDS))
     assert status == 1
@@ -274,18 +278,18 @@ def test_a_required_failure_cancels_the_rest(run: Run, file: Any, world: World) 
 
 
 def test_interrupted_while_it_waits(
-    run: Run, file: Any, world: World, monkeypatch: pytest.MonkeyPatch
+    run: Run, file: Any, world: FakeManager, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("signal.signal", lambda *_: None)
 
-    wait = Bell.wait
+    wait = Wakeup.wait
 
-    def interrupted(bell: Bell, others: list[int], timeout_s: float | None) -> bool:
+    def interrupted(wakeup: Wakeup, others: list[int], timeout_s: float | None) -> bool:
         if others:
             raise KeyboardInterrupt
-        return wait(bell, others, timeout_s)
+        return wait(wakeup, others, timeout_s)
 
-    monkeypatch.setattr("rtkit.tree.bell.Bell.wait", interrupted)
+    monkeypatch.setattr("rtkit.tree.wakeup.Wakeup.wait", interrupted)
     path = file(entry("B", 1, wait=600_000), entry("C", 2, after="B"))
     status, _, err = run("rtstart", path)
     assert status == 130
@@ -294,7 +298,7 @@ def test_interrupted_while_it_waits(
     )
 
 
-def test_contexts_need_not_be_called_0(run: Run, file: Any, world: World) -> None:
+def test_contexts_need_not_be_called_0(run: Run, file: Any, world: FakeManager) -> None:
     for instance in "ABCD":
         world.perform(act.Delete(instance))
     path = file(entry("A", 1).replace('rts:id="0"', 'rts:id="Ec1"'))
@@ -318,7 +322,7 @@ def test_contexts_need_not_be_called_0(run: Run, file: Any, world: World) -> Non
 
 @pytest.mark.parametrize("fault", [NO, None])
 def test_a_stop_does_not_hang_on_what_cannot_be_stopped(
-    run: Run, file: Any, world: World, fault: Result | None
+    run: Run, file: Any, world: FakeManager, fault: Result | None
 ) -> None:
     path = file(deactivation=(entry("B", 1, after="A"), entry("C", 2, after="B", timing="ASYNC")))
     run("rtstart", path)

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 
 Run = Callable[[str], Any]
 
 
 @pytest.fixture
-def saved(world: World, run: Run, tmp_path: Path) -> Path:
+def saved(world: FakeManager, run: Run, tmp_path: Path) -> Path:
     """What rtcryo makes of a connection of two components in different directories."""
     ends = "/localhost/local.host_cxt/Output0.rtc:out /localhost/Std0.rtc:in"
     file = tmp_path / "system.xml"
@@ -23,13 +23,13 @@ def saved(world: World, run: Run, tmp_path: Path) -> Path:
     return file
 
 
-def test_what_was_saved_passes(world: World, run: Run, saved: Path) -> None:
+def test_what_was_saved_passes(world: FakeManager, run: Run, saved: Path) -> None:
     assert 'rtsExt:name="COMPONENT_PATH_ID"' in saved.read_text()
     assert run(f"rtresurrect --strict-path {saved}") == (0, "", "")
 
 
 def test_another_path_is_refused_before_anything_is_done(
-    world: World, run: Run, saved: Path
+    world: FakeManager, run: Run, saved: Path
 ) -> None:
     told = 'rtsExt:value="localhost/local.host_cxt/Output0.rtc"'
     text = saved.read_text()

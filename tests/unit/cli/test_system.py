@@ -14,7 +14,7 @@ from lxml import etree
 from rtkit.cli import rtcheck, rtcryo, rtresurrect, rtstart, rtstop, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Refused, Unreachable
 from rtkit.profile.read import read_rts
 from rtkit.profile.words import property_value
@@ -89,7 +89,7 @@ def make(kind, port, port_type):
 
 @pytest.fixture
 def world():
-    return World([make("Source", "out", PortType.OUT), make("Sink", "in", PortType.IN)])
+    return FakeManager([make("Source", "out", PortType.OUT), make("Sink", "in", PortType.IN)])
 
 
 @pytest.fixture

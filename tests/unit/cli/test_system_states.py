@@ -13,10 +13,10 @@ import pytest
 from rtkit.cli import rtapply, rtplan, rtresurrect, rtstart, rtstate, rtteardown
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text
-from rtkit.deployment.world import World
-from rtkit.records import replace
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
@@ -59,7 +59,7 @@ class Console:
     """Types rtstate at a world, with a profile in a file."""
 
     def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-        self.world = World(
+        self.world = FakeManager(
             ComponentPattern(
                 TypeProfile(kind, "Me", "test", "1.0"),
                 (PortProfile("out", PortType.OUT),),

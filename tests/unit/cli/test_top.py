@@ -5,19 +5,19 @@ from __future__ import annotations
 import pytest
 
 from rtkit.cli.top.page import TITLES, Look, cut, ordered, short, table
-from rtkit.cli.top.rates import Rater, Row
+from rtkit.cli.top.rates import Rater, RateRow
 from rtkit.cli.top.screen import keys_of
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.figures import ComponentFigures, ContextFigures, Figures, ProcessFigures
+from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics, Metrics, ProcessMetrics
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState
 from rtkit.rtc.profiles import ExecutionContextProfile, TypeProfile
 
-BUSY = Row(
+BUSY = RateRow(
     "Busy0.rtc", "manager", "Busy0", "p", 1, "Active", "", "0", 2,
     100.0, 99.84, 0.00123, 0.02, 12.5, 38 * 2**20, {"out": 99.8}, {},
 )  # fmt: skip
-IDLE = Row("Idle0.rtc", "manager", "Idle0", "p", 1, "Inactive", "", "0", 0, 10.0)
-BAD = Row("Bad0.rtc", "manager", "Bad0", "p", 1, "Error", "ValueError: " + "x" * 90, "0", 0)
+IDLE = RateRow("Idle0.rtc", "manager", "Idle0", "p", 1, "Inactive", "", "0", 0, 10.0)
+BAD = RateRow("Bad0.rtc", "manager", "Bad0", "p", 1, "Error", "ValueError: " + "x" * 90, "0", 0)
 ROWS = [BUSY, IDLE, BAD]
 
 
@@ -93,11 +93,11 @@ def test_keys() -> None:
     assert keys_of("a\x1b[A\x1b[6~q") == ["a", "up", "page down", "q"]
 
 
-def figures(number: int, ticks: int, *, has_work: bool = True) -> Figures:
-    context = ContextFigures("0", has_work, True, ticks, ticks * 0.002, 0.005)
-    component = ComponentFigures("A", (context,), {"out": ticks}, {})
-    process = ProcessFigures(5, "p", True, (component,), number * 0.25, 1000)
-    return Figures("run", number, (process,), 0.0, number * 2.0)
+def metrics(number: int, ticks: int, *, has_work: bool = True) -> Metrics:
+    context = ContextMetrics("0", has_work, True, ticks, ticks * 0.002, 0.005)
+    component = ComponentMetrics("A", (context,), {"out": ticks}, {})
+    process = ProcessMetrics(5, "p", True, (component,), number * 0.25, 1000)
+    return Metrics("run", number, (process,), 0.0, number * 2.0)
 
 
 def snapshot() -> Snapshot:
@@ -111,16 +111,16 @@ def snapshot() -> Snapshot:
 
 def test_rates_are_differences() -> None:
     rater = Rater()
-    rater.take(figures(1, 10))
+    rater.take(metrics(1, 10))
     (row,) = rater.rows(snapshot(), {"A": "A.rtc"})
     assert (row.reached_hz, row.cpu_percent, rater.has_rates) == (None, None, False)
     assert not rater.is_whole
-    rater.take(figures(2, 210))
+    rater.take(metrics(2, 210))
     (row,) = rater.rows(snapshot(), {"A": "A.rtc"})
     assert (row.reached_hz, row.mean_s, row.longest_s) == (100.0, pytest.approx(0.002), 0.005)
     assert (row.out_hz, row.in_hz, row.cpu_percent) == (100.0, None, 12.5)
     assert rater.is_whole
-    rater.take(figures(3, 210, has_work=False))
+    rater.take(metrics(3, 210, has_work=False))
     (row,) = rater.rows(snapshot(), {"A": "A.rtc"})
     assert row.reached_hz is None  # at rest, not failing
     assert rater.totals() == (12.5, 1000)

@@ -12,18 +12,20 @@ from rtkit import __version__
 from rtkit.cli import COMMANDS
 from rtkit.cli._rtkit import run
 from rtkit.cli._verbs import SUMMARIES, WORDS
-from rtkit.cli.prompt.functions import SHELLS, script
-from rtkit.deployment.world import World
+from rtkit.cli.completion.functions import SHELLS, script
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.tree.fake import fake_tree
 
 
-def test_a_verb_is_its_command(world: World, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_verb_is_its_command(world: FakeManager, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["ls", "/localhost/Std0.rtc"], fake_tree(world)) == 0
     assert run(["rtls", "/localhost/Std0.rtc"], fake_tree(world)) == 0
     assert capsys.readouterr() == ("Std0.rtc\n" * 2, "")
 
 
-def test_messages_name_what_was_typed(world: World, capsys: pytest.CaptureFixture[str]) -> None:
+def test_messages_name_what_was_typed(
+    world: FakeManager, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert run(["ls", "/no"], fake_tree(world)) == 1
     assert run(["ls", "--zzz"], fake_tree(world)) == 2
     assert capsys.readouterr().err == (

@@ -12,8 +12,8 @@ from rtkit.component import TimedLong
 from rtkit.component.codec import codec_for
 from rtkit.errors import NotFound
 from rtkit.probe.types import data_type, type_or_bytes
-from rtkit.recording.entries import Channel, Entry
-from rtkit.recording.mcap_file import Writer
+from rtkit.recording.entries import RecordedStream, RecordedValue
+from rtkit.recording.mcap_file import RecordingWriter
 
 
 def test_a_type_that_nobody_defined_is_told_and_taken_as_bytes() -> None:
@@ -33,11 +33,11 @@ def test_a_stream_of_unknown_type_stops_no_export(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Callable[[str], Any]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with open("a.mcap", "wb") as file, Writer(file) as writer:
-        writer.add_channel(Channel("a", "IDL:No/Such:1.0"), bytes)
-        writer.add_channel(Channel("b", "IDL:RTC/TimedLong:1.0"), TimedLong)
-        writer.write(Entry("a", 1, 1, b"\0\1\0\0\5"))
-        writer.write(Entry("b", 2, 2, codec_for(TimedLong).encode(TimedLong(data=7))))
+    with open("a.mcap", "wb") as file, RecordingWriter(file) as writer:
+        writer.add_channel(RecordedStream("a", "IDL:No/Such:1.0"), bytes)
+        writer.add_channel(RecordedStream("b", "IDL:RTC/TimedLong:1.0"), TimedLong)
+        writer.write(RecordedValue("a", 1, 1, b"\0\1\0\0\5"))
+        writer.write(RecordedValue("b", 2, 2, codec_for(TimedLong).encode(TimedLong(data=7))))
     status, out, err = run("rtlog --export text -f a.mcap")
     assert status == 0
     assert err.startswith("note: Type not found: No::Such of stream a")

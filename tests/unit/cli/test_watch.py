@@ -11,20 +11,22 @@ from rtkit.cli._app import Main
 from rtkit.cli.rtget import main as rtget
 from rtkit.cli.rtls import main as rtls
 from rtkit.deployment import actions as act
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.tree.fake import fake_tree
 
 Watch = Callable[..., tuple[int, list[float]]]
 
 
 @pytest.fixture
-def watch(world: World, monkeypatch: pytest.MonkeyPatch) -> Watch:
+def watch(world: FakeManager, monkeypatch: pytest.MonkeyPatch) -> Watch:
     """Return what watches a world to which, whenever it waits, the next thing happens."""
 
-    def watched(arguments: list[str], *happenings: Callable[[], object]) -> tuple[int, list[float]]:
+    def watched(
+        arguments: list[str], *user_events: Callable[[], object]
+    ) -> tuple[int, list[float]]:
         now = 1000.0
         waits: list[float] = []
-        coming = iter(happenings)
+        coming = iter(user_events)
 
         def wait_for(_sources: object, until: float | None) -> set[int]:
             nonlocal now
@@ -32,14 +34,14 @@ def watch(world: World, monkeypatch: pytest.MonkeyPatch) -> Watch:
                 waits.append(max(0.0, until - now))
                 now = max(now, until)
                 return set()
-            happening = next(coming, None)
-            if happening is None:
+            user_event = next(coming, None)
+            if user_event is None:
                 raise KeyboardInterrupt
-            happening()
+            user_event()
             return set()
 
-        monkeypatch.setattr("rtkit.cli._ears.wait_for", wait_for)
-        monkeypatch.setattr("rtkit.cli._ears.monotonic", lambda: now)
+        monkeypatch.setattr("rtkit.cli._observers.wait_for", wait_for)
+        monkeypatch.setattr("rtkit.cli._observers.monotonic", lambda: now)
         monkeypatch.setattr("time.monotonic", lambda: now)
         monkeypatch.setattr("signal.signal", lambda *_: None)
         return rtls(arguments, tree=fake_tree(world)), waits
@@ -48,7 +50,7 @@ def watch(world: World, monkeypatch: pytest.MonkeyPatch) -> Watch:
 
 
 def test_a_pipe_gets_what_has_changed(
-    world: World, watch: Watch, capsys: pytest.CaptureFixture[str]
+    world: FakeManager, watch: Watch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     place = "/localhost/local.host_cxt"
     status, waits = watch(
@@ -63,7 +65,7 @@ def test_a_pipe_gets_what_has_changed(
 
 
 def test_a_terminal_is_cleared_each_time(
-    world: World,
+    world: FakeManager,
     watch: Watch,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -79,14 +81,14 @@ def test_a_terminal_is_cleared_each_time(
 
 
 def test_json_stays_one_object_a_line(
-    world: World, watch: Watch, capsys: pytest.CaptureFixture[str]
+    world: FakeManager, watch: Watch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     watch(["--json", "--watch", "/localhost/Std0.rtc"], lambda: world.update("Std0", trouble="x"))
     assert [line[0] for line in capsys.readouterr().out.splitlines()] == ["{", "{"]
 
 
 def test_the_end_of_what_is_watched_is_told(
-    world: World, watch: Watch, capsys: pytest.CaptureFixture[str]
+    world: FakeManager, watch: Watch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     status, _ = watch(["--watch", "/localhost/Std0.rtc"], lambda: world.perform(act.Delete("Std0")))
     assert status == 1

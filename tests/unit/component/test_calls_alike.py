@@ -12,7 +12,7 @@ from rtkit.component import Component, Long, ServicePort, raises
 from rtkit.component.callbacks import attempt
 from rtkit.component.factory import Factories
 from rtkit.component.interface import Interface
-from rtkit.component.invocation import Direct, Remote, Served, answer
+from rtkit.component.invocation import Direct, ProvidedInterface, Remote, answer
 from rtkit.errors import Malformed, Refused
 
 
@@ -65,7 +65,7 @@ kinds = {
 
 def targets():
     there = Interface(Arm)
-    served = Served(there, Doer(), "P.arm", lambda: None)
+    served = ProvidedInterface(there, Doer(), "P.arm", lambda: None)
     clock = time.monotonic_ns
     yield "direct", Direct(served)
     yield "remote", Remote("Arm", "C.arm", lambda data, _s: answer(data, [served], clock()), clock)

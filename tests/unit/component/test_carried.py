@@ -15,9 +15,9 @@ from rtkit.component.geometry import TimedPose2D
 from rtkit.component.images import CameraImage, ImageData
 from rtkit.component.options import PortStatus
 from rtkit.component.types import Long
+from rtkit.container.port_wiring import PortWiring
 from rtkit.errors import Malformed
 from rtkit.link.streams import Streams
-from rtkit.manager.holding.connect import Wires
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
 
 
@@ -25,7 +25,7 @@ def joined(cls, read=None, count=1, **properties):
     """An out port, and in ports of the same process that it is connected with."""
     out = OutPort(cls, "out")
     into = [InPort(read or cls, f"in{number}") for number in range(count)]
-    wires = Wires("", Streams("unused"))
+    wires = PortWiring("", Streams("unused"))
     for each in into:
         ends = (PortRef("A", "out"), PortRef("B", each.name))
         wires.join(ConnectorProfile(each.name, each.name, ends, properties), out, each)
@@ -99,7 +99,7 @@ def sent(cls, **properties):
     """An out port that sends to another process, and what has been sent."""
     out, outlet = OutPort(cls, "out"), Outlet()
     wire = ConnectorProfile("far", "far", (PortRef("A", "out"), PortRef("B", "in")), properties)
-    Wires("", Streams("unused")).send(wire, out, outlet)
+    PortWiring("", Streams("unused")).send(wire, out, outlet)
     return out, outlet.sent
 
 
@@ -128,7 +128,7 @@ def refusal(out, value):
 @pytest.mark.parametrize("is_first", [True, False])
 def test_what_a_reader_here_gets_too_is_copied(is_first):
     out, into = OutPort(TimedDoubleSeq, "out"), InPort(TimedDoubleSeq, "in")
-    wires = Wires("", Streams("unused"))
+    wires = PortWiring("", Streams("unused"))
     far, near = (
         ConnectorProfile(name, name, (PortRef("A", "out"), PortRef("B", "in")))
         for name in ("far", "near")

@@ -22,14 +22,14 @@ from rtkit.component import (
 )
 from rtkit.component.codec import BYTES, codec_for
 from rtkit.component.layout import (
-    Array,
-    Bool,
-    Char,
-    Enumeration,
-    Items,
-    Number,
-    Octets,
-    Struct,
+    ArrayLayout,
+    BoolLayout,
+    CharLayout,
+    EnumLayout,
+    ItemsLayout,
+    NumberLayout,
+    OctetsLayout,
+    StructLayout,
     layout_of,
     zero,
 )
@@ -102,7 +102,7 @@ MIXED = Mixed(
 
 def foreign(layout):
     """The pycdr2 type of the same layout, and a function that turns a value into its value."""
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         parts = {name: foreign(item) for name, item in layout.fields}
         cls = make_dataclass(
             f"Foreign{layout.name}",
@@ -112,24 +112,24 @@ def foreign(layout):
         return cls, lambda value: cls(
             **{name: turn(getattr(value, name)) for name, (_, turn) in parts.items()}
         )
-    if isinstance(layout, Items):
+    if isinstance(layout, ItemsLayout):
         hint, turn = foreign(layout.item)
         return pycdr2.types.sequence[hint], lambda value: [turn(item) for item in value]
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         hint, turn = foreign(layout.items[0])
         count = len(layout.items)
         return pycdr2.types.array[hint, count], lambda value: [turn(item) for item in value]
-    if isinstance(layout, Enumeration):
+    if isinstance(layout, EnumLayout):
         members = {member.name: number for member, number in layout.numbers.items()}
         cls = pycdr2.IdlEnum(f"Foreign{layout.name}", members)
         return cls, lambda value: cls[value.name]
-    if isinstance(layout, Octets):
+    if isinstance(layout, OctetsLayout):
         return pycdr2.types.sequence[pycdr2.types.uint8], list
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return getattr(pycdr2.types, layout.name), lambda value: value
-    if isinstance(layout, Char):
+    if isinstance(layout, CharLayout):
         return pycdr2.types.char, lambda value: value
-    return bool if isinstance(layout, Bool) else str, lambda value: value
+    return bool if isinstance(layout, BoolLayout) else str, lambda value: value
 
 
 @pytest.mark.parametrize("cls", [c for c in BASIC if "TimedW" not in c.__name__])
@@ -140,22 +140,22 @@ def test_basic_types_are_written_as_by_pycdr2(cls):
 
 
 def sample(layout, seed):
-    if isinstance(layout, Struct):
+    if isinstance(layout, StructLayout):
         parts = {n: sample(item, seed + i) for i, (n, item) in enumerate(layout.fields)}
         return layout.cls(**parts)
-    if isinstance(layout, Items):
+    if isinstance(layout, ItemsLayout):
         return layout.make(sample(layout.item, seed + i) for i in range(seed % 4 + 1))
-    if isinstance(layout, Array):
+    if isinstance(layout, ArrayLayout):
         return tuple(sample(item, seed + i) for i, item in enumerate(layout.items))
-    if isinstance(layout, Number):
+    if isinstance(layout, NumberLayout):
         return seed / 4 if layout.is_float else seed
-    if isinstance(layout, Enumeration):
+    if isinstance(layout, EnumLayout):
         return list(layout.numbers)[seed % len(layout.numbers)]
-    if isinstance(layout, Octets):
+    if isinstance(layout, OctetsLayout):
         return bytes(range(seed))
-    if isinstance(layout, Char) and layout.is_wide:
+    if isinstance(layout, CharLayout) and layout.is_wide:
         return "長"
-    return {Bool: True, Char: "c"}.get(type(layout), "text" * seed)
+    return {BoolLayout: True, CharLayout: "c"}.get(type(layout), "text" * seed)
 
 
 @pytest.mark.parametrize("cls", [*BASIC, Plain, Mixed])
@@ -192,7 +192,7 @@ def test_alignment_after_variable_parts_is_that_of_pycdr2():
 
 def test_mixed_by_pycdr2_without_what_it_lacks():
     layout = layout_of(Mixed)
-    kept = Struct(Mixed, tuple(f for f in layout.fields if f[0] != "pair"), "Mixed")
+    kept = StructLayout(Mixed, tuple(f for f in layout.fields if f[0] != "pair"), "Mixed")
     cls = make_dataclass("Kept", [(n, Mixed.__annotations__[n]) for n, _ in kept.fields])
     cls.__module__ = __name__
     _, turn = foreign(kept)

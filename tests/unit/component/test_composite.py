@@ -170,7 +170,7 @@ def test_a_shown_port_stays_the_member_s_to_listen_at(house):
     event.into.listen(lambda: heard.append(True))
     whole.take_part(event.contexts["0"])
     assert event.into._listener is not None
-    assert not whole.has_news
+    assert not whole.has_changes
     assert whole.read_count == 0
 
 

@@ -151,10 +151,10 @@ def test_a_stranger_is_a_bad_parameter():
 
 
 def test_a_component_that_is_not_alive_or_in_already_is_refused():
-    worker, unborn = Worker("Worker0"), Worker("Unborn0")
+    worker, unspawned = Worker("Worker0"), Worker("Unborn0")
     context = alive(worker)
     assert context.add_component(worker) is ReturnCode.PRECONDITION_NOT_MET
-    assert context.add_component(unborn) is ReturnCode.PRECONDITION_NOT_MET
+    assert context.add_component(unspawned) is ReturnCode.PRECONDITION_NOT_MET
 
 
 def test_requests_wake_the_pacer_and_keep_their_order():

@@ -8,7 +8,7 @@ import threading
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.component.crossing import Crossings
+from rtkit.component.reentrancy import Reentrancy
 
 
 def circles(crossings, *calls):
@@ -17,20 +17,20 @@ def circles(crossings, *calls):
 
 
 def test_calls_one_way_are_no_circle():
-    assert circles(Crossings(), "AB", "AB", "BC", "DA") == [""] * 4
+    assert circles(Reentrancy(), "AB", "AB", "BC", "DA") == [""] * 4
 
 
 def test_the_call_that_closes_the_circle_is_told_it():
-    assert circles(Crossings(), "AB", "BC", "CA") == ["", "", "CABC"]
+    assert circles(Reentrancy(), "AB", "BC", "CA") == ["", "", "CABC"]
 
 
 def test_who_calls_itself_goes_the_shortest_way():
-    assert circles(Crossings(), "AA") == ["AA"]
-    assert circles(Crossings(), "AB", "AA") == ["", "AA"]
+    assert circles(Reentrancy(), "AA") == ["AA"]
+    assert circles(Reentrancy(), "AB", "AA") == ["", "AA"]
 
 
 def test_a_call_that_came_back_is_forgotten():
-    crossings = Crossings()
+    crossings = Reentrancy()
     first, _ = crossings.enter("A", "B")
     second, _ = crossings.enter("A", "B")
     crossings.leave(first)
@@ -46,7 +46,7 @@ names = st.sampled_from("ABCD")
 
 @given(st.lists(st.tuples(names, names), max_size=12))
 def test_a_circle_is_told_exactly_when_there_is_a_way_back(calls):
-    crossings = Crossings()
+    crossings = Reentrancy()
     begun = []
     edges = set()
     for caller, provider in calls:
@@ -67,7 +67,7 @@ def test_a_circle_is_told_exactly_when_there_is_a_way_back(calls):
 
 def test_of_calls_that_meet_on_threads_one_at_least_finds_the_circle():
     for _ in range(50):
-        crossings = Crossings()
+        crossings = Reentrancy()
         gate = threading.Barrier(2)
         found = []
 

@@ -63,14 +63,14 @@ def wire(name="w", out="out", **properties):
 
 
 @pytest.fixture
-def door():
-    door = Door("Door0")
-    door.initialize()
-    context = door.contexts["0"]
-    context.activate_component(door)
+def endpoint():
+    endpoint = Door("Door0")
+    endpoint.initialize()
+    context = endpoint.contexts["0"]
+    context.activate_component(endpoint)
     settle(context)
-    door.notes.clear()
-    return door
+    endpoint.notes.clear()
+    return endpoint
 
 
 def settle(context):
@@ -78,88 +78,88 @@ def settle(context):
         context.tick()
 
 
-def send(door, event, value):
-    port = door.event_in
+def send(endpoint, event, value):
+    port = endpoint.event_in
     port.open(wire(event, event))(value)
     port.close(event)
-    settle(door.contexts["0"])
+    settle(endpoint.contexts["0"])
 
 
-def test_events_move_it(door):
-    send(door, "close", TimedLong())
-    assert door.state == "Shut.Free"
-    assert door.notes == ["-Open", "+Shut", "+Shut.Free", "!"]
-    door.notes.clear()
-    send(door, "lock", TimedString(data="x"))
-    assert door.notes == ["-Shut.Free", "+Shut.Locked", "!"]
+def test_events_move_it(endpoint):
+    send(endpoint, "close", TimedLong())
+    assert endpoint.state == "Shut.Free"
+    assert endpoint.notes == ["-Open", "+Shut", "+Shut.Free", "!"]
+    endpoint.notes.clear()
+    send(endpoint, "lock", TimedString(data="x"))
+    assert endpoint.notes == ["-Shut.Free", "+Shut.Locked", "!"]
 
 
-def test_it_is_event_driven_and_begins_at_activation(door):
-    context = door.contexts["0"]
+def test_it_is_event_driven_and_begins_at_activation(endpoint):
+    context = endpoint.contexts["0"]
     assert context.kind is ExecutionKind.EVENT_DRIVEN
-    send(door, "close", TimedLong())
-    door.event_in.open(wire("open", "open"))(TimedLong())
-    context.deactivate_component(door)
-    door.notes.clear()
-    context.activate_component(door)
+    send(endpoint, "close", TimedLong())
+    endpoint.event_in.open(wire("open", "open"))(TimedLong())
+    context.deactivate_component(endpoint)
+    endpoint.notes.clear()
+    context.activate_component(endpoint)
     settle(context)
-    assert door.state == "Open"
-    assert door.notes == ["+Open"]
+    assert endpoint.state == "Open"
+    assert endpoint.notes == ["+Open"]
 
 
-def test_an_event_that_the_state_does_not_know_is_counted(door):
-    send(door, "unlock", TimedString())
-    assert (door.state, door.ignored, door.notes) == ("Open", 1, [])
+def test_an_event_that_the_state_does_not_know_is_counted(endpoint):
+    send(endpoint, "unlock", TimedString())
+    assert (endpoint.state, endpoint.ignored, endpoint.notes) == ("Open", 1, [])
 
 
-def test_on_event_may_stay_or_lead_elsewhere(door):
-    send(door, "close", TimedLong())
-    send(door, "lock", TimedString(data="x"))
-    door.notes.clear()
-    send(door, "unlock", TimedString(data="0"))
-    assert (door.state, door.notes) == ("Shut.Locked", [])
-    send(door, "unlock", TimedString(data="1234"))
-    assert door.state == "Shut.Free"
-    door.notes.clear()
-    send(door, "lock", TimedString(data=""))
-    assert door.notes == ["-Shut.Free", "-Shut", "+Open", "!"]
+def test_on_event_may_stay_or_lead_elsewhere(endpoint):
+    send(endpoint, "close", TimedLong())
+    send(endpoint, "lock", TimedString(data="x"))
+    endpoint.notes.clear()
+    send(endpoint, "unlock", TimedString(data="0"))
+    assert (endpoint.state, endpoint.notes) == ("Shut.Locked", [])
+    send(endpoint, "unlock", TimedString(data="1234"))
+    assert endpoint.state == "Shut.Free"
+    endpoint.notes.clear()
+    send(endpoint, "lock", TimedString(data=""))
+    assert endpoint.notes == ["-Shut.Free", "-Shut", "+Open", "!"]
 
 
-def test_a_state_that_leads_to_itself_is_left_and_entered(door):
-    send(door, "close", TimedLong())
-    send(door, "lock", TimedString(data="x"))
-    door.notes.clear()
-    send(door, "kick", b"")
-    assert door.notes == ["-Shut.Locked", "+Shut.Locked", "!"]
+def test_a_state_that_leads_to_itself_is_left_and_entered(endpoint):
+    send(endpoint, "close", TimedLong())
+    send(endpoint, "lock", TimedString(data="x"))
+    endpoint.notes.clear()
+    send(endpoint, "kick", b"")
+    assert endpoint.notes == ["-Shut.Locked", "+Shut.Locked", "!"]
 
 
-def test_a_failure_leads_to_error_and_activation_begins_anew(door):
-    context = door.contexts["0"]
-    door.fails = True
-    send(door, "close", TimedLong())
-    assert context.state_of(door) is LifeCycleState.ERROR
-    assert "jammed" in door.cause
-    door.fails = False
-    context.reset_component(door)
-    context.activate_component(door)
-    assert door.state == "Open"
+def test_a_failure_leads_to_error_and_activation_begins_anew(endpoint):
+    context = endpoint.contexts["0"]
+    endpoint.fails = True
+    send(endpoint, "close", TimedLong())
+    assert context.state_of(endpoint) is LifeCycleState.ERROR
+    assert "jammed" in endpoint.cause
+    endpoint.fails = False
+    context.reset_component(endpoint)
+    context.activate_component(endpoint)
+    assert endpoint.state == "Open"
 
 
-def test_a_code_of_on_action_that_is_no_success_is_a_failure(door):
-    door.on_action = lambda context: ReturnCode.ERROR
-    send(door, "close", TimedLong())
-    assert "on_action returned RTC_ERROR" in door.cause
+def test_a_code_of_on_action_that_is_no_success_is_a_failure(endpoint):
+    endpoint.on_action = lambda context: ReturnCode.ERROR
+    send(endpoint, "close", TimedLong())
+    assert "on_action returned RTC_ERROR" in endpoint.cause
 
 
-def test_a_change_is_told_once_for_all_events_of_a_cycle(door):
-    context, told = door.contexts["0"], []
+def test_a_change_is_told_once_for_all_events_of_a_cycle(endpoint):
+    context, told = endpoint.contexts["0"], []
     context.changed = told.append
-    port = door.event_in
+    port = endpoint.event_in
     port.open(wire("close", "close"))(TimedLong())
     port.open(wire("lock", "lock"))(TimedString(data="x"))
     settle(context)
-    assert door.state == "Shut.Locked"
-    assert told == [door]
+    assert endpoint.state == "Shut.Locked"
+    assert told == [endpoint]
 
 
 @pytest.mark.parametrize(
@@ -172,11 +172,11 @@ def test_a_change_is_told_once_for_all_events_of_a_cycle(door):
         (wire("x", "y", dataport__fsm_event_name="kick"), "kick"),
     ],
 )
-def test_the_event_that_a_connector_brings(door, connector, event):
-    assert door.event_in.data_type_for(connector) is door.events[event]
-    write = door.event_in.open(connector)
+def test_the_event_that_a_connector_brings(endpoint, connector, event):
+    assert endpoint.event_in.data_type_for(connector) is endpoint.events[event]
+    write = endpoint.event_in.open(connector)
     write("value")
-    assert door.event_in.take() == (event, "value")
+    assert endpoint.event_in.take() == (event, "value")
 
 
 @pytest.mark.parametrize(
@@ -190,39 +190,39 @@ def test_the_event_that_a_connector_brings(door, connector, event):
         ),
     ],
 )
-def test_connectors_that_bring_no_event(door, connector, why):
+def test_connectors_that_bring_no_event(endpoint, connector, why):
     with pytest.raises(Refused, match=why):
-        door.event_in.open(connector)
-    assert door.event_in.connectors == ()
+        endpoint.event_in.open(connector)
+    assert endpoint.event_in.connectors == ()
 
 
-def test_events_are_not_pulled(door):
+def test_events_are_not_pulled(endpoint):
     with pytest.raises(Refused, match="pushed, not pulled"):
-        door.event_in.open_pull(wire("open", "open"), lambda: None)
+        endpoint.event_in.open_pull(wire("open", "open"), lambda: None)
 
 
-def test_an_event_of_any_type_is_bytes(door):
+def test_an_event_of_any_type_is_bytes(endpoint):
     kick = wire("kick", "kick")
     out = OutPort(TimedLong, "kick")
-    sink = door.event_in.open(kick)
-    change = passage(out.data_type, door.event_in.data_type_for(kick))
+    sink = endpoint.event_in.open(kick)
+    change = passage(out.data_type, endpoint.event_in.data_type_for(kick))
     out.attach("kick", lambda value: sink(change(value)))
     out.write(TimedLong(data=7))
-    _, value = door.event_in.take()
+    _, value = endpoint.event_in.take()
     assert codec_for(TimedLong).decode(value).data == 7
 
 
 def test_a_flood_of_events_is_bounded():
-    door = Door("Door0")
-    write = door.event_in.open(wire("open", "open"))
+    endpoint = Door("Door0")
+    write = endpoint.event_in.open(wire("open", "open"))
     outcomes = [write(TimedLong()) for _ in range(1030)]
     assert outcomes.count(PortStatus.FULL) == 6
-    assert len(door.event_in.read_all()) == 1024
-    assert door.event_in.read() is None
+    assert len(endpoint.event_in.read_all()) == 1024
+    assert endpoint.event_in.read() is None
 
 
-def test_events_of_several_connectors_keep_their_order(door):
-    port = door.event_in
+def test_events_of_several_connectors_keep_their_order(endpoint):
+    port = endpoint.event_in
     writes = {name: port.open(wire(name, name)) for name in ("open", "close")}
     order = ["open", "close", "close", "open", "open"]
     for name in order:
@@ -230,9 +230,9 @@ def test_events_of_several_connectors_keep_their_order(door):
     assert [port.take()[0] for _ in order] == order
 
 
-def test_what_others_see(door):
-    send(door, "close", TimedLong())
-    told = describe(door)
+def test_what_others_see(endpoint):
+    send(endpoint, "close", TimedLong())
+    told = describe(endpoint)
     assert told.fsm_state == "Shut.Free"
     assert list(told.fsm_states) == ["Open", "Shut", "Shut.Free", "Shut.Locked"]
     assert told.fsm_events == {
@@ -247,23 +247,23 @@ def test_what_others_see(door):
     assert port.properties["fsm.events"].startswith("open:RTC::TimedLong,close:RTC::TimedLong")
 
 
-def test_other_events(door):
-    door.set_events({"toggle": "TimedShort", "any": ""})
-    assert describe(door).fsm_events == {"toggle": "RTC::TimedShort", "any": "Any"}
+def test_other_events(endpoint):
+    endpoint.set_events({"toggle": "TimedShort", "any": ""})
+    assert describe(endpoint).fsm_events == {"toggle": "RTC::TimedShort", "any": "Any"}
     with pytest.raises(NotFound, match="event toggle: no data type TimedNothing"):
-        door.set_events({"toggle": "TimedNothing"})
-    assert list(door.event_in.events) == ["toggle", "any"]
+        endpoint.set_events({"toggle": "TimedNothing"})
+    assert list(endpoint.event_in.events) == ["toggle", "any"]
 
 
-def test_another_structure_keeps_the_state_where_it_can(door):
-    send(door, "close", TimedLong())
-    door.set_structure({"Open": {}, "Shut.Free.Ajar": {"open": "Open"}})
-    assert door.state == "Shut.Free.Ajar"
-    door.set_structure({"New": {"open": "New"}})
-    assert door.state == "New"
+def test_another_structure_keeps_the_state_where_it_can(endpoint):
+    send(endpoint, "close", TimedLong())
+    endpoint.set_structure({"Open": {}, "Shut.Free.Ajar": {"open": "Open"}})
+    assert endpoint.state == "Shut.Free.Ajar"
+    endpoint.set_structure({"New": {"open": "New"}})
+    assert endpoint.state == "New"
     with pytest.raises(Malformed):
-        door.set_structure({})
-    assert door.machine.initial == "New"
+        endpoint.set_structure({})
+    assert endpoint.machine.initial == "New"
 
 
 def test_each_instance_has_events_and_queue_of_its_own():

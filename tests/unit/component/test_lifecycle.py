@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.component.lifecycle import CALLBACK, TABLE, TARGET, Event, next_state, refusal
+from rtkit.component.lifecycle import CALLBACK, TABLE, TARGET, LifeCycleEvent, next_state, refusal
 from rtkit.rtc.enums import LifeCycleState, Transition
 
 C, I, A, E = LifeCycleState  # noqa: E741
@@ -13,17 +13,17 @@ C, I, A, E = LifeCycleState  # noqa: E741
 @pytest.mark.parametrize(
     ("state", "event", "target"),
     [
-        (C, Event.INITIALIZE, I),
-        (I, Event.ACTIVATE, A),
-        (A, Event.DEACTIVATE, I),
-        (A, Event.FAIL, E),
-        (E, Event.RESET, I),
-        (A, Event.RESET, None),
-        (E, Event.ACTIVATE, None),
-        (E, Event.DEACTIVATE, None),
-        (C, Event.ACTIVATE, None),
-        (I, Event.RESET, None),
-        (A, Event.FINALIZE, None),
+        (C, LifeCycleEvent.INITIALIZE, I),
+        (I, LifeCycleEvent.ACTIVATE, A),
+        (A, LifeCycleEvent.DEACTIVATE, I),
+        (A, LifeCycleEvent.FAIL, E),
+        (E, LifeCycleEvent.RESET, I),
+        (A, LifeCycleEvent.RESET, None),
+        (E, LifeCycleEvent.ACTIVATE, None),
+        (E, LifeCycleEvent.DEACTIVATE, None),
+        (C, LifeCycleEvent.ACTIVATE, None),
+        (I, LifeCycleEvent.RESET, None),
+        (A, LifeCycleEvent.FINALIZE, None),
     ],
 )
 def test_transitions(state, event, target):
@@ -38,7 +38,7 @@ def test_every_state_has_a_row_and_can_be_left():
 
 def test_every_request_is_an_event_with_a_callback_and_one_target():
     for transition in Transition:
-        event = Event(transition.value)
+        event = LifeCycleEvent(transition.value)
         assert event in CALLBACK
         assert {row[event] for row in TABLE.values() if event in row} == {TARGET[transition]}
 

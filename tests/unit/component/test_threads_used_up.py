@@ -7,8 +7,8 @@ import threading
 import pytest
 
 from rtkit.component.context import ExecutionContext
+from rtkit.container.pacer import Pacer
 from rtkit.errors import Refused
-from rtkit.manager.holding.pacer import Pacer
 from rtkit.rtc.enums import ExecutionKind
 
 

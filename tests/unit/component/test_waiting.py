@@ -48,22 +48,22 @@ def clock(monkeypatch):
 
 
 def wait(clock, after_s, bound_s):
-    bell = Bell(clock, after_s)
-    grant_by(bell.grants.append)
-    return bell, wait_for(bell, bound_s)
+    wakeup = Bell(clock, after_s)
+    grant_by(wakeup.grants.append)
+    return wakeup, wait_for(wakeup, bound_s)
 
 
 def test_a_long_wait_is_granted_before_and_given_back(clock):
-    bell, left_s = wait(clock, 2.0, 10.0)
+    wakeup, left_s = wait(clock, 2.0, 10.0)
     assert left_s == pytest.approx(8.0)
-    assert bell.granted[-1] == pytest.approx(10e9)
-    assert sum(bell.grants) == pytest.approx(2e9)
+    assert wakeup.granted[-1] == pytest.approx(10e9)
+    assert sum(wakeup.grants) == pytest.approx(2e9)
 
 
 def test_nothing_is_left_of_a_wait_that_was_in_vain(clock):
-    bell, left_s = wait(clock, LONG_S, 2.0)
+    wakeup, left_s = wait(clock, LONG_S, 2.0)
     assert left_s <= 0
-    assert sum(bell.grants) == pytest.approx(2e9)
+    assert sum(wakeup.grants) == pytest.approx(2e9)
 
 
 def test_brief_waits_are_granted_together(clock):
@@ -78,13 +78,13 @@ def test_brief_waits_are_granted_together(clock):
 def test_what_was_owed_goes_with_who_drove_the_thread(clock):
     grant_by(lambda _: None)
     wait_for(Bell(clock, 0.0009), 1.0)
-    bell, _ = wait(clock, 0.0009, 1.0)
-    assert bell.grants == []
+    wakeup, _ = wait(clock, 0.0009, 1.0)
+    assert wakeup.grants == []
 
 
 def test_who_is_driven_by_nobody_waits_all_the_same():
-    bell = Lock()
-    bell.acquire()
-    assert wait_for(bell, 0.001) <= 0
-    bell.release()
-    assert wait_for(bell, 1.0) > 0
+    wakeup = Lock()
+    wakeup.acquire()
+    assert wait_for(wakeup, 0.001) <= 0
+    wakeup.release()
+    assert wait_for(wakeup, 1.0) > 0

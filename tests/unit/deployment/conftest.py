@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from rtkit.deployment.live import Live
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.wanted import wanted
-from rtkit.deployment.world import World
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
@@ -22,27 +22,27 @@ LONG = "IDL:RTC/TimedLong:1.0"
 NO_SETS: Mapping[str, Mapping[str, str]] = {}
 
 
-def properties(table: Mapping[str, str]) -> tuple[Property, ...]:
-    return tuple(Property(name, value) for name, value in table.items())
+def properties(table: Mapping[str, str]) -> tuple[ExtensionProperty, ...]:
+    return tuple(ExtensionProperty(name, value) for name, value in table.items())
 
 
-def port(name: str, told: Mapping[str, str] | None = None) -> rts.Port:
-    return rts.Port(name, properties=properties(told or {}))
+def port(name: str, told: Mapping[str, str] | None = None) -> rts.InstancePort:
+    return rts.InstancePort(name, properties=properties(told or {}))
 
 
-def component(instance: str, **told: Any) -> rts.Component:
+def component(instance: str, **told: Any) -> rts.ComponentInstance:
     """Return a component ``Source0`` of type ``Source`` whose ports are called in… and out…."""
     kind = instance.rstrip("0123456789")
     names = told.get("ports", ("out",) if kind == "Source" else ("in",))
     sets = told.get("sets", NO_SETS)
     contexts = told.get("contexts", (("0", "PERIODIC", 1000.0),))
-    return rts.Component(
+    return rts.ComponentInstance(
         id=told.get("id", f"RTC:Me:test:{kind}:1.0"),
         path_uri=told.get("uri", f"localhost/{instance}.rtc"),
         instance_name=instance,
         is_required=told.get("required", True),
         active_configuration_set=told.get("active"),
-        data_ports=tuple(p if isinstance(p, rts.Port) else port(p) for p in names),
+        data_ports=tuple(p if isinstance(p, rts.InstancePort) else port(p) for p in names),
         service_ports=tuple(port(p) for p in told.get("services", ())),
         configuration_sets=tuple(
             rts.ConfigurationSet(
@@ -50,7 +50,7 @@ def component(instance: str, **told: Any) -> rts.Component:
             )
             for name, values in sets.items()
         ),
-        execution_contexts=tuple(rts.ExecutionContext(*each) for each in contexts),
+        execution_contexts=tuple(rts.OwnedContext(*each) for each in contexts),
         properties=properties(told.get("properties", {})),
     )
 
@@ -90,19 +90,19 @@ def profile(*items: Any) -> rts.RtsProfile:
         "0.2",
         "2025-01-01T00:00:00",
         "2025-01-01T00:00:00",
-        components=of(rts.Component),
+        components=of(rts.ComponentInstance),
         data_port_connectors=of(rts.DataPortConnector),
         service_port_connectors=of(rts.ServicePortConnector),
     )
 
 
-def entry(instance: str, sequence: int = 1, **told: Any) -> rts.Condition:
+def entry(instance: str, sequence: int = 1, **told: Any) -> rts.OrderStep:
     """Return one entry of an order: at most one of `wait` [ms] and `after` (instances)."""
     after = told.get("after", "").split()
     preceding = rts.Preceding(
         tuple(_target(*each.split("/")) for each in after), told.get("timeout"), told.get("timing")
     )
-    return rts.Condition(
+    return rts.OrderStep(
         sequence,
         _target(instance, told.get("context", "0")),
         None if after else rts.WaitTime(told.get("wait", 0)),
@@ -115,7 +115,7 @@ def _target(instance: str, context: str = "0") -> rts.TargetComponent:
 
 
 def ordered(
-    rts_profile: rts.RtsProfile, *entries: rts.Condition, stop: bool = False
+    rts_profile: rts.RtsProfile, *entries: rts.OrderStep, stop: bool = False
 ) -> rts.RtsProfile:
     """Return a profile with these entries as its Activation, or its Deactivation."""
     order = rts.Order(entries)
@@ -138,8 +138,8 @@ def pattern(kind: str, name: str, port_type: PortType) -> ComponentPattern:
     )
 
 
-def make_world() -> World:
-    return World([pattern("Source", "out", PortType.OUT), pattern("Sink", "in", PortType.IN)])
+def make_world() -> FakeManager:
+    return FakeManager([pattern("Source", "out", PortType.OUT), pattern("Sink", "in", PortType.IN)])
 
 
 def pair(**told: Any) -> rts.RtsProfile:
@@ -157,9 +157,9 @@ def pair(**told: Any) -> rts.RtsProfile:
     return profile(*parts, data("wire", "Source0.out", "Sink0.in"))
 
 
-def live(rts_profile: rts.RtsProfile, world: World, **how: Any) -> tuple[Any, Live]:
+def live(rts_profile: rts.RtsProfile, world: FakeManager, **how: Any) -> tuple[Any, LiveIndex]:
     system = wanted(rts_profile, world.host, **how)
-    return system, Live(world.snapshot(), system)
+    return system, LiveIndex(world.snapshot(), system)
 
 
 @pytest.fixture
@@ -183,5 +183,5 @@ def make() -> SimpleNamespace:
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> FakeManager:
     return make_world()

@@ -1,9 +1,9 @@
 import pytest
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.capture import Heading, capture
+from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import Live
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.wiring import wiring_plan
 from rtkit.profile.words import property_value
@@ -17,20 +17,20 @@ DAY = "2025-01-01T00:00:00"
 def bring_up(make, world, profile, **how):
     system, _ = make.live(profile, world, **how)
     for plan in (creation_plan, wiring_plan):
-        for action, _ in merged(plan(system, Live(world.snapshot(), system)).steps):
+        for action, _ in merged(plan(system, LiveIndex(world.snapshot(), system)).steps):
             assert world.perform(action).ok, action
 
 
 def save(world, **how):
-    return capture(world.snapshot(), Heading(DAY), **how)
+    return capture(world.snapshot(), SystemHeading(DAY), **how)
 
 
 def test_heading(world):
-    heading = Heading(DAY, "Robot", "2", "Us", "Drives")
+    heading = SystemHeading(DAY, "Robot", "2", "Us", "Drives")
     made = capture(world.snapshot(), heading)
     assert (made.id, made.abstract, made.version) == ("RTSystem:Us:Robot:2", "Drives", "0.2")
     assert (made.creation_date, made.update_date) == (DAY, DAY)
-    assert Heading(DAY).id == "RTSystem:Me:RTSystem:0"
+    assert SystemHeading(DAY).id == "RTSystem:Me:RTSystem:0"
 
 
 def test_a_pair_is_saved_with_its_origin(make, world):

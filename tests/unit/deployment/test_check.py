@@ -4,11 +4,11 @@ from rtkit.deployment import actions as act
 from rtkit.deployment.check import check_lines, deviations
 from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.drift import otherwise_made
-from rtkit.deployment.live import Live
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
-from rtkit.deployment.planning.survey import survey
+from rtkit.deployment.planning.model_builder import build_model
 from rtkit.deployment.wiring import wiring_plan
-from rtkit.records import replace
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import LifeCycleState, Transition
 from rtkit.rtc.profiles import ConnectorProfile
 
@@ -21,13 +21,13 @@ LONG = "IDL:RTC/TimedLong:1.0"
 def system(make, world):
     system, _ = make.live(make.pair(), world)
     for plan in (creation_plan, wiring_plan):
-        for action, _ in merged(plan(system, Live(world.snapshot(), system)).steps):
+        for action, _ in merged(plan(system, LiveIndex(world.snapshot(), system)).steps):
             assert world.perform(action).ok
     return system
 
 
 def texts(system, world, state=INACTIVE):
-    return [each.text for each in deviations(system, Live(world.snapshot(), system), state)]
+    return [each.text for each in deviations(system, LiveIndex(world.snapshot(), system), state)]
 
 
 def test_nothing_deviates(system, world):
@@ -119,7 +119,7 @@ def test_another_data_type_is_told(make, world, system):
     assert (found.text, found.is_required) == (text, True)
     assert (found.path, found.wanted, found.found) == (path, "Me::Other", LONG)
     told = f"{path}: its data type of port out is {LONG}, not Me::Other"
-    for each in (survey(wished, live).notes, survey(wished, live).unmet):
+    for each in (build_model(wished, live).notes, build_model(wished, live).unmet):
         assert each == (f"{told}; only other code in its place changes that",)
 
 

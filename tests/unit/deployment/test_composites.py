@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.capture import Heading, capture
+from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.deployment.creation import creation_plan
 from rtkit.deployment.described import guests_of
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.live import Live, context_of
+from rtkit.deployment.live import LiveIndex, context_of
 from rtkit.deployment.part import part_of
-from rtkit.deployment.system import System, WantedComponent
+from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.rtc.enums import ExecutionKind
 from rtkit.rtc.pattern import ContextPattern
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile, PortRef, TypeProfile
@@ -50,7 +50,7 @@ WIRE = ConnectorProfile("w", "w", (PortRef("Outer", "A.out"), PortRef("Outer", "
 
 
 def test_what_is_connected_is_saved_with_all_that_it_makes_up():
-    made = capture(snapshot(*NESTED, wires=[WIRE]), Heading("2025-01-01T00:00:00"))
+    made = capture(snapshot(*NESTED, wires=[WIRE]), SystemHeading("2025-01-01T00:00:00"))
     assert [c.instance_name for c in made.components] == ["A", "B", "Inner", "Outer"]
     by_name = {c.instance_name: c for c in made.components}
     assert by_name["A"].composite_type == "None"
@@ -61,11 +61,11 @@ def test_what_is_connected_is_saved_with_all_that_it_makes_up():
 
 def test_it_is_made_again_with_the_members_that_it_has_now():
     old = replace(NESTED[2], create=f"{TYPE}?members=X,Y&exported_ports=X.out")
-    made = capture(snapshot(*NESTED[:2], old), Heading(""), takes_all=True)
+    made = capture(snapshot(*NESTED[:2], old), SystemHeading(""), takes_all=True)
     told = {p.name: p.value for p in made.components[2].properties}
     assert told["rtkit.create"] == (f"{TYPE}?members=A,B&exported_ports=A.out&instance_name=Inner")
     empty = replace(composite("Inner", ""), create=f"{TYPE}?members=X")
-    made = capture(snapshot(empty), Heading(""), takes_all=True)
+    made = capture(snapshot(empty), SystemHeading(""), takes_all=True)
     told = {p.name: p.value for p in made.components[0].properties}
     assert told["rtkit.create"] == f"{TYPE}?exported_ports=A.out&instance_name=Inner"
 
@@ -78,7 +78,7 @@ def wanted(instance, members=""):
 
 
 def made_in(system):
-    plan = creation_plan(system, Live(snapshot(), system))
+    plan = creation_plan(system, LiveIndex(snapshot(), system))
     layers = {}
     for number, layer in enumerate(plan.layers):
         for step in layer.steps:
@@ -89,7 +89,7 @@ def made_in(system):
 
 
 def test_composites_are_made_after_their_members_inner_ones_first():
-    system = System((wanted("Outer", "Inner,C"), wanted("Inner", "A,B"), *map(wanted, "ABC")))
+    system = WantedSystem((wanted("Outer", "Inner,C"), wanted("Inner", "A,B"), *map(wanted, "ABC")))
     assert made_in(system) == {
         (0, "create"): ["A", "B", "C"],
         (1, "compose"): ["Inner"],
@@ -98,12 +98,12 @@ def test_composites_are_made_after_their_members_inner_ones_first():
 
 
 def test_members_that_live_already_or_are_not_told_of_hold_up_nobody():
-    system = System((wanted("W", "Nobody"), wanted("A")))
+    system = WantedSystem((wanted("W", "Nobody"), wanted("A")))
     assert made_in(system) == {(0, "create"): ["W", "A"]}
 
 
 def test_a_circle_comes_to_an_end():
-    system = System((wanted("V", "W"), wanted("W", "V"), wanted("A")))
+    system = WantedSystem((wanted("V", "W"), wanted("W", "V"), wanted("A")))
     assert made_in(system) == {(0, "create"): ["A"], (1, "compose"): ["V", "W"]}
 
 
@@ -131,21 +131,21 @@ def test_who_is_driven_by_a_context_of_another_is_saved_and_attached_again():
     host = facts("Host", contexts=(own,))
     guest = facts("Guest", contexts=(replace(own, id="Host/0"),))
     wire = ConnectorProfile("w", "w", (PortRef("Guest", "out"), PortRef("Guest", "in")))
-    made = capture(snapshot(host, guest, facts("Alone"), wires=[wire]), Heading(""))
+    made = capture(snapshot(host, guest, facts("Alone"), wires=[wire]), SystemHeading(""))
     assert [c.instance_name for c in made.components] == ["Guest", "Host"]
     saved = made.components[1].execution_contexts[0]
     assert [ref.instance_name for ref in saved.participants] == ["Guest"]
     assert made.components[0].execution_contexts == ()
     assert guests_of(made.components[1]) == (("0", "Guest"),)
-    want = System((replace(wanted("Host"), guests=(("0", "Guest"),)), wanted("Guest")))
-    plan = creation_plan(want, Live(snapshot(), want))
+    want = WantedSystem((replace(wanted("Host"), guests=(("0", "Guest"),)), wanted("Guest")))
+    plan = creation_plan(want, LiveIndex(snapshot(), want))
     assert plan.layers[-1].steps[0].action == act.Attach("Host", "0", "Guest")
-    plan = creation_plan(want, Live(snapshot(host, guest), want))
+    plan = creation_plan(want, LiveIndex(snapshot(host, guest), want))
     assert plan.is_done
 
 
 def test_whom_a_composite_drives_is_not_said_twice():
     own = replace(context("0", "Inner", True), participants=("A", "B"))
     told = replace(NESTED[2], contexts=(own,))
-    made = capture(snapshot(*NESTED[:2], told), Heading(""), takes_all=True)
+    made = capture(snapshot(*NESTED[:2], told), SystemHeading(""), takes_all=True)
     assert made.components[2].execution_contexts[0].participants == ()

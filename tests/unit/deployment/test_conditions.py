@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from rtkit.deployment.conditions import Condition, Target, start_orders, stop_orders
+from rtkit.deployment.conditions import OrderTarget, StartCondition, start_orders, stop_orders
 from rtkit.errors import InvalidDocument
 from rtkit.profile import rts_model as rts
 
-A, B, C = (Target(f"Sink{n}", 0) for n in range(3))
+A, B, C = (OrderTarget(f"Sink{n}", 0) for n in range(3))
 
 
 def test_nothing_said_is_nothing_ordered(make):
@@ -25,13 +25,13 @@ def test_each_kind_of_entry(make):
         make.entry("Sink2", 6, after="Sink0", timing="ASYNC"),
     )
     assert start_orders(profile) == {
-        A: (Condition(3),),
+        A: (StartCondition(3),),
         B: (
-            Condition(4, 5000),
-            Condition(5, 0, A, True, 20),
-            Condition(5, 0, C, True, 20),
+            StartCondition(4, 5000),
+            StartCondition(5, 0, A, True, 20),
+            StartCondition(5, 0, C, True, 20),
         ),
-        C: (Condition(6, 0, A, False),),
+        C: (StartCondition(6, 0, A, False),),
     }
     assert stop_orders(profile) == {}
 
@@ -46,7 +46,7 @@ def test_sync_is_what_silence_means(make, timing, is_sync):
 
 
 def test_an_entry_without_anything_to_wait_for_is_a_place(make):
-    bare = rts.Condition(7, make.entry("Sink0").target_component)
+    bare = rts.OrderStep(7, make.entry("Sink0").target_component)
     nobody = replace(bare, preceding=rts.Preceding(timeout=5))
     for entry in (bare, nobody, replace(bare, wait_time=rts.WaitTime(0))):
         (condition,) = start_orders(make.ordered(make.sinks(1), entry))[A]
@@ -60,7 +60,7 @@ def test_contexts_are_found_by_id_else_by_number(make):
     assert {
         target: [c.sequence for c in conditions]
         for target, conditions in start_orders(make.ordered(profile, *entries)).items()
-    } == {A: [0], Target("Sink0", 1): [1, 2]}
+    } == {A: [0], OrderTarget("Sink0", 1): [1, 2]}
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_contexts_are_named_where_there_are_several(make):
     profile = make.profile(make.component("Sink0", contexts=two))
     first = make.entry("Sink0", context="a", after="Sink0/b")
     orders = start_orders(make.ordered(profile, first))
-    assert [c.preceding for c in orders[A]] == [Target("Sink0", 1)]
+    assert [c.preceding for c in orders[A]] == [OrderTarget("Sink0", 1)]
     second = make.entry("Sink0", context="b", after="Sink0/a")
     with pytest.raises(InvalidDocument, match="Sink0 in a waits for Sink0 in b waits for Sink0 in"):
         start_orders(make.ordered(profile, first, second))

@@ -4,8 +4,8 @@ import pytest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.conditions import Target, start_orders, stop_orders
-from rtkit.deployment.execution import Execution
+from rtkit.deployment.conditions import OrderTarget, start_orders, stop_orders
+from rtkit.deployment.execution import StartExecution
 from rtkit.deployment.running import start_plan, stop_plan
 from rtkit.rtc.enums import ReturnCode
 
@@ -18,7 +18,7 @@ class Clockwork:
     def __init__(self, plan, timeout_s=None):
         self.now = 100.0
         self.states = {turn.target: "Inactive" for turn in plan.turns}
-        self.execution = Execution(plan, self.now, timeout_s)
+        self.execution = StartExecution(plan, self.now, timeout_s)
         self.turns = {turn.target.instance[-1]: turn for turn in plan.turns}
         self.goal = "Active" if plan.transition == "activate" else "Inactive"
         self.reports = []
@@ -408,7 +408,7 @@ def test_a_state_that_was_not_seen_is_no_state(begin, make):
     clock.go()
     clock.reply("0")
     assert clock.execution.ready(clock.now) == []
-    clock.execution.saw({Target("Sink0", 0): "Inactive"})
+    clock.execution.saw({OrderTarget("Sink0", 0): "Inactive"})
     assert [turn.id for turn in clock.execution.ready(clock.now)] == [2]
 
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from rtkit.deployment.delta import delta_between
 from rtkit.deployment.facts import ComponentFacts, ProcessFacts, Snapshot
-from rtkit.deployment.happenings import beats, happenings
-from rtkit.deployment.news import news_between
-from rtkit.deployment.upkeep import Upkeep
+from rtkit.deployment.restart_status import RestartStatus
+from rtkit.deployment.user_events import heartbeats, user_events
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
 from rtkit.rtc.profiles import (
     ConnectorProfile,
@@ -37,7 +37,7 @@ BEFORE = Snapshot("host", "manager", 1, "0", (SLAVE,), (A,))
 
 
 def told(after: Snapshot, before: Snapshot = BEFORE) -> list[str]:
-    found = happenings(before, news_between(before, after, "", 1))
+    found = user_events(before, delta_between(before, after, "", 1))
     return [" ".join(filter(None, each[:6])) for each in found]
 
 
@@ -113,44 +113,50 @@ CHANGES = {
 
 
 UPKEEP = {
-    "returning": (Upkeep(), Upkeep(returning="signal 9"), ["RETURNING signal 9"]),
+    "returning": (RestartStatus(), RestartStatus(returning="signal 9"), ["RETURNING signal 9"]),
     "made again": (
-        Upkeep(2, "signal 9", 0.5, returning="exit status 3"),
-        Upkeep(3, "exit status 3", 0.1623),
+        RestartStatus(2, "signal 9", 0.5, returning="exit status 3"),
+        RestartStatus(3, "exit status 3", 0.1623),
         ["MADE_AGAIN restart 3, for exit status 3, after 0.162 s"],
     ),
     "dead again": (
-        Upkeep(2, "signal 9", returning="signal 9"),
-        Upkeep(3, "signal 9", returning="cannot create A: no"),
+        RestartStatus(2, "signal 9", returning="signal 9"),
+        RestartStatus(3, "signal 9", returning="cannot create A: no"),
         ["RETURNING cannot create A: no"],
     ),
     "given up": (
-        Upkeep(5, "signal 9", returning="signal 9"),
-        Upkeep(5, "signal 9", given_up="given up after 5"),
+        RestartStatus(5, "signal 9", returning="signal 9"),
+        RestartStatus(5, "signal 9", given_up="given up after 5"),
         ["GIVEN_UP given up after 5"],
     ),
-    "reset": (Upkeep(5, given_up="given up after 5"), Upkeep(5), []),
-    "degraded": (Upkeep(), Upkeep(degraded="out carries 0"), ["DEGRADED out carries 0"]),
-    "well": (Upkeep(degraded="out carries 0"), Upkeep(), ["WELL"]),
-    "stopped": (Upkeep(), Upkeep(rested="t is 80"), ["STOPPED t is 80"]),
-    "critical": (Upkeep(), Upkeep(halted="signal 9"), ["CRITICAL_STOP signal 9"]),
+    "reset": (RestartStatus(5, given_up="given up after 5"), RestartStatus(5), []),
+    "degraded": (
+        RestartStatus(),
+        RestartStatus(degraded="out carries 0"),
+        ["DEGRADED out carries 0"],
+    ),
+    "well": (RestartStatus(degraded="out carries 0"), RestartStatus(), ["WELL"]),
+    "stopped": (RestartStatus(), RestartStatus(rested="t is 80"), ["STOPPED t is 80"]),
+    "critical": (RestartStatus(), RestartStatus(halted="signal 9"), ["CRITICAL_STOP signal 9"]),
 }
 
 
 @pytest.mark.parametrize("what", UPKEEP)
 def test_what_policies_did_is_told(what: str) -> None:
     before, after, events = UPKEEP[what]
-    lines = told(with_a(upkeep=after), with_a(upkeep=before))
+    lines = told(with_a(restart_status=after), with_a(restart_status=before))
     assert lines == [f"SUPERVISION A slave {event}" for event in events]
 
 
 def test_a_restart_is_told_in_numbers_and_not_of_one_that_has_died_again() -> None:
-    before = with_a(zombie="signal 9", upkeep=Upkeep(1, "signal 9", returning="signal 9"))
-    upkeep = Upkeep(2, "signal 9", 0.25)
-    after = with_a(upkeep=upkeep)
-    found = list(happenings(before, news_between(before, after, "", 1)))
-    assert [each.restart for each in found if each.event == "MADE_AGAIN"] == [upkeep]
-    dead = with_a(zombie="signal 9", upkeep=upkeep)
+    before = with_a(
+        zombie="signal 9", restart_status=RestartStatus(1, "signal 9", returning="signal 9")
+    )
+    restart_status = RestartStatus(2, "signal 9", 0.25)
+    after = with_a(restart_status=restart_status)
+    found = list(user_events(before, delta_between(before, after, "", 1)))
+    assert [each.restart for each in found if each.event == "MADE_AGAIN"] == [restart_status]
+    dead = with_a(zombie="signal 9", restart_status=restart_status)
     assert told(dead, before) == []
 
 
@@ -177,7 +183,7 @@ def test_connections_are_told_at_both_ends() -> None:
 
 
 def test_heartbeats() -> None:
-    assert [(each.subject, each.event) for each in beats(A, ["0"])] == [
+    assert [(each.subject, each.event) for each in heartbeats(A, ["0"])] == [
         ("", "RTC_HEARTBEAT"),
         ("0", "EC_HEARTBEAT"),
     ]

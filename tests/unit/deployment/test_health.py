@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.figures import ComponentFigures, ContextFigures
 from rtkit.deployment.health import Reaction, Sample, broken, read_rules
+from rtkit.deployment.metrics import ComponentMetrics, ContextMetrics
 from rtkit.errors import Malformed
 
 
 def sample(at_s: float, count: int = 0, longest_s: float = 0.0, **more: object) -> Sample:
     """Return a component that has written and read so much."""
-    context = ContextFigures("0", True, True, count, 0.0, longest_s)
-    figures = ComponentFigures("A", (context,), {"out": count}, {"in": 2 * count})
+    context = ContextMetrics("0", True, True, count, 0.0, longest_s)
+    metrics = ComponentMetrics("A", (context,), {"out": count}, {"in": 2 * count})
     told = {"is_active": True, "values": {"gain": "2.5", "mode": "on"}, **more}
-    return Sample(at_s, figures=figures, **told)  # type: ignore[arg-type]
+    return Sample(at_s, metrics=metrics, **told)  # type: ignore[arg-type]
 
 
 BEFORE = sample(10.0, 100)

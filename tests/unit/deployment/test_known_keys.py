@@ -12,9 +12,9 @@ from rtkit.deployment.known_keys import (
     odd_options,
     odd_properties,
 )
-from rtkit.manager.settings.options import unknown_options
-from rtkit.profile.common import Property
-from rtkit.profile.rts_model import Component, Port, RtsProfile
+from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.rts_model import ComponentInstance, InstancePort, RtsProfile
+from rtkit.settings.options import unknown_options
 
 ODD = [
     ("rtkit.restrat", OF_COMPONENTS, " (did you mean rtkit.restart?)"),
@@ -51,10 +51,10 @@ def test_what_is_known_or_of_others_is_not(key: str, known: tuple[str, ...]) -> 
 
 
 def profile(create: str = "", key: str = "vendor.x") -> RtsProfile:
-    own = (Property("rtkit.create", create),) if create else ()
-    port = Port("A.out", properties=(Property("rtkit.sated-type", "x"),))
-    made = Component("RTC:M:c:T:1", "h/A.rtc", "A", data_ports=(port,), properties=own)
-    said = (Property(key, "1"),)
+    own = (ExtensionProperty("rtkit.create", create),) if create else ()
+    port = InstancePort("A.out", properties=(ExtensionProperty("rtkit.sated-type", "x"),))
+    made = ComponentInstance("RTC:M:c:T:1", "h/A.rtc", "A", data_ports=(port,), properties=own)
+    said = (ExtensionProperty(key, "1"),)
     return RtsProfile("RTSystem:m:s:1", "0.2", "", "", properties=said, components=(made,))
 
 

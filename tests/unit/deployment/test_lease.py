@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from rtkit.deployment.lease import Holder, Lease, holder_from_text
+from rtkit.deployment.lease import Lease, LeaseHolder, holder_from_text
 from rtkit.errors import Malformed, Refused
-from rtkit.rtc.plain import encode
+from rtkit.rtc.serde import encode
 
 
 class Life:
@@ -34,7 +34,7 @@ def lease(lives):
 
 
 def wanted(number, command="rtapply a.xml"):
-    return Holder(f"id{number}", command, "ann", "box", number, 0.0)
+    return LeaseHolder(f"id{number}", command, "ann", "box", number, 0.0)
 
 
 def take(lease, number):

@@ -7,7 +7,7 @@ import pytest
 from rtkit.deployment.limits import (
     NO_LIMITS,
     Capacity,
-    Limits,
+    SlaveLimits,
     TreeUsage,
     exhausted,
     limits_in,
@@ -23,21 +23,21 @@ MIB = 1 << 20
 @pytest.mark.parametrize(
     ("key", "text", "limits"),
     [
-        ("memory", "200M", Limits(memory=200 * MIB)),
-        ("memory", "200MiB", Limits(memory=200 * MIB)),
-        ("memory", "200mb", Limits(memory=200 * MIB)),
-        ("memory", "1.5G", Limits(memory=1536 * MIB)),
-        ("memory", "2048K", Limits(memory=2 * MIB)),
-        ("memory", "209715200", Limits(memory=200 * MIB)),
-        ("processes", "4", Limits(processes=4)),
-        ("descriptors", "100", Limits(descriptors=100)),
-        ("processor", "0.5", Limits(processor=0.5)),
-        ("processor", "50%", Limits(processor=0.5)),
-        ("processor", "2", Limits(processor=2.0)),
+        ("memory", "200M", SlaveLimits(memory=200 * MIB)),
+        ("memory", "200MiB", SlaveLimits(memory=200 * MIB)),
+        ("memory", "200mb", SlaveLimits(memory=200 * MIB)),
+        ("memory", "1.5G", SlaveLimits(memory=1536 * MIB)),
+        ("memory", "2048K", SlaveLimits(memory=2 * MIB)),
+        ("memory", "209715200", SlaveLimits(memory=200 * MIB)),
+        ("processes", "4", SlaveLimits(processes=4)),
+        ("descriptors", "100", SlaveLimits(descriptors=100)),
+        ("processor", "0.5", SlaveLimits(processor=0.5)),
+        ("processor", "50%", SlaveLimits(processor=0.5)),
+        ("processor", "2", SlaveLimits(processor=2.0)),
         ("memory", "", NO_LIMITS),
     ],
 )
-def test_limits_are_read(key: str, text: str, limits: Limits) -> None:
+def test_limits_are_read(key: str, text: str, limits: SlaveLimits) -> None:
     assert read_limits({f"rtkit.limit.{key}": text, "gain": "1"}) == limits
 
 
@@ -72,7 +72,7 @@ def test_limits_of_one_slave_add_up() -> None:
     both = limits_in("A?rtkit.limit.memory=1G&rtkit.limit.processor=10%") + limits_in(
         "B?rtkit.limit.memory=512M&rtkit.limit.processor=20%"
     )
-    assert both == Limits(memory=1536 * MIB, processor=0.3)
+    assert both == SlaveLimits(memory=1536 * MIB, processor=0.3)
     assert both.text == "memory 1.5 GiB, processor 0.3"
     assert not limits_in("A?gain=1")
     assert not limits_in("A?rtkit.limit.memory=much")
@@ -89,24 +89,24 @@ def test_limits_of_one_slave_add_up() -> None:
     ],
 )
 def test_a_limit_that_is_reached_is_told_with_what_is_used(used: TreeUsage, why: str) -> None:
-    assert reached(Limits(200 * MIB, 4, 100, 0.5), used) == why
+    assert reached(SlaveLimits(200 * MIB, 4, 100, 0.5), used) == why
     assert reached(NO_LIMITS, used) == ""
 
 
 def test_a_failure_for_want_of_something_limited_is_known_as_that() -> None:
     no_files = "OSError: [Errno 24] Too many open files: '/x' (a.py:3 in on_execute)"
-    assert exhausted(Limits(memory=MIB), "MemoryError (a.py:3 in on_execute)") == (
+    assert exhausted(SlaveLimits(memory=MIB), "MemoryError (a.py:3 in on_execute)") == (
         "memory limit of 1 MiB reached (MemoryError (a.py:3 in on_execute))"
     )
-    assert exhausted(Limits(descriptors=9), no_files) == (
+    assert exhausted(SlaveLimits(descriptors=9), no_files) == (
         f"limit of 9 descriptors reached ({no_files})"
     )
-    assert exhausted(Limits(memory=MIB), no_files) == ""
-    assert exhausted(Limits(memory=MIB), "ValueError: no (a.py:3)") == ""
+    assert exhausted(SlaveLimits(memory=MIB), no_files) == ""
+    assert exhausted(SlaveLimits(memory=MIB), "ValueError: no (a.py:3)") == ""
 
 
 def test_more_than_a_host_has_is_told_with_who_may_use_most() -> None:
-    said = {f"C{n}": Limits(memory=n * 1024 * MIB, processor=0.5) for n in range(1, 7)}
+    said = {f"C{n}": SlaveLimits(memory=n * 1024 * MIB, processor=0.5) for n in range(1, 7)}
     assert overbooked(said, Capacity(21 * 1024 * MIB, 3.0)) == ""
     assert overbooked(said, Capacity(20 * 1024 * MIB, 3.0)) == (
         "rtkit.limit.memory: 21 GiB in all (C6 6 GiB, C5 5 GiB, C4 4 GiB, C3 3 GiB, 2 more),"

@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.live import Live
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.plan import merged
 from rtkit.deployment.running import start_plan, stop_plan, teardown_plan
 from rtkit.deployment.wanted import wanted
@@ -25,7 +25,7 @@ OPTIONS = (
 def bring_up(make, world, profile):
     system, live = make.live(profile, world)
     for plan in (creation_plan(system, live), None):
-        plan = plan or wiring_plan(system, Live(world.snapshot(), system))
+        plan = plan or wiring_plan(system, LiveIndex(world.snapshot(), system))
         assert not any(check.failure for check in plan.checks)
         for action, _ in merged(plan.steps):
             assert world.perform(action).ok, action
@@ -81,7 +81,7 @@ def test_optional_components_are_not_checked(make, world):
 
 def test_what_holds_is_not_done_again(make, world):
     system = bring_up(make, world, make.pair())
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     assert creation_plan(system, live).steps == ()
     plan = wiring_plan(system, live)
     assert plan.is_done
@@ -94,7 +94,7 @@ def test_only_what_differs_is_done(make, world):
     world.perform(act.SetParameters("Sink0", "default", {"gain": "5", "mode": "z"}))
     world.perform(act.ActivateSet("Source0", "default"))
     world.perform(act.Disconnect("wire"))
-    plan = wiring_plan(system, Live(world.snapshot(), system))
+    plan = wiring_plan(system, LiveIndex(world.snapshot(), system))
     assert [action for action, _ in merged(plan.steps)] == [
         act.Connect(system.connectors[0].profile),
         act.SetParameters("Sink0", "default", {"gain": "2", "mode": "a"}),
@@ -169,7 +169,7 @@ def test_paths_below_a_manager_are_found(make, world):
 def test_a_zombie_is_made_again(make, world):
     system = bring_up(make, world, make.pair())
     world.kill("slaveSink0")
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     assert failures(creation_plan(system, live, may_create=False))[0] == (
         "Required component missing: /localhost/Sink0.rtc (zombie: signal 9)"
     )
@@ -196,7 +196,7 @@ def test_unknown_hosts_are_errors_of_what_would_be_made_only(make, world):
     with pytest.raises(NotFound, match=r"no such host: 10\.0\.0\.9 \(component Sink0\)"):
         creation_plan(system, live)
     world.perform(act.Create("Sink?instance_name=Sink0", ("10.0.0.9/Sink0.rtc",)))
-    assert not failures(creation_plan(system, Live(world.snapshot(), system)))
+    assert not failures(creation_plan(system, LiveIndex(world.snapshot(), system)))
 
 
 def test_names_that_none_may_bear_are_found_before_anything_is_made(make, world):
@@ -228,13 +228,13 @@ def test_connections_of_what_is_not_there(make, world):
         "Source component missing: /localhost/Source0.rtc"
     )
     world.perform(act.Create("Source?instance_name=Source0"))
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     assert blocked(wiring_plan(system, live)) == [
         "Destination component missing: /localhost/Sink0.rtc",
         "Source port missing: /localhost/Source0.rtc:other",
     ]
     world.perform(act.Create("Sink?instance_name=Sink0", ("localhost/Sink0.rtc",)))
-    assert blocked(wiring_plan(system, Live(world.snapshot(), system))) == [
+    assert blocked(wiring_plan(system, LiveIndex(world.snapshot(), system))) == [
         "Source port missing: /localhost/Source0.rtc:other"
     ]
 
@@ -315,7 +315,7 @@ def test_start_needs_required_components(make, world):
 
 def test_teardown_disconnects_by_id_and_ends_in_reverse(make, world):
     system = bring_up(make, world, make.pair())
-    plan = teardown_plan(system, Live(world.snapshot(), system), ends_components=True)
+    plan = teardown_plan(system, LiveIndex(world.snapshot(), system), ends_components=True)
     assert [*plan.lines()] == [
         "Disconnect /localhost/Source0.rtc:out from /localhost/Sink0.rtc:in with ID wire",
         'Exit component "RTC:Me:test:Sink:1.0", "Sink0" at path /localhost/Sink0.rtc',
@@ -335,7 +335,7 @@ def test_teardown_tells_what_is_missing(make, world):
     ]
     bring_up(make, world, make.pair())
     world.perform(act.Disconnect("wire"))
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     assert blocked(teardown_plan(system, live)) == [
         "No connection from /localhost/Source0.rtc:out with ID wire"
     ]
@@ -347,7 +347,7 @@ def test_what_is_gone_already_is_as_wanted_where_the_components_end(make, world)
     bring_up(make, world, make.pair())
     world.perform(act.Disconnect("wire"))
     world.perform(act.Delete("Sink0"))
-    plan = teardown_plan(system, Live(world.snapshot(), system), ends_components=True)
+    plan = teardown_plan(system, LiveIndex(world.snapshot(), system), ends_components=True)
     assert blocked(plan) == []
     assert [step.action for step in plan.steps if step.action] == [act.Delete("Source0")]
 
@@ -355,7 +355,7 @@ def test_what_is_gone_already_is_as_wanted_where_the_components_end(make, world)
 def test_teardown_ends_zombies_but_no_strangers(make, world):
     system = bring_up(make, world, make.pair())
     world.kill("slaveSink0")
-    live = Live(world.snapshot(), system)
+    live = LiveIndex(world.snapshot(), system)
     assert act.Delete("Sink0") in [
         step.action for step in teardown_plan(system, live, ends_components=True).steps
     ]
@@ -368,5 +368,5 @@ def test_teardown_ends_zombies_but_no_strangers(make, world):
 def test_state_does_not_matter_to_a_plan(make, world):
     system = bring_up(make, world, make.pair())
     world.set_state("Sink0", LifeCycleState.ERROR)
-    assert wiring_plan(system, Live(world.snapshot(), system)).is_done
+    assert wiring_plan(system, LiveIndex(world.snapshot(), system)).is_done
     assert wanted(make.pair(), world.host) == system

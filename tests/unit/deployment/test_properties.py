@@ -6,7 +6,7 @@ import pytest
 
 from rtkit.deployment.actions import ActivateSet, ChangeState, SetParameters, SetRate
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.properties import Shown, of_component, of_manager
 from rtkit.property.codes import PropertyError
 from rtkit.property.values import Word
@@ -55,8 +55,8 @@ def test_a_component_is_told_by_its_facts() -> None:
         "ports.in.direction": Word("in"), "ports.in.connected": (Word("A0.out"),),
         "ports.in.count": -1, "ports.meta_.direction": Word("service"),
     }  # fmt: skip
-    figures = ComponentFigures("M0", read={"in": 7})
-    counted = {each.name: each.value for each in of_component(facts(), (), figures)}
+    metrics = ComponentMetrics("M0", read={"in": 7})
+    counted = {each.name: each.value for each in of_component(facts(), (), metrics)}
     assert counted["ports.in.count"] == 7
 
 

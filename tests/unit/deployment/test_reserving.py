@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.deployment.actions import Create
-from rtkit.deployment.limits import NO_LIMITS, Limits
+from rtkit.deployment.limits import NO_LIMITS, SlaveLimits
 from rtkit.deployment.reserving import reserved
 from rtkit.deployment.wanted import wanted
 from rtkit.errors import Malformed
@@ -28,11 +28,11 @@ def test_what_a_system_says_outranks_what_lives_and_the_rest_counts_too(make, wo
     )
     living = world.snapshot().components
     assert reserved(system, living, {"m2": [living[1]]}) == {
-        "Sink0": Limits(memory=100 * MIB),
-        "Other": Limits(memory=10 * MIB),
+        "Sink0": SlaveLimits(memory=100 * MIB),
+        "Other": SlaveLimits(memory=10 * MIB),
         "Sink1": NO_LIMITS,  # its create string is stated, and says none
-        "Sink2": Limits(memory=MIB),
-        "Other in m2": Limits(memory=10 * MIB),
+        "Sink2": SlaveLimits(memory=MIB),
+        "Other in m2": SlaveLimits(memory=10 * MIB),
     }
 
 

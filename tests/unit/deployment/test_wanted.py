@@ -5,7 +5,7 @@ import pytest
 from rtkit.deployment.system import KnownType
 from rtkit.deployment.wanted import STAND_IN_SLAVE, wanted
 from rtkit.errors import Malformed
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.enums import ExecutionKind, Polarity, PortType
 from rtkit.rtc.profiles import PortRef
@@ -285,12 +285,12 @@ def test_old_identities_are_kept_as_stated(make):
 def test_restarts_that_are_said_of_a_slave(make, own, restart):
     """They hold for what it holds and says nothing."""
     profile = make.profile(make.component("Sink0", properties=own))
-    told = replace(profile, properties=(Property("rtkit.restart.slave.s", "always"),))
+    told = replace(profile, properties=(ExtensionProperty("rtkit.restart.slave.s", "always"),))
     create = parse_create(only(wanted(told, "box")).create)
     assert create.options.get("rtkit.restart") == restart
 
 
 def test_restarts_of_a_slave_that_make_no_sense(make):
-    told = replace(make.profile(), properties=(Property("rtkit.restart.slave.s", "now"),))
+    told = replace(make.profile(), properties=(ExtensionProperty("rtkit.restart.slave.s", "now"),))
     with pytest.raises(Malformed, match=r"rtkit\.restart\.slave\.s: not one of"):
         wanted(told, "box")

@@ -1,7 +1,7 @@
 """A look at states: what is seen."""
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.watch import Watched, look, seen
+from rtkit.deployment.watch import WatchedComponent, look, seen
 from rtkit.rtc.enums import LifeCycleState
 
 
@@ -21,7 +21,7 @@ def test_what_is_seen(world):
     world.kill("s", "signal 11")
     assert now() == "zombie (signal 11)"
     assert now(instance="B") == "missing"
-    assert look([Watched("B", "0"), Watched("A", "0")], world.components.get) == (
+    assert look([WatchedComponent("B", "0"), WatchedComponent("A", "0")], world.components.get) == (
         "missing",
         "zombie (signal 11)",
     )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from rtkit.deployment.actions import Create
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.live import Live
-from rtkit.deployment.planning.back import WayBack
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.planning.model import Model
-from rtkit.deployment.planning.survey import survey
-from rtkit.deployment.system import System
-from rtkit.deployment.world import World
-from rtkit.records import replace
+from rtkit.deployment.planning.model_builder import build_model
+from rtkit.deployment.planning.rollback import Rollback
+from rtkit.deployment.system import WantedSystem
+from rtkit.fast_dataclass import replace
 from rtkit.rtc.enums import LifeCycleState
 
 ACTIVE, INACTIVE = LifeCycleState.ACTIVE, LifeCycleState.INACTIVE
@@ -26,18 +26,18 @@ def with_states(snapshot: Snapshot, *states: LifeCycleState) -> Snapshot:
     return replace(snapshot, components=(replace(facts, contexts=contexts),))
 
 
-def test_contexts_that_are_not_as_they_were_are_told(world: World) -> None:
+def test_contexts_that_are_not_as_they_were_are_told(world: FakeManager) -> None:
     assert world.perform(Create("Source?instance_name=Source0")).ok
     snapshot = world.snapshot()
 
     def look(now: Snapshot) -> Model:
-        nothing = System()
-        return survey(nothing, Live(now, nothing), is_back=True).model
+        nothing = WantedSystem()
+        return build_model(nothing, LiveIndex(now, nothing), is_back=True).model
 
     before = with_states(snapshot, ACTIVE, INACTIVE)
-    way = WayBack(look, before)
+    way = Rollback(look, before)
     assert list(way.unlike(before)) == []
     told = "Source0 is Active in execution context 1 (was Inactive)"
     assert list(way.unlike(with_states(snapshot, ACTIVE, ACTIVE))) == [told]
-    same = WayBack(look, with_states(snapshot, ACTIVE, ACTIVE))
+    same = Rollback(look, with_states(snapshot, ACTIVE, ACTIVE))
     assert list(same.unlike(with_states(snapshot, ACTIVE, ACTIVE))) == []

@@ -1,5 +1,5 @@
 from rtkit.deployment import actions as act
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import LifeCycleState, PortType, Transition
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
@@ -13,8 +13,8 @@ SINK = ComponentPattern(TypeProfile("Sink"), (PortProfile("in", PortType.IN),))
 WIRE = ConnectorProfile("w", "w", (PortRef("Source0", "out"), PortRef("Sink0", "in")))
 
 
-def wired() -> World:
-    world = World([SOURCE, SINK])
+def wired() -> FakeManager:
+    world = FakeManager([SOURCE, SINK])
     made = [
         act.Create("Source?manager_name=a&instance_name=Source0"),
         act.Create("Sink"),
@@ -97,7 +97,7 @@ def test_delete_takes_connections_names_and_the_empty_slave():
 
 
 def test_modules_bring_types():
-    world = World(modules={"/m/sink.py": [SINK]})
+    world = FakeManager(modules={"/m/sink.py": [SINK]})
     assert not world.perform(act.Create("Sink")).ok
     assert world.perform(act.Load("/m/sink.py", "init")).ok
     assert world.perform(act.Create("Sink")).ok

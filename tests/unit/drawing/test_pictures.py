@@ -13,11 +13,11 @@ import pytest
 from lxml import etree
 
 from rtkit.drawing.channels import Net, joints, routes
-from rtkit.drawing.component import Interface, Pin, component_svg
+from rtkit.drawing.component import InterfaceSymbol, Pin, component_svg
 from rtkit.drawing.dot import dot_lines
 from rtkit.drawing.frames import framed
 from rtkit.drawing.layout import Layout, laid_out
-from rtkit.drawing.order import Link, count_crossings, ordered
+from rtkit.drawing.order import EdgePiece, count_crossings, ordered
 from rtkit.drawing.ranks import backward_edges, ranks
 from rtkit.drawing.scene import (
     DATA,
@@ -28,11 +28,11 @@ from rtkit.drawing.scene import (
     RIGHT,
     SERVICE,
     Box,
-    End,
     Frame,
-    Port,
+    PortPin,
     Scene,
     Wire,
+    WireEnd,
     box_size,
 )
 from rtkit.drawing.svg import picture, rounded, scene_svg
@@ -139,9 +139,12 @@ def test_graphviz_takes_every_system(file: str) -> None:
 
 
 def nasty_scene() -> Scene:
-    ports = (Port(NASTY, LEFT, IN, NASTY), Port(NASTY, RIGHT, OUT, NASTY))
+    ports = (PortPin(NASTY, LEFT, IN, NASTY), PortPin(NASTY, RIGHT, OUT, NASTY))
     boxes = (Box(NASTY, NASTY, ports, NASTY), Box(NASTY, "", ports, is_dashed=True))
-    return Scene(boxes, (Wire(End(0, 1), End(1, 0), SERVICE, NASTY), Wire(End(0, 1), End(0, 0))))
+    return Scene(
+        boxes,
+        (Wire(WireEnd(0, 1), WireEnd(1, 0), SERVICE, NASTY), Wire(WireEnd(0, 1), WireEnd(0, 0))),
+    )
 
 
 def test_any_text_can_be_drawn() -> None:
@@ -150,7 +153,7 @@ def test_any_text_can_be_drawn() -> None:
     shown = NASTY.replace("\x01", "\ufffd")
     texts = [element.text for element in root.iter(f"{SVG}text")]
     assert texts == [shown] * 8
-    pins = [Pin(scene.boxes[0].ports[0], NASTY, (Interface(NASTY, NASTY, True),))]
+    pins = [Pin(scene.boxes[0].ports[0], NASTY, (InterfaceSymbol(NASTY, NASTY, True),))]
     assert shown in [element.text for element in checked(component_svg(NASTY, pins)).iter()]
 
 
@@ -164,9 +167,9 @@ def test_graphviz_takes_any_text() -> None:
 
 
 def test_dots_look_as_the_wires_that_part_there() -> None:
-    service = [Port("p", RIGHT, SERVICE)], [Port("q", LEFT, SERVICE)]
+    service = [PortPin("p", RIGHT, SERVICE)], [PortPin("q", LEFT, SERVICE)]
     boxes = [Box("a", "", tuple(service[0])), *(Box(n, "", tuple(service[1])) for n in "bc")]
-    wires = [Wire(End(0, 0), End(n, 0), SERVICE) for n in (1, 2)]
+    wires = [Wire(WireEnd(0, 0), WireEnd(n, 0), SERVICE) for n in (1, 2)]
     scene = Scene(tuple(boxes), tuple(wires))
     root = checked(scene_svg(scene, laid_out(scene)))
     dots = [each.get("class") for each in root.iter(f"{SVG}circle")]
@@ -182,10 +185,10 @@ def test_a_system_without_components_has_a_picture_too() -> None:
 
 def test_the_dot_form() -> None:
     boxes = (
-        Box("A", "", (Port("out", RIGHT, OUT), Port("s", LEFT, SERVICE))),
-        Box("B c", "", (Port("in", LEFT, IN), Port("s", RIGHT, SERVICE))),
+        Box("A", "", (PortPin("out", RIGHT, OUT), PortPin("s", LEFT, SERVICE))),
+        Box("B c", "", (PortPin("in", LEFT, IN), PortPin("s", RIGHT, SERVICE))),
     )
-    wires = (Wire(End(0, 0), End(1, 0)), Wire(End(1, 1), End(0, 1), SERVICE))
+    wires = (Wire(WireEnd(0, 0), WireEnd(1, 0)), Wire(WireEnd(1, 1), WireEnd(0, 1), SERVICE))
     assert list(dot_lines(Scene(boxes, wires), 'the "system"')) == [
         'digraph "the \\"system\\"" {',
         "  rankdir=LR;",
@@ -199,11 +202,11 @@ def test_the_dot_form() -> None:
 
 
 def test_interfaces_are_balls_and_sockets() -> None:
-    interfaces = (Interface("give", "Give", True), Interface("take", "Take", False))
+    interfaces = (InterfaceSymbol("give", "Give", True), InterfaceSymbol("take", "Take", False))
     pins = [
-        Pin(Port("in", LEFT, IN), "TimedLong"),
-        Pin(Port("event", LEFT, EVENT), "Any"),
-        Pin(Port("control", RIGHT, SERVICE), "", interfaces),
+        Pin(PortPin("in", LEFT, IN), "TimedLong"),
+        Pin(PortPin("event", LEFT, EVENT), "Any"),
+        Pin(PortPin("control", RIGHT, SERVICE), "", interfaces),
     ]
     root = checked(component_svg("Robot", pins))
     assert len(root.findall(f".//{SVG}circle[@class='rt-ball']")) == 1
@@ -220,7 +223,7 @@ def test_a_component_without_ports_is_a_box() -> None:
 
 
 def test_boxes_have_room_for_their_texts() -> None:
-    ports = (Port("x" * 20, LEFT, IN), Port("y" * 30, RIGHT, OUT), Port("z", LEFT, DATA))
+    ports = (PortPin("x" * 20, LEFT, IN), PortPin("y" * 30, RIGHT, OUT), PortPin("z", LEFT, DATA))
     size = box_size(Box("Title", "", ports))
     assert size.width >= text_width("x" * 20, 11) + text_width("y" * 30, 11) + 24
     assert box_size(Box("T" * 60, "", ports)).width > size.width
@@ -250,7 +253,7 @@ def test_chains_and_circles_have_columns() -> None:
 
 def test_an_order_without_crossings_is_found() -> None:
     columns = [[0, 1, 2], [3, 4, 5]]
-    links = [Link(0, 5), Link(1, 4), Link(2, 3)]
+    links = [EdgePiece(0, 5), EdgePiece(1, 4), EdgePiece(2, 3)]
     found = ordered(columns, links)
     place = {node: i for column in found for i, node in enumerate(column)}
     ends = sorted((place[each.left], place[each.right]) for each in links)
@@ -285,10 +288,14 @@ def test_wires_join_where_three_pieces_meet() -> None:
 
 def framed_boxes(*frames: Frame) -> Scene:
     """Return four boxes in a row, each with an in and an out port; the last can be a frame."""
-    ports = (Port("in", LEFT, IN), Port("out", RIGHT, OUT))
-    shown = (Port("B.in", LEFT, IN),)
+    ports = (PortPin("in", LEFT, IN), PortPin("out", RIGHT, OUT))
+    shown = (PortPin("B.in", LEFT, IN),)
     boxes = (*(Box(name, "T", ports) for name in "ABC"), Box("F", "T", shown), Box("G", "T"))
-    wires = (Wire(End(0, 1), End(3, 0)), Wire(End(1, 1), End(2, 0)), Wire(End(2, 1), End(0, 0)))
+    wires = (
+        Wire(WireEnd(0, 1), WireEnd(3, 0)),
+        Wire(WireEnd(1, 1), WireEnd(2, 0)),
+        Wire(WireEnd(2, 1), WireEnd(0, 0)),
+    )
     return Scene(boxes, wires, frames)
 
 
@@ -298,11 +305,11 @@ def test_members_are_inside_their_frame_and_its_ports_lead_to_theirs() -> None:
     inside = scene.boxes[1].inside
     assert inside is not None
     assert [box.title for box in inside.scene.boxes] == ["B", "C"]
-    assert inside.scene.wires == (Wire(End(0, 1), End(1, 0)),)
-    assert inside.links == ((0, End(0, 0)), (1, End(1, 1)))
+    assert inside.scene.wires == (Wire(WireEnd(0, 1), WireEnd(1, 0)),)
+    assert inside.links == ((0, WireEnd(0, 0)), (1, WireEnd(1, 1)))
     # The wire from C to A leaves the frame, at a port of the frame that is named after C's.
     assert [port.name for port in scene.boxes[1].ports] == ["B.in", "C.out"]
-    assert scene.wires == (Wire(End(0, 1), End(1, 0)), Wire(End(1, 1), End(0, 0)))
+    assert scene.wires == (Wire(WireEnd(0, 1), WireEnd(1, 0)), Wire(WireEnd(1, 1), WireEnd(0, 0)))
 
 
 def test_a_frame_in_a_frame() -> None:

@@ -11,19 +11,19 @@ from rtkit.idl.model import (
     ArrayOf,
     Attribute,
     Basic,
+    BasicKind,
     Constant,
     Direction,
-    Enumeration,
+    EnumDeclaration,
     EnumValue,
     Field,
-    Interface,
-    Kind,
+    InterfaceDeclaration,
     Named,
     Opaque,
     Operation,
-    Parameter,
+    OperationParameter,
     SequenceOf,
-    Struct,
+    StructDeclaration,
     Typedef,
 )
 
@@ -53,11 +53,11 @@ def test_a_service_is_read_with_its_documentation():
         Operation(
             "echo",
             Basic("string"),
-            (Parameter(Direction.IN, "msg", Basic("string")),),
+            (OperationParameter(Direction.IN, "msg", Basic("string")),),
             doc="Return the text.",
         ),
         Operation("get_echo_history", Named(("SimpleService", "EchoList")), doc="the oldest first"),
-        Operation("set_value", None, (Parameter(Direction.IN, "value", Basic("float")),)),
+        Operation("set_value", None, (OperationParameter(Direction.IN, "value", Basic("float")),)),
         Operation("get_value", Basic("float")),
         Operation("get_value_history", Named(("SimpleService", "ValueList"))),
     )
@@ -99,7 +99,7 @@ def test_a_manipulator_is_read():
         ("inout", "ticket"),
     ]
     assert move.raises == (("Robot", "Arm", "Refused"), ("Robot", "Arm", "Busy"))
-    assert found.find("Robot::Arm::Busy") == Struct(
+    assert found.find("Robot::Arm::Busy") == StructDeclaration(
         ("Robot", "Arm", "Busy"), found.find("Robot::Arm::Busy").place, (), is_exception=True
     )
     base = found.interface("Robot::Arm::Base")
@@ -186,8 +186,8 @@ def test_modules_are_opened_again_and_names_announced():
         "module M { struct S { long n; }; interface J { I get(in S s); }; };\n"
         "module M { interface I { S get(); }; };"
     )
-    assert isinstance(found.find("M::I"), Interface)
-    assert isinstance(found.find("M::S"), Struct)
+    assert isinstance(found.find("M::I"), InterfaceDeclaration)
+    assert isinstance(found.find("M::S"), StructDeclaration)
     assert list(found.by_path) == [("M", "S"), ("M", "J"), ("M", "I")]
 
 
@@ -204,11 +204,11 @@ def test_structures_may_inherit():
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
-        ("union U switch (long) { case 1: long n; default: string s; };", Kind.UNION),
+        ("union U switch (long) { case 1: long n; default: string s; };", BasicKind.UNION),
         ("valuetype U { public long n; private U next; factory make(in long n); };", "valuetype"),
-        ("valuetype U : Base supports I { void f(); };", Kind.VALUETYPE),
-        ("native U;", Kind.NATIVE),
-        ("interface U;", Kind.FORWARD),
+        ("valuetype U : Base supports I { void f(); };", BasicKind.VALUETYPE),
+        ("native U;", BasicKind.NATIVE),
+        ("interface U;", BasicKind.FORWARD),
     ],
 )
 def test_what_cannot_be_carried_is_known_by_name(text, kind):
@@ -270,7 +270,7 @@ def test_mistakes_are_told_with_their_line(text, why):
 def test_what_an_absent_file_may_define_is_left_open():
     found = read('#include "Other.idl"\nmodule M { struct S { Other::T n; T2 m; Other::T o; }; };')
     assert found.missing == ("Other.idl",)
-    assert found.find("Other::T").kind is Kind.MISSING
+    assert found.find("Other::T").kind is BasicKind.MISSING
     assert found.find("M::S").fields[0].type == Named(("Other", "T"))
 
 
@@ -296,7 +296,7 @@ def test_enumerations_and_typedefs_tell_what_they_are():
     found = read(
         "/// Which way.\nenum Way { LEFT, RIGHT };\n\n// Two of them.\ntypedef Way Ways[2];"
     )
-    assert found.find("Way") == Enumeration(
+    assert found.find("Way") == EnumDeclaration(
         ("Way",), found.find("Way").place, ("LEFT", "RIGHT"), doc="Which way."
     )
     ways = found.find("Ways")
@@ -336,6 +336,6 @@ def test_what_the_broker_defines_needs_no_definition():
     found = read("struct S { CORBA::TypeCode code; sequence< ::CORBA::Policy> all; };")
     declared = found.by_path["CORBA", "TypeCode"]
     assert isinstance(declared, Opaque)
-    assert declared.kind is Kind.BROKER
+    assert declared.kind is BasicKind.BROKER
     own = read("module CORBA { struct TypeCode { long a; }; }; struct S { CORBA::TypeCode c; };")
-    assert isinstance(own.by_path["CORBA", "TypeCode"], Struct)
+    assert isinstance(own.by_path["CORBA", "TypeCode"], StructDeclaration)

@@ -6,14 +6,14 @@ import pytest
 
 from rtkit.idl import InvalidIdl, read_idl
 from rtkit.idl.comments import Comment, Comments
-from rtkit.idl.source import Source
+from rtkit.idl.source import IdlSource
 
 
 def lines(text, **files):
     def find(name, _file):
         return (name, files[name]) if name in files else None
 
-    source = Source("a", text, find)
+    source = IdlSource("a", text, find)
     return [line.text for line in source.lines if line.text.strip()], source
 
 
@@ -57,7 +57,7 @@ def test_places_are_those_of_the_files():
     numbers = {line.text: str(line.place) for line in source.lines}
     assert (numbers["first"], numbers["last"]) == ("b:1", "a:3")
     assert str(source.place(99)) == "a:4"
-    assert str(Source("e", "#pragma x", lambda *_: None).place(1)) == ":1"
+    assert str(IdlSource("e", "#pragma x", lambda *_: None).place(1)) == ":1"
 
 
 @pytest.mark.parametrize(

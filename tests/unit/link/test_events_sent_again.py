@@ -10,14 +10,14 @@ from itertools import count
 
 import pytest
 
-from rtkit.link.ears import Ear
-from rtkit.link.properties import Joined, Place
-from rtkit.link.serial_client import SerialClient
-from rtkit.link.serial_line import SerialAddress
-from rtkit.property.messages import Event
-from rtkit.proxy.topics import TopicContact, _Ear
+from rtkit.property.messages import PropertyEvent
+from rtkit.proxy.mqtt_connection import MqttConnection, _Ear
+from rtkit.wires.serial.address import SerialAddress
+from rtkit.wires.serial.client import SerialClient
+from rtkit.wires.zenoh.properties import EventPosition, Joined
+from rtkit.wires.zenoh.subscriptions import ZenohSubscription
 
-FIRST = Event("speed", "1.5", 12.0, 3)
+FIRST = PropertyEvent("speed", "1.5", 12.0, 3)
 OTHERS = (
     FIRST._replace(quality="stale"),
     FIRST._replace(payload="2.5", time=13.0, revision=4),
@@ -40,41 +40,50 @@ class Serial:
 
 
 @contextmanager
-def _serial() -> Iterator[tuple[Callable[[Event], object], Callable[[], Event | None]]]:
+def _serial() -> Iterator[
+    tuple[Callable[[PropertyEvent], object], Callable[[], PropertyEvent | None]]
+]:
     address = SerialAddress("/dev/null")
     with SerialClient(Serial(), address, 1.0) as client:  # type: ignore[arg-type]
         yield client._keep, client._inbox.take
 
 
 @contextmanager
-def _zenoh() -> Iterator[tuple[Callable[[Event], object], Callable[[], Event | None]]]:
+def _zenoh() -> Iterator[
+    tuple[Callable[[PropertyEvent], object], Callable[[], PropertyEvent | None]]
+]:
     class Asking:
-        def ask_to_listen(self, target: str, ear: str, group: str) -> Joined | None:
-            return Joined(None, Place("first", 0))
+        def ask_to_listen(self, target: str, subscription: str, group: str) -> Joined | None:
+            return Joined(None, EventPosition("first", 0))
 
-    ear = Ear(Asking(), "speed.listen?queue=9", "queue=9")
-    ear.renew()
+    subscription = ZenohSubscription(Asking(), "speed.listen?queue=9", "queue=9")
+    subscription.renew()
     # A group that begins anew, as it does after each loss, tells its last event again.
     runs = count()
-    yield lambda event: ear.follow(event, Place(str(next(runs)), 1)), lambda: ear.event(0.0)
+    yield (
+        lambda event: subscription.follow(event, EventPosition(str(next(runs)), 1)),
+        lambda: subscription.event(0.0),
+    )
 
 
 @contextmanager
-def _mqtt() -> Iterator[tuple[Callable[[Event], object], Callable[[], Event | None]]]:
-    heard: deque[Event] = deque()
+def _mqtt() -> Iterator[
+    tuple[Callable[[PropertyEvent], object], Callable[[], PropertyEvent | None]]
+]:
+    heard: deque[PropertyEvent] = deque()
 
     class Box:
         put = staticmethod(heard.append)
 
-    contact = TopicContact.__new__(TopicContact)  # without a broker
-    contact._ears = {"speed": _Ear("", "to", Box(), [0.0], [])}  # type: ignore[arg-type]
-    yield lambda event: contact._take("to", event), lambda: heard.popleft() if heard else None
+    connection = MqttConnection.__new__(MqttConnection)  # without a broker
+    connection._subscriptions = {"speed": _Ear("", "to", Box(), [0.0], [])}  # type: ignore[arg-type]
+    yield lambda event: connection._take("to", event), lambda: heard.popleft() if heard else None
 
 
 @pytest.mark.parametrize("client", [_serial, _zenoh, _mqtt])
 @pytest.mark.parametrize("other", OTHERS)
 def test_what_differs_in_anything_is_told_and_what_is_the_same_once(
-    client: Callable[..., object], other: Event
+    client: Callable[..., object], other: PropertyEvent
 ) -> None:
     with client() as (hear, told):
         for event in (FIRST, FIRST, other, other, FIRST):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.link.ice import IceAddress, read_address
-from rtkit.serving.ice_guest import _to_listen
+from rtkit.wires.ice.protocol import IceAddress, read_address
+from rtkit.wires.ice.served_client import _to_listen
 
 
 @pytest.mark.parametrize(

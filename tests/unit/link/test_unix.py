@@ -11,7 +11,7 @@ import pytest
 
 from rtkit.errors import Unreachable
 from rtkit.link import unix
-from rtkit.link.line_client import connect_unix
+from rtkit.wires.line.client import connect_unix
 
 
 @pytest.fixture

@@ -11,17 +11,21 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.manager.core.events import SlaveFound, SlaveMissed
-from rtkit.manager.holding.beats import Beats
-from rtkit.manager.holding.estate import Will
-from rtkit.manager.processes.absent import Absent, estates_of_the_dead, living_slaves
+from rtkit.container.heartbeats import Heartbeats
+from rtkit.container.slave_checkpoint import CheckpointWriter
+from rtkit.manager.core.events import SlaveExitedUnseen, SlaveFound
+from rtkit.manager.processes.unreported import (
+    UnreportedSlaves,
+    checkpoints_of_the_dead,
+    living_slaves,
+)
 
 SLAVE = """
 import os, sys
-from rtkit.manager.holding.beats import Beats
-from rtkit.manager.holding.estate import Will
-beats = Beats(f"{sys.argv[1]}/m.{os.getpid()}.beats")
-Will(f"{sys.argv[1]}/m.{os.getpid()}.held", "s").keep("A", {"instance": "A"})
+from rtkit.container.heartbeats import Heartbeats
+from rtkit.container.slave_checkpoint import CheckpointWriter
+beats = Heartbeats(f"{sys.argv[1]}/m.{os.getpid()}.beats")
+CheckpointWriter(f"{sys.argv[1]}/m.{os.getpid()}.held", "s").keep("A", {"instance": "A"})
 print("ready", flush=True)
 sys.stdin.read()
 """
@@ -53,16 +57,16 @@ def stop(slave: subprocess.Popen[str]) -> None:
 
 
 def test_the_manager_itself_is_not_waited_for(folder: Path) -> None:
-    beats = Beats(str(folder / f"m.{os.getpid()}.beats"))
-    absent = Absent("m", {})
+    heartbeats = Heartbeats(str(folder / f"m.{os.getpid()}.beats"))
+    absent = UnreportedSlaves("m", {})
     absent.look(())
     assert not absent.is_worth_waiting((), ())
     assert list(absent.settle({}, ())) == []
-    del beats
+    del heartbeats
 
 
 def test_one_that_runs_is_waited_for_until_it_is_known(slave: subprocess.Popen[str]) -> None:
-    absent = Absent("m", estates_of_the_dead("m", living_slaves("m")))
+    absent = UnreportedSlaves("m", checkpoints_of_the_dead("m", living_slaves("m")))
     absent.look(())
     assert absent.is_worth_waiting((), ())
     assert not absent.is_worth_waiting((), (slave.pid,))
@@ -73,7 +77,7 @@ def test_one_that_runs_is_waited_for_until_it_is_known(slave: subprocess.Popen[s
 
 def test_one_that_is_stopped_is_not_waited_for(slave: subprocess.Popen[str]) -> None:
     stop(slave)
-    absent = Absent("m", {})
+    absent = UnreportedSlaves("m", {})
     absent.look(())
     assert not absent.is_worth_waiting((), ())
     (told,) = absent.settle({}, ())
@@ -87,7 +91,7 @@ def test_one_that_died_is_told_once(slave: subprocess.Popen[str], when: str, why
     if when == "before":
         slave.kill()
         slave.wait()
-    absent = Absent("m", estates_of_the_dead("m", living_slaves("m")))
+    absent = UnreportedSlaves("m", checkpoints_of_the_dead("m", living_slaves("m")))
     absent.look(())
     slave.kill()
     slave.wait()
@@ -95,13 +99,13 @@ def test_one_that_died_is_told_once(slave: subprocess.Popen[str], when: str, why
         absent.ended(slave.pid, why)
     reason = why or "exit status unknown"
     (told,) = absent.settle({}, ())
-    assert told == SlaveMissed(slave.pid, "s", [{"instance": "A"}], reason, bool(why))
+    assert told == SlaveExitedUnseen(slave.pid, "s", [{"instance": "A"}], reason, bool(why))
     absent.ended(slave.pid, "told too late")
     assert list(absent.settle({}, ())) == []
 
 
 def test_a_child_of_a_zygote_that_wrote_nothing_yet_is_named_by_it(folder: Path) -> None:
-    absent = Absent("m", {})
+    absent = UnreportedSlaves("m", {})
     absent.look(())
     children = {os.getppid(): "s", os.getpid(): ""}
     told = {each.pid: each.name for each in absent.settle(children, ())}
@@ -109,7 +113,7 @@ def test_a_child_of_a_zygote_that_wrote_nothing_yet_is_named_by_it(folder: Path)
 
 
 def test_one_that_held_nothing_is_not_missed(folder: Path) -> None:
-    Will(str(folder / "m.99999999.held"), "s")
-    dead = estates_of_the_dead("m", ())
+    CheckpointWriter(str(folder / "m.99999999.held"), "s")
+    dead = checkpoints_of_the_dead("m", ())
     assert list(dead) == [99999999]
-    assert list(Absent("m", dead).settle({}, ())) == []
+    assert list(UnreportedSlaves("m", dead).settle({}, ())) == []

@@ -6,21 +6,21 @@ from typing import Any
 
 import pytest
 
+from rtkit.container.user_requests import UserRequests
 from rtkit.errors import Malformed
-from rtkit.manager.core import since_made
-from rtkit.manager.core.kept import Wish
-from rtkit.manager.holding.asked import Asked
+from rtkit.manager.core import user_changes
+from rtkit.manager.core.desired import DesiredComponent
 
 
-def asked(*messages: dict[str, Any]) -> Asked:
-    noted = Asked()
+def asked(*messages: dict[str, Any]) -> UserRequests:
+    noted = UserRequests()
     for message in messages:
         noted.note({"instance": "A", "call": 7, **message})
     return noted
 
 
-def desired(noted: Asked) -> Wish:
-    return since_made.desired("A", since_made.read(noted.told(["A"]))["A"])
+def desired(noted: UserRequests) -> DesiredComponent:
+    return user_changes.desired("A", user_changes.read(noted.told(["A"]))["A"])
 
 
 def test_the_last_request_of_each_kind_counts_and_values_add_up() -> None:
@@ -41,7 +41,7 @@ def test_the_last_request_of_each_kind_counts_and_values_add_up() -> None:
         {"op": "set_events", "events": {"e": "TimedLong"}},
         {"op": "tick", "context": "0"},
     )
-    assert desired(noted) == Wish(
+    assert desired(noted) == DesiredComponent(
         "",
         sets={"s": {"a": "2", "b": "1"}, "t": {"a": "9"}},
         active_set="s",
@@ -64,7 +64,7 @@ def test_what_was_taken_back_was_not_asked() -> None:
 def test_what_ended_was_asked_nothing() -> None:
     noted = asked({"op": "attach", "context": "0", "participant": "B"})
     noted.forget("B")
-    assert desired(noted) == Wish("")
+    assert desired(noted) == DesiredComponent("")
     noted.note({"instance": "A", "op": "activate_set", "set_id": "s"})
     noted.forget("A")
     assert noted.told(["A"]) == {"A": []}
@@ -82,8 +82,8 @@ def test_what_ended_was_asked_nothing() -> None:
 )
 def test_what_cannot_be_read_is_refused(told: object) -> None:
     with pytest.raises(Malformed):
-        since_made.read(told)
+        user_changes.read(told)
 
 
 def test_who_tells_nothing_was_asked_nothing_known() -> None:
-    assert since_made.read(None) == {}
+    assert user_changes.read(None) == {}

@@ -10,25 +10,25 @@ import pytest
 import statekit
 
 from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.delta import TREE
 from rtkit.deployment.facts import Snapshot
-from rtkit.deployment.lease import Holder
-from rtkit.deployment.news import TREE
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.lease import LeaseHolder
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_to_text
 from rtkit.deployment.states.states import States
-from rtkit.deployment.world import World
 from rtkit.errors import Refused
-from rtkit.manager.following.attendant import Attendant
 from rtkit.manager.following.own_site import Ended
+from rtkit.manager.following.worker import FollowingWorker
 
 WAIT_S = 10.0
-OTHER = Holder("1", "rtapply robot.xml", "me", "box", 1)
+OTHER = LeaseHolder("1", "rtapply robot.xml", "me", "box", 1)
 
 
 class Place:
     """A world as the site of one follower."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: FakeManager) -> None:
         self.world = world
         self.is_over = False
         self.ended = Event()
@@ -60,7 +60,7 @@ class Place:
     def end_started(self) -> list[str]:
         return []
 
-    def holder(self) -> Holder | None:
+    def holder(self) -> LeaseHolder | None:
         return None if self.others.is_set() else OTHER
 
     def pause(self, duration_s: float = 0.2) -> None:
@@ -85,20 +85,20 @@ class Manager:
         self.world = statekit.make_world()
         self.lines: Queue[Sequence[str]] = Queue()
         self.said: Queue[Followed] = Queue()
-        self.attendant: Attendant
+        self.worker: FollowingWorker
         self.place: Place
 
     def follow(self, told: Followed | None = None) -> None:
         self.place = Place(self.world)
-        self.attendant = Attendant(
+        self.worker = FollowingWorker(
             spec_to_text(self.states, ["", ""]),
             told or Followed(statekit.SYSTEM),
             self.place,
             self.said.put,
             self.lines.put,
         )
-        self.world.changed = self.attendant.changed
-        self.attendant.begin()
+        self.world.changed = self.worker.changed
+        self.worker.begin()
 
     def next(self) -> Followed:
         return self.said.get(timeout=WAIT_S)
@@ -111,9 +111,9 @@ class Manager:
                 return str(told)
 
     def end(self) -> None:
-        self.attendant.end()
-        self.attendant.join(WAIT_S)
-        assert self.attendant.is_ended
+        self.worker.end()
+        self.worker.join(WAIT_S)
+        assert self.worker.is_ended
         lines = ()
         while not self.lines.empty():
             lines = tuple(self.lines.get())
@@ -133,13 +133,13 @@ def test_it_leads_a_system_to_its_first_state_and_on_by_events(manager: Manager)
     assert manager.came() == "standby (at first)"
     manager.end()
     # The next one goes on from there, without a transition.
-    manager.follow(manager.attendant.told)
+    manager.follow(manager.worker.told)
     assert manager.states.goal("explore") is not None
     _lead(manager, "explore")
     assert manager.came() == "standby -by others-> explore"
     manager.world.kill("Motor")
     assert manager.came() == "explore -motor_lost-> degraded"
-    assert manager.attendant.told.count == 3
+    assert manager.worker.told.count == 3
     assert manager.place.leases == 1
     assert not manager.place.is_leased
     manager.end()
@@ -170,7 +170,7 @@ def test_it_waits_for_who_carries_a_plan_out_and_ends_while_it_does(manager: Man
     assert (told.state, told.waits, told.is_led) == ("explore", str(OTHER), False)
     manager.place.others.set()
     assert manager.came() == "explore -motor_lost-> degraded"
-    assert manager.attendant.told.waits == ""
+    assert manager.worker.told.waits == ""
     manager.end()
     _lead(manager, "explore")
     manager.follow(Followed(statekit.SYSTEM, "explore", count=1))
@@ -189,7 +189,7 @@ def test_what_is_so_while_somebody_carries_a_plan_out_is_no_state(manager: Manag
     _lead(manager, "standby")
     _lead(manager, "explore")
     manager.place.others.set()
-    manager.attendant.changed()
+    manager.worker.changed()
     assert manager.came() == "degraded -by others-> explore"
     # An event that has gone by then leads nowhere.
     manager.place.others.clear()
@@ -212,8 +212,8 @@ def test_a_transition_that_fails_ends_it_or_leads_on() -> None:
         pass
     assert told.why.startswith("explore -motor_lost-> degraded: ")
     assert (told.kind, told.state, told.is_led) == ("refused", "degraded", False)
-    manager.attendant.join(WAIT_S)
-    assert manager.attendant.is_ended
+    manager.worker.join(WAIT_S)
+    assert manager.worker.is_ended
     assert not manager.place.is_leased
 
     manager = Manager(statekit.robot(**statekit.FAILING))
@@ -231,8 +231,10 @@ def test_a_transition_that_fails_ends_it_or_leads_on() -> None:
 
 def test_what_cannot_be_read_is_followed_no_more(manager: Manager) -> None:
     manager.place = Place(manager.world)
-    attendant = Attendant("{}", Followed("S"), manager.place, manager.said.put, manager.lines.put)
-    attendant.begin()
+    worker = FollowingWorker(
+        "{}", Followed("S"), manager.place, manager.said.put, manager.lines.put
+    )
+    worker.begin()
     told = manager.next()
     assert told.is_over
     assert "not what a system is followed by" in told.why

@@ -13,24 +13,24 @@ import pytest
 from rtkit.component.buffer import GuardedRing
 from rtkit.component.options import BufferOptions, EmptyPolicy, FullPolicy, PortStatus
 from rtkit.component.waiting import grant_by
-from rtkit.manager.holding.beats import CALLBACKS, BeatReader, Beats
-from rtkit.manager.processes.stacks import place_of
-from rtkit.manager.processes.watchman import DEADLINE_S, callback_deadline_s
+from rtkit.container.heartbeats import CALLBACKS, HeartbeatReader, Heartbeats
+from rtkit.container.stacks import place_of
+from rtkit.manager.processes.watchdog import DEADLINE_S, callback_deadline_s
 
 
 @pytest.fixture
-def pair(tmp_path: Path) -> tuple[Beats, BeatReader]:
+def pair(tmp_path: Path) -> tuple[Heartbeats, HeartbeatReader]:
     path = str(tmp_path / "beats")
-    beats = Beats(path)
-    return beats, BeatReader(path)
+    heartbeats = Heartbeats(path)
+    return heartbeats, HeartbeatReader(path)
 
 
 @pytest.mark.parametrize("callback", CALLBACKS[1:])
 def test_a_callback_is_seen_from_entry_to_exit(
-    pair: tuple[Beats, BeatReader], callback: str
+    pair: tuple[Heartbeats, HeartbeatReader], callback: str
 ) -> None:
-    beats, reader = pair
-    slot = beats.slot()
+    heartbeats, reader = pair
+    slot = heartbeats.slot()
     assert slot is not None
     before = time.monotonic_ns()
     slot.watch("Motor0", callback)
@@ -42,31 +42,33 @@ def test_a_callback_is_seen_from_entry_to_exit(
     assert reader.inside() == []
 
 
-def test_each_context_has_a_slot_of_its_own(pair: tuple[Beats, BeatReader]) -> None:
-    beats, reader = pair
-    slots = [beats.slot() for _ in range(3)]
+def test_each_context_has_a_slot_of_its_own(pair: tuple[Heartbeats, HeartbeatReader]) -> None:
+    heartbeats, reader = pair
+    slots = [heartbeats.slot() for _ in range(3)]
     for number, slot in enumerate(slots):
         assert slot is not None
         slot.watch(f"C{number}", "on_execute")
     assert [beat.instance for beat in reader.inside()] == ["C0", "C1", "C2"]
     assert slots[1] is not None
-    beats.release(slots[1])
+    heartbeats.release(slots[1])
     assert [beat.instance for beat in reader.inside()] == ["C0", "C2"]
-    again = beats.slot()
+    again = heartbeats.slot()
     assert again is not None
     assert again.index == 1
 
 
-def test_slots_come_to_an_end(pair: tuple[Beats, BeatReader]) -> None:
-    beats, _ = pair
-    slots = [beats.slot() for _ in range(1025)]
+def test_slots_come_to_an_end(pair: tuple[Heartbeats, HeartbeatReader]) -> None:
+    heartbeats, _ = pair
+    slots = [heartbeats.slot() for _ in range(1025)]
     assert slots[1023] is not None
     assert slots[1024] is None
 
 
-def test_a_long_name_is_cut_and_disturbs_no_neighbour(pair: tuple[Beats, BeatReader]) -> None:
-    beats, reader = pair
-    first, second = beats.slot(), beats.slot()
+def test_a_long_name_is_cut_and_disturbs_no_neighbour(
+    pair: tuple[Heartbeats, HeartbeatReader],
+) -> None:
+    heartbeats, reader = pair
+    first, second = heartbeats.slot(), heartbeats.slot()
     assert first is not None
     assert second is not None
     second.watch("B", "on_error")
@@ -115,10 +117,10 @@ def test_the_deadline_is_an_option(create: str, deadline_s: float) -> None:
 
 @pytest.mark.parametrize("is_reader", [True, False])
 def test_a_wait_that_a_connector_allows_does_not_make_a_callback_late(
-    pair: tuple[Beats, BeatReader], monkeypatch: pytest.MonkeyPatch, is_reader: bool
+    pair: tuple[Heartbeats, HeartbeatReader], monkeypatch: pytest.MonkeyPatch, is_reader: bool
 ) -> None:
-    beats, reader = pair
-    slot = beats.slot()
+    heartbeats, reader = pair
+    slot = heartbeats.slot()
     assert slot is not None
     ring = GuardedRing[int](BufferOptions(2, FullPolicy.BLOCK, 3.0, EmptyPolicy.BLOCK, 2.0))
     entered: list[int] = []

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from rtkit.manager.modules.bytecode import code_of
+from rtkit.modules.bytecode import code_of
 
 
 @pytest.fixture(autouse=True)

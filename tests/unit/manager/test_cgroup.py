@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from rtkit.deployment.limits import NO_LIMITS, Limits
+from rtkit.deployment.limits import NO_LIMITS, SlaveLimits
 from rtkit.manager.processes.cgroup import ControlGroups, control_groups
 
 FILES = ("cgroup.procs", "memory.max", "memory.swap.max", "pids.max", "cpu.max")
-LIMITS = Limits(memory=1 << 20, processes=2, processor=0.5)
+LIMITS = SlaveLimits(memory=1 << 20, processes=2, processor=0.5)
 
 
 def group(folder: Path, *, enabled: str = "cpu memory pids") -> Path:
@@ -115,7 +115,7 @@ def _writable() -> list[str]:
 def test_the_kernel_takes_a_process_into_its_group_and_gives_the_group_back() -> None:
     groups = ControlGroups(_writable()[0])
     with subprocess.Popen(["sleep", "1000"]) as process:
-        groups.limit(process.pid, Limits(memory=1 << 30, processes=4, processor=0.5))
+        groups.limit(process.pid, SlaveLimits(memory=1 << 30, processes=4, processor=0.5))
         assert f"/rtkit-{process.pid}\n" in Path(f"/proc/{process.pid}/cgroup").read_text()
         process.kill()
     groups.forget(process.pid)

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
+from rtkit.container.heartbeats import Heartbeats
+from rtkit.container.orphans import end_sessions
 from rtkit.errors import Refused
 from rtkit.link import places, running
 from rtkit.manager import claim
-from rtkit.manager.holding.beats import Beats
-from rtkit.manager.processes.absent import living_slaves
-from rtkit.manager.processes.leftovers import end_sessions
-from rtkit.manager.remains import end_remains
+from rtkit.manager.processes.unreported import living_slaves
+from rtkit.manager.stale_resources import end_remains
 
 TAKE = """
 from contextlib import ExitStack
@@ -100,7 +100,7 @@ def test_what_is_stale_is_removed_and_what_is_not_ours_is_named(folder: Path) ->
         (folder / name).touch()
     guest = socket.socket(socket.AF_UNIX)
     guest.bind(str(folder / f"m.{own}.data"))
-    slave = Beats(str(folder / f"m.{own}.beats"))
+    slave = Heartbeats(str(folder / f"m.{own}.beats"))
     for pid in (own, os.getppid()):
         (folder / f"m.{pid}.held").touch()
     assert living_slaves("m") == {own}

@@ -10,7 +10,7 @@ from rtkit.deployment.actions import Connect, Create, Delete, Disconnect, EndSla
 from rtkit.errors import Malformed
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.adoption import SETTLE_S
-from rtkit.manager.core.trial import TRIAL
+from rtkit.manager.core.import_check import TRIAL
 from rtkit.manager.fake import FakeShell, facts, wire
 
 
@@ -81,8 +81,8 @@ def test_an_instance_that_lives_elsewhere_by_now_is_dropped_by_the_slave() -> No
     shell.make("A")
     key = shell.find(300, "s", ["A", "B"])
     assert (key, {"op": "delete", "instance": "A"}) in shell.told
-    assert shell.state.holders["A"] == ev.OWN_PROCESS
-    assert shell.state.holders["B"] == key
+    assert shell.state.containers["A"] == ev.OWN_PROCESS
+    assert shell.state.containers["B"] == key
 
 
 def test_a_slave_takes_the_place_of_its_zombie() -> None:
@@ -106,7 +106,7 @@ def test_a_slave_whose_line_broke_keeps_its_key() -> None:
     shell = FakeShell()
     first = shell.find(300, "s", ["A"])
     assert shell.find(300, "s", ["A"]) == first
-    assert list(shell.state.holders) == ["A"]
+    assert list(shell.state.containers) == ["A"]
 
 
 def test_a_found_slave_that_is_killed_leaves_a_zombie() -> None:
@@ -147,7 +147,7 @@ def test_an_instance_that_is_just_being_made_elsewhere_is_dropped_by_the_slave()
     assert (key, {"op": "delete", "instance": "A"}) in shell.told
     shell.serve()
     assert asked.result.ok
-    assert shell.state.holders["A"] == ev.OWN_PROCESS
+    assert shell.state.containers["A"] == ev.OWN_PROCESS
 
 
 def test_a_slave_that_is_found_while_everything_ends_is_ended_too() -> None:
@@ -236,9 +236,9 @@ def test_one_that_was_there_to_try_a_module_is_ended(silence: str) -> None:
 def test_whether_a_silent_one_is_stopped_may_change() -> None:
     shell = FakeShell()
     key = unsaid(shell, 300, "s", ["A"], "stopped")
-    shell.feed(ev.SlaveHalted(key, False))
+    shell.feed(ev.SlaveStopped(key, False))
     assert shell.state.components["A"].trouble == "does not answer"
-    shell.feed(ev.SlaveHalted(key, True))
+    shell.feed(ev.SlaveStopped(key, True))
     assert shell.state.components["A"].trouble == "stopped"
     shell.end(key)
     assert shell.state.components["A"].zombie == "signal 9"
@@ -277,12 +277,12 @@ def test_what_ended_while_no_manager_ran_is_shown_unless_it_lives_again() -> Non
     shell = FakeShell()
     shell.make("B", "s")
     held = [{**facts(each), "names": [f"localhost/{each}.rtc"]} for each in "AB"]
-    shell.feed(ev.SlaveMissed(300, "s", held, "signal 11"))
+    shell.feed(ev.SlaveExitedUnseen(300, "s", held, "signal 11"))
     assert shell.state.components["A"].zombie == "signal 11"
     assert shell.state.components["A"].names == ("localhost/A.rtc",)
     assert not shell.state.components["B"].zombie
     count = len(shell.state.processes)
-    shell.feed(ev.SlaveMissed(301, "t", held[1:], "signal 11"))
+    shell.feed(ev.SlaveExitedUnseen(301, "t", held[1:], "signal 11"))
     assert len(shell.state.processes) == count
     assert shell.ask(Delete("A")).result.ok
     assert len(shell.state.processes) == count - 1

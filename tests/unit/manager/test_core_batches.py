@@ -231,11 +231,11 @@ def test_a_fault_of_a_procedure_is_told_and_ends_nothing_else(shell, monkeypatch
 
 def test_a_stopped_slave_is_shown_and_answered_for_at_once(shell):
     key = shell.make("A", "s")
-    shell.feed(ev.SlaveHalted(key, True))
+    shell.feed(ev.SlaveStopped(key, True))
     assert shell.state.components["A"].trouble == "stopped"
     assert shell.ask(activate("A")).result.why == "slave s does not answer: it is stopped"
     assert not shell.calls
-    shell.feed(ev.SlaveHalted(key, False))
+    shell.feed(ev.SlaveStopped(key, False))
     assert shell.state.components["A"].trouble == ""
     asked = shell.ask(activate("A"))
     shell.serve()
@@ -245,8 +245,8 @@ def test_a_stopped_slave_is_shown_and_answered_for_at_once(shell):
 def test_what_was_asked_before_it_stopped_is_answered_when_it_goes_on(shell):
     key = shell.make("A", "s")
     asked = shell.ask(activate("A"))
-    shell.feed(ev.SlaveHalted(key, True))
-    shell.feed(ev.SlaveHalted(key, False))
+    shell.feed(ev.SlaveStopped(key, True))
+    shell.feed(ev.SlaveStopped(key, False))
     shell.serve()
     assert asked.result.ok
 
@@ -322,7 +322,7 @@ def test_hung_components_have_one_grace_together(shell):
 def test_a_stopped_slave_is_not_asked_but_woken_to_end(shell):
     a = shell.make("A", "a")
     shell.make("B")
-    shell.feed(ev.SlaveHalted(a, True))
+    shell.feed(ev.SlaveStopped(a, True))
     shell.stop()
     call = shell.next("delete")
     assert call.message["instance"] == "B"
@@ -336,7 +336,7 @@ def test_a_slave_that_is_stopped_while_it_is_asked_to_end_takes_no_grace(shell):
     shell.stop()
     assert shell.next("delete").message["instance"] == "B"
     shell.wait(0.1)
-    shell.feed(ev.SlaveHalted(a, True))
+    shell.feed(ev.SlaveStopped(a, True))
     assert not shell.signals
     shell.wait(FINALISE_S)
     assert shell.signals[:2] == [(a, signal.SIGTERM), (a, signal.SIGCONT)]
@@ -346,7 +346,7 @@ def test_a_slave_that_is_stopped_while_it_ends_a_component_takes_no_grace(shell)
     a = shell.make("A", "a")
     shell.stop()
     shell.next("delete")
-    shell.feed(ev.SlaveHalted(a, True))
+    shell.feed(ev.SlaveStopped(a, True))
     assert shell.signals == [(a, signal.SIGTERM), (a, signal.SIGCONT)]
 
 
@@ -356,7 +356,7 @@ def test_in_haste_slaves_are_killed_and_nobody_is_waited_for(shell):
     shell.make("C")
     shell.stop()
     assert not shell.is_finished
-    shell.feed(ev.StopAsked(is_urgent=True))
+    shell.feed(ev.StopRequested(is_urgent=True))
     assert shell.signals == [(a, signal.SIGKILL)]
     shell.end(a)
     assert shell.is_finished
@@ -367,7 +367,7 @@ def test_haste_also_spares_the_grace_of_those_that_were_told_to_end(shell):
     shell.stop()
     shell.reply(shell.next("delete"))
     assert shell.signals == [(a, signal.SIGTERM)]
-    shell.feed(ev.StopAsked(is_urgent=True))
+    shell.feed(ev.StopRequested(is_urgent=True))
     assert shell.killed() == [a]
     shell.end(a)
     assert shell.is_finished
@@ -412,7 +412,7 @@ def test_a_slave_that_dies_during_the_end(shell):
 def test_nothing_is_instructed_twice(shell):
     shell.make("A")
     shell.ask(activate("A"))
-    assert shell.feed(ev.Tick()) == [ev.WakeAt(1010.0)]
+    assert shell.feed(ev.TimerExpired()) == [ev.WakeAt(1010.0)]
     assert shell.state.processes[OWN].is_alive
 
 

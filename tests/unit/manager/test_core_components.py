@@ -18,12 +18,12 @@ from rtkit.deployment.actions import (
 )
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.manager.core import events as ev
-from rtkit.manager.core.trial import TRIAL
+from rtkit.manager.core.import_check import TRIAL
 from rtkit.manager.fake import OWN, FakeShell, facts, module_of, wire
 from rtkit.rtc.enums import ReturnCode, Transition
 from rtkit.rtc.pattern import ComponentPattern
-from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
+from rtkit.rtc.serde import encode
 
 
 @pytest.fixture
@@ -158,8 +158,12 @@ def test_what_holds_up_an_answer_is_found_out_before_it_is_given_up(shell):
     key = shell.make("A", "s")
     asked = shell.ask(SetParameters("A", "default", {}), timeout_s=1.0)
     shell.now += 1.0
-    (wanted,) = [i for i in shell.core.handle(ev.Tick(), shell.now) if isinstance(i, ev.Inspect)]
-    assert wanted == ev.Inspect(key, 0.5)
+    (wanted,) = [
+        i
+        for i in shell.core.handle(ev.TimerExpired(), shell.now)
+        if isinstance(i, ev.InspectProcess)
+    ]
+    assert wanted == ev.InspectProcess(key, 0.5)
     assert not asked.is_answered
     shell.feed(ev.CallbackStuck(key, "A", "stuck in on_execute since 12:00:00"))
     shell.feed(ev.ProcessInspected(key))
@@ -171,7 +175,7 @@ def test_an_answer_that_comes_while_it_is_looked_for_counts(shell):
     shell.make("A", "s")
     asked = shell.ask(SetParameters("A", "default", {}), timeout_s=1.0)
     shell.now += 1.0
-    shell.core.handle(ev.Tick(), shell.now)
+    shell.core.handle(ev.TimerExpired(), shell.now)
     shell.serve()
     assert asked.result.ok
 
@@ -180,9 +184,9 @@ def test_nobody_waits_long_for_what_holds_up_an_answer(shell):
     shell.make("A", "s")
     asked = shell.ask(SetParameters("A", "default", {}), timeout_s=1.0)
     shell.now += 1.0
-    shell.core.handle(ev.Tick(), shell.now)
+    shell.core.handle(ev.TimerExpired(), shell.now)
     shell.now += 0.2
-    shell.feed(ev.Tick())
+    shell.feed(ev.TimerExpired())
     assert asked.result.why == "no answer from s in time"
 
 
@@ -197,7 +201,7 @@ def test_all_that_an_action_waits_for_takes_its_time_only_once(shell):
 def test_unloading_reaches_every_slave_also_a_stopped_one(shell):
     s, t = shell.make("A", "s"), shell.make("B", "t")
     load(shell, "a.py")
-    shell.feed(ev.SlaveHalted(t, True))
+    shell.feed(ev.SlaveStopped(t, True))
     asked = shell.ask(Unload("a.py"))
     shell.reply(shell.next("unload"))
     assert asked.result.ok
@@ -454,9 +458,9 @@ def test_a_slave_that_is_stopped_at_its_birth_is_given_up_at_once(shell):
     asked = [shell.ask(create(f"Thing?instance_name={each}&manager_name=s")) for each in "AB"]
     key = shell.spawned["s"]
     shell.feed(ev.SlaveForked(key, 9))
-    shell.feed(ev.SlaveHalted(key, False))
+    shell.feed(ev.SlaveStopped(key, False))
     assert not any(each.is_answered for each in asked)
-    shell.feed(ev.SlaveHalted(key, True))
+    shell.feed(ev.SlaveStopped(key, True))
     why = "slave s was stopped before it was ready, and is ended"
     assert [each.result.why for each in asked] == [why, why]
     assert shell.signals == [(key, signal.SIGKILL)]
@@ -466,7 +470,7 @@ def test_a_slave_that_is_stopped_at_its_birth_is_given_up_at_once(shell):
 
 def test_where_no_slave_can_be_made_each_creation_says_why_at_once(shell):
     known = shell.make("A", "s")
-    shell.feed(ev.BirthsBarred("the zygote is stopped"))
+    shell.feed(ev.SpawnDisabled("the zygote is stopped"))
     why = "no slave can be started: the zygote is stopped"
     assert shell.ask(create("Thing?manager_name=t")).result.why == why
     assert shell.state.snapshot().processes[0].reason == why
@@ -474,14 +478,14 @@ def test_where_no_slave_can_be_made_each_creation_says_why_at_once(shell):
     shell.serve()
     assert asked.result.ok
     assert known in shell.state.processes
-    shell.feed(ev.BirthsBarred(""))
+    shell.feed(ev.SpawnDisabled(""))
     assert shell.state.snapshot().processes[0].reason == ""
     assert not shell.ask(create("Thing?manager_name=t")).is_answered
 
 
 def test_who_was_asked_for_when_births_were_barred_says_so_when_time_is_up(shell):
     asked = shell.ask(create("Thing?manager_name=s"), timeout_s=3.0)
-    shell.feed(ev.BirthsBarred("the zygote is stopped"))
+    shell.feed(ev.SpawnDisabled("the zygote is stopped"))
     assert not asked.is_answered
     shell.wait(3.1)
     assert asked.result.why == "slave s did not start in time: the zygote is stopped"
@@ -543,7 +547,7 @@ def test_late_facts_do_not_displace_one_that_is_made_elsewhere(shell):
     shell.serve()
     shell.say(slow, gone="A")
     assert again.result.ok
-    assert shell.state.holders["A"] == quick
+    assert shell.state.containers["A"] == quick
     assert shell.state.components["A"].process == "quick"
 
 
@@ -587,11 +591,11 @@ def test_what_takes_the_place_of_a_zombie_says_what_it_lacks(shell):
     again = shell.ask(create("Thing?instance_name=A"))
     shell.serve()
     lost = "connections w; values that were set"
-    assert f"A is new, and without what the one that died had: {lost} (" in again.result.note
+    assert f"A is new, and without what the one that died had: {lost} (" in again.result.left_out
     shell.ask(Delete("B"))
     shell.serve()
     shell.make("C", "s")
-    shell.end(shell.state.holders["C"])
+    shell.end(shell.state.containers["C"])
     bare = shell.ask(create("Thing?instance_name=C"))
     shell.serve()
     assert (bare.result.ok, bare.result.note) == (True, "")
@@ -687,10 +691,10 @@ def test_while_one_is_being_deleted_nothing_else_is_done_with_it(shell):
 
 def test_one_in_a_stopped_slave_is_not_touched(shell):
     key = shell.make("A", "s")
-    shell.feed(ev.SlaveHalted(key, True))
+    shell.feed(ev.SlaveStopped(key, True))
     why = "slave s does not answer: it is stopped; rtexit --force ends its slave s"
     assert shell.ask(Delete("A")).result.why == why
-    shell.feed(ev.SlaveHalted(key, False))
+    shell.feed(ev.SlaveStopped(key, False))
     asked = shell.ask(Delete("A"))
     shell.serve()
     shell.end(key)
@@ -793,7 +797,7 @@ def test_what_was_said_before_a_death_and_is_heard_after_it_raises_nobody(shell)
     shell.say(key, gone="A")
     assert shell.state.components["A"].zombie == "signal 9"
     shell.feed(ev.SlaveReady(key))
-    shell.feed(ev.SlaveHalted(key, False))
+    shell.feed(ev.SlaveStopped(key, False))
     shell.feed(ev.SlaveEnded(key, "signal 15"))
     assert shell.state.components["A"].zombie == "signal 9"
 
@@ -805,7 +809,7 @@ def test_reports_of_unknown_processes_are_ignored(shell):
         ev.SlaveReady(99),
         ev.SlaveEnded(99, "x"),
         ev.SlaveFailed(99, "x"),
-        ev.SlaveHalted(99, True),
+        ev.SlaveStopped(99, True),
     ):
         assert shell.feed(event) == []
 

@@ -22,14 +22,14 @@ def shell():
 @pytest.mark.parametrize("place", ["", "&manager_name=s"])
 def test_in_the_process_of_its_members(shell, place):
     shell.ask(Create(f"{TYPE}?instance_name=W&members=A, B{place}"))
-    assert shell.next("create").key == shell.state.holders["A"]
+    assert shell.next("create").key == shell.state.containers["A"]
 
 
 def test_without_members_where_it_is_told_to(shell):
     shell.ask(Create(f"{TYPE}?instance_name=W&manager_name=s&members="))
-    assert shell.next("create").key == shell.state.holders["A"]
+    assert shell.next("create").key == shell.state.containers["A"]
     shell.ask(Create(f"{TYPE}?instance_name=V"))
-    assert shell.next("create").key == shell.state.holders["Far"]
+    assert shell.next("create").key == shell.state.containers["Far"]
 
 
 @pytest.mark.parametrize(

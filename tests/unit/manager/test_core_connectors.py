@@ -8,8 +8,8 @@ from rtkit.deployment.actions import Connect, Delete, Disconnect
 from rtkit.errors import NotFound, Refused
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import OWN, PORTS, FakeShell, facts, wire
-from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import ConnectorProfile, PortRef
+from rtkit.rtc.serde import encode
 
 UNLINK = {"op": "unlink", "connector_id": "w"}
 
@@ -193,7 +193,7 @@ def test_one_on_its_way_out_is_not_connected(shell, ends):
 
 def test_an_end_in_a_stopped_slave_is_refused_at_once(shell, ends):
     _, b = ends
-    shell.feed(ev.SlaveHalted(b, True))
+    shell.feed(ev.SlaveStopped(b, True))
     asked = shell.ask(Connect(wire("w")))
     assert asked.result.why == "slave b does not answer: it is stopped"
     assert not shell.calls
@@ -249,7 +249,7 @@ def test_an_end_that_does_not_answer_is_told_and_the_other_parted(shell, wired):
 
 def test_a_stopped_end_hears_of_it_when_it_goes_on(shell, wired):
     _, b = wired
-    shell.feed(ev.SlaveHalted(b, True))
+    shell.feed(ev.SlaveStopped(b, True))
     asked = shell.ask(Disconnect("w"))
     shell.reply(shell.next("unlink"))
     assert asked.result.ok

@@ -136,7 +136,7 @@ def test_force_helps_an_earlier_request_that_still_waits(shell, slave):
 
 
 def test_a_stopped_slave_is_ended_without_being_asked_first(shell, slave):
-    shell.feed(ev.SlaveHalted(slave, True))
+    shell.feed(ev.SlaveStopped(slave, True))
     shell.ask(Delete("A", is_forced=True))
     assert shell.signals == [(slave, TERM), (slave, CONT)]
 

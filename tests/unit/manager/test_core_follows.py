@@ -6,15 +6,15 @@ import json
 
 import statekit
 
-from rtkit.deployment.happenings import happenings
-from rtkit.deployment.news import TREE, News, picture_from_text
+from rtkit.deployment.delta import TREE, Delta, snapshot_from_text
 from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_to_text
+from rtkit.deployment.user_events import user_events
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.follows import told
 from rtkit.manager.fake import FakeShell
 from rtkit.property.exchange import Reply
-from rtkit.rtc.plain import decode
+from rtkit.rtc.serde import decode
 
 NAME = statekit.SYSTEM
 TEXT = spec_to_text(statekit.robot(), ["robot.xml", "1"])
@@ -46,7 +46,7 @@ def test_what_is_followed_is_kept_and_told() -> None:
     assert plain["table"]["standby"] == {"start": "explore"}
     assert list(plain["conditions"]) == ["motor_lost"]
     heir = FakeShell()
-    heir.feed(ev.Remembered([(*key, text) for key, text in shell.rows.items()]))
+    heir.feed(ev.StoreRead([(*key, text) for key, text in shell.rows.items()]))
     assert heir.state.kept.followed == {NAME: TEXT}
     assert heir.state.snapshot().systems == (LED,)
     assert asked(heir, None) == Reply(f"{NAME} is followed no more")
@@ -86,7 +86,7 @@ def test_who_stops_follows_nothing_new_and_forgets_unless_it_comes_back() -> Non
         shell = FakeShell()
         asked(shell, TEXT)
         shell.make("A", "s")
-        shell.feed(ev.StopAsked(is_kept=is_kept))
+        shell.feed(ev.StopRequested(is_kept=is_kept))
         assert asked(shell, TEXT).error == "refused"
         assert (("followed", NAME) in shell.rows) is is_kept
 
@@ -105,25 +105,25 @@ def test_listeners_of_all_kinds_count() -> None:
         found = shell.core.handle(event, shell.now)
         published.extend(each for each in found if isinstance(each, ev.Publish))
 
-    feed(ev.Listened(TREE, True, "follower"))
-    feed(ev.Listened(TREE, True))
-    feed(ev.Listened(TREE, False))
+    feed(ev.ListenersChanged(TREE, True, "follower"))
+    feed(ev.ListenersChanged(TREE, True))
+    feed(ev.ListenersChanged(TREE, False))
     published.clear()
     shell.state.names = ("localhost/other.mgr",)
-    feed(ev.Tick())
+    feed(ev.TimerExpired())
     assert len(published) == 1
-    feed(ev.Listened(TREE, False, "follower"))
+    feed(ev.ListenersChanged(TREE, False, "follower"))
     shell.state.names = ()
-    feed(ev.Tick())
+    feed(ev.TimerExpired())
     assert len(published) == 1
 
 
 def test_each_transition_is_an_event_for_those_who_listen() -> None:
     shell = FakeShell()
-    published: list[News] = []
+    published: list[Delta] = []
     replies: list[Reply] = []
-    shell.feed(ev.PictureAsked(replies.append))
-    facts = picture_from_text(replies[0].value()).facts
+    shell.feed(ev.SnapshotRequested(replies.append))
+    facts = snapshot_from_text(replies[0].value()).facts
     told: list[tuple[str, str]] = []
     for event in (
         ev.FollowAsked(NAME, TEXT, replies.append),
@@ -133,10 +133,10 @@ def test_each_transition_is_an_event_for_those_who_listen() -> None:
         ev.FollowAsked(NAME, None, replies.append),
     ):
         found = shell.feed(event)
-        published += [decode(News, each.message) for each in found if isinstance(each, ev.Publish)]
-        for news in published:
-            told += [(each.event, each.detail) for each in happenings(facts, news)]
-            facts = type(facts)(**{**_fields(facts), "systems": news.systems or ()})
+        published += [decode(Delta, each.message) for each in found if isinstance(each, ev.Publish)]
+        for delta in published:
+            told += [(each.event, each.detail) for each in user_events(facts, delta)]
+            facts = type(facts)(**{**_fields(facts), "systems": delta.systems or ()})
         published.clear()
     assert told == [
         ("FOLLOWED", ""),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtkit.deployment.actions import Connect, Create, Delete
-from rtkit.deployment.capture import Heading, capture
+from rtkit.deployment.capture import SystemHeading, capture
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import FakeShell, wire
 
@@ -23,7 +23,7 @@ def test_a_name_that_is_taken_is_not_given_to_a_guest() -> None:
     key = shell.visit(300, "rtprint_300", ["A", "B"])
     assert (key, {"op": "delete", "instance": "A"}) in shell.told
     assert (key, {"welcome": ["B"]}) in shell.told
-    assert shell.state.holders["A"] == ev.OWN_PROCESS
+    assert shell.state.containers["A"] == ev.OWN_PROCESS
 
 
 def test_a_guest_leaves_no_zombie_and_no_connector() -> None:
@@ -53,7 +53,7 @@ def test_what_a_guest_holds_can_be_ended_from_outside_and_the_guest_is_not() -> 
 def test_a_stop_ends_components_of_guests_and_sends_guests_no_signal() -> None:
     shell = FakeShell()
     key = shell.visit(300, "rtprint_300", ["A"])
-    shell.feed(ev.StopAsked())
+    shell.feed(ev.StopRequested())
     call = shell.next("delete")
     assert (call.key, call.message["instance"]) == (key, "A")
     shell.reply(call)
@@ -72,6 +72,6 @@ def test_a_guest_is_no_part_of_a_captured_system() -> None:
     shell = FakeShell()
     shell.make("B")
     shell.visit(300, "rtprint_300", ["A"])
-    heading = Heading("2026-01-01T00:00:00")
+    heading = SystemHeading("2026-01-01T00:00:00")
     profile = capture(shell.state.snapshot(), heading, takes_all=True)
     assert [component.instance_name for component in profile.components] == ["B"]

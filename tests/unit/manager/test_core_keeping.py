@@ -5,7 +5,7 @@ from __future__ import annotations
 from rtkit.deployment import actions as act
 from rtkit.deployment.batch import results_from_text
 from rtkit.manager.core import events as ev
-from rtkit.manager.core.keeping import RETRY_S
+from rtkit.manager.core.durable_replies import RETRY_S
 from rtkit.manager.fake import OWN, FakeShell, facts, wire
 from rtkit.property.exchange import Reply
 from rtkit.rtc.create import parse_create
@@ -17,7 +17,7 @@ FULL = "database or disk is full (x)"
 def restored(shell: FakeShell) -> list[tuple[str, str]]:
     """Have a core make again what is missing; return what it says failed."""
     replies: list[Reply] = []
-    shell.feed(ev.RestoreAsked(replies.append))
+    shell.feed(ev.RecoveryRequested(replies.append))
     while shell.spawned:
         shell.fork(next(iter(shell.spawned)))
     shell.serve()
@@ -29,7 +29,7 @@ def heir(shell: FakeShell, boot: str = "") -> FakeShell:
     """Return a core that begins with what another one kept."""
     other = FakeShell()
     rows = [(kind, name, text) for (kind, name), text in shell.rows.items()]
-    other.feed(ev.Remembered(rows, boot))
+    other.feed(ev.StoreRead(rows, boot))
     return other
 
 
@@ -54,13 +54,13 @@ def test_an_answer_waits_until_it_is_on_the_disk() -> None:
     call = shell.next("create")
     shell.say(OWN, facts=facts("A"))
     instructions = shell.core.handle(
-        ev.HolderSaid(OWN, {"reply": call.number, "value": ""}), shell.now
+        ev.ContainerReported(OWN, {"reply": call.number, "value": ""}), shell.now
     )
-    (keep,) = [each for each in instructions if isinstance(each, ev.Keep)]
+    (keep,) = [each for each in instructions if isinstance(each, ev.StoreRows)]
     assert [row[:2] for row in keep.rows] == [("component", "A")]
     assert not any(isinstance(each, ev.AnswerClient) for each in instructions)
     assert not asked.is_answered
-    shell.feed(ev.Kept(keep.number))
+    shell.feed(ev.RowsStored(keep.number))
     assert asked.result.ok
 
 
@@ -176,7 +176,7 @@ def test_the_end_of_the_machine_keeps_what_is_not_kept_yet() -> None:
     shell.ask(act.SetParameters("A", "default", {"p": "2"}))
     shell.serve()
     shell.disk = ""
-    shell.feed(ev.StopAsked(is_kept=True))
+    shell.feed(ev.StopRequested(is_kept=True))
     assert '"p":"2"' in shell.rows["component", "A"]
 
 
@@ -190,7 +190,7 @@ def test_all_is_made_again_when_nothing_has_survived() -> None:
 
 def test_what_is_made_again_is_configured_connected_and_active_in_this_order() -> None:
     shell = heir(system())
-    shell.feed(ev.RestoreAsked(lambda _reply: None))
+    shell.feed(ev.RecoveryRequested(lambda _reply: None))
     shell.fork("s")
     ops = []
     while shell.calls:
@@ -233,7 +233,7 @@ def test_what_was_ended_on_purpose_does_not_come_back() -> None:
 def test_the_end_of_the_machine_is_none_of_the_wishes() -> None:
     shell = system()
     before = dict(shell.rows)
-    shell.feed(ev.StopAsked(is_kept=True))
+    shell.feed(ev.StopRequested(is_kept=True))
     shell.serve()
     shell.wait(10.0)
     assert shell.rows == before
@@ -241,8 +241,8 @@ def test_the_end_of_the_machine_is_none_of_the_wishes() -> None:
 
 def test_who_died_by_himself_stays_dead_until_the_machine_starts_anew() -> None:
     shell = system()
-    shell.feed(ev.Remembered((), "one"))
-    shell.end(shell.state.holders["A"])
+    shell.feed(ev.StoreRead((), "one"))
+    shell.end(shell.state.containers["A"])
     shell.wait(2.0)
     same = heir(shell, "one")
     assert restored(same) == []
@@ -254,7 +254,7 @@ def test_who_died_by_himself_stays_dead_until_the_machine_starts_anew() -> None:
 
 def test_who_dies_with_his_manager_did_not_die_by_himself() -> None:
     shell = system()
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     shell.wait(0.5)
     other = heir(shell)
     assert restored(other) == []
@@ -264,7 +264,7 @@ def test_who_dies_with_his_manager_did_not_die_by_himself() -> None:
 def test_failures_of_restoring_are_told_and_the_rest_is_done() -> None:
     shell = heir(system())
     replies: list[Reply] = []
-    shell.feed(ev.RestoreAsked(replies.append))
+    shell.feed(ev.RecoveryRequested(replies.append))
     shell.fork("s")
     shell.refuse(shell.next("create"))
     shell.serve()

@@ -8,7 +8,7 @@ import sys
 from endings import come_back, make
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.limits import NO_LIMITS, Capacity, Limits
+from rtkit.deployment.limits import NO_LIMITS, Capacity, SlaveLimits
 from rtkit.errors import RtkitError
 from rtkit.manager.core import events as ev
 from rtkit.manager.core.stopping import HANGING_S
@@ -29,7 +29,7 @@ class Shell(FakeShell):
     def _carry_out(self, instruction: ev.Instruction) -> None:
         if isinstance(instruction, ev.LimitSlave):
             self.order.append("limit")
-        elif isinstance(instruction, ev.SendToHolder):
+        elif isinstance(instruction, ev.SendToContainer):
             self.order.append("send")
         super()._carry_out(instruction)
 
@@ -49,13 +49,13 @@ def refusal(shell: Shell, *actions: act.Action) -> str:
 def test_limits_of_the_components_of_a_slave_add_up_and_go_with_them() -> None:
     shell = Shell()
     key = limited(shell, "A")
-    assert shell.limits == {key: Limits(memory=100 * MIB)}
+    assert shell.limits == {key: SlaveLimits(memory=100 * MIB)}
     limited(shell, "B", **{"limit.processes": "3"})
-    assert shell.limits[key] == Limits(memory=200 * MIB, processes=3)
+    assert shell.limits[key] == SlaveLimits(memory=200 * MIB, processes=3)
     make(shell, "C")
     shell.ask(act.Delete("B"))
     shell.serve()
-    assert shell.limits[key] == Limits(memory=100 * MIB)
+    assert shell.limits[key] == SlaveLimits(memory=100 * MIB)
     shell.ask(act.Delete("A"))
     shell.serve()
     assert shell.limits[key] == NO_LIMITS
@@ -66,7 +66,7 @@ def test_a_slave_is_limited_before_a_component_is_made_in_it() -> None:
     shell = Shell()
     shell.ask(act.Create("Thing?instance_name=A&manager_name=s&rtkit.limit.memory=100M"))
     key = shell.fork("s")
-    assert shell.limits == {key: Limits(memory=100 * MIB)}
+    assert shell.limits == {key: SlaveLimits(memory=100 * MIB)}
     assert [call.op for call in shell.calls] == ["create"]
     assert shell.order == ["limit", "send"]
     shell.refuse(shell.next("create"))
@@ -104,7 +104,7 @@ def test_more_than_the_host_has_is_refused() -> None:
     assert "u" not in shell.spawned
     why = refusal(shell, act.SetPolicy("A", {"rtkit.limit.memory": "200M"}))
     assert why.startswith("rtkit.limit.memory: 300 MiB in all")
-    shell.end(shell.state.holders["B"])  # who is dead reserves nothing
+    shell.end(shell.state.containers["B"])  # who is dead reserves nothing
     limited(shell, "C", "u")
 
 
@@ -121,8 +121,8 @@ def test_who_reaches_a_limit_is_ended_with_that_reason_and_comes_back_by_its_pol
     assert told.zombie == WHY
     assert shell.state.processes[other].is_alive
     assert "create" in come_back(shell)
-    assert shell.state.components["A"].upkeep.why == WHY
-    assert shell.limits[shell.state.holders["A"]] == Limits(memory=100 * MIB)
+    assert shell.state.components["A"].restart_status.why == WHY
+    assert shell.limits[shell.state.containers["A"]] == SlaveLimits(memory=100 * MIB)
 
 
 def test_one_that_is_being_ended_already_is_not_ended_again() -> None:
@@ -158,7 +158,7 @@ def test_limits_change_without_a_stop() -> None:
     shell = Shell()
     key = limited(shell, "A")
     shell.ask(act.SetPolicy("A", {"rtkit.limit.memory": "50M"}))
-    assert shell.limits[key] == Limits(memory=50 * MIB)
+    assert shell.limits[key] == SlaveLimits(memory=50 * MIB)
     shell.ask(act.SetPolicy("A", {}))
     assert shell.limits[key] == NO_LIMITS
 
@@ -167,7 +167,7 @@ def test_slaves_of_an_earlier_manager_have_their_limits_again() -> None:
     shell = Shell()
     told = {**facts("A"), "create": "Thing?instance_name=A&rtkit.limit.memory=100M"}
     shell.feed(ev.SlaveFound(321, "s", [told], []))
-    assert shell.limits == {shell.adopted[321]: Limits(memory=100 * MIB)}
+    assert shell.limits == {shell.adopted[321]: SlaveLimits(memory=100 * MIB)}
 
 
 def test_a_manager_without_limits_loads_nothing_of_what_keeps_them() -> None:

@@ -6,12 +6,12 @@ from typing import Any
 
 import pytest
 
-from rtkit.deployment.figures import FIGURES, Figures
-from rtkit.deployment.news import TREE, News, Picture, picture_from_text
+from rtkit.deployment.delta import TREE, Delta, FullSnapshot, snapshot_from_text
+from rtkit.deployment.metrics import FIGURES, Metrics
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import OWN, FakeShell, facts
 from rtkit.property.exchange import Reply
-from rtkit.rtc.plain import decode
+from rtkit.rtc.serde import decode
 
 
 class Listener:
@@ -29,18 +29,18 @@ class Listener:
 
         monkeypatch.setattr(shell, "_carry_out", hear)
 
-    def picture(self) -> Picture:
+    def picture(self) -> FullSnapshot:
         replies: list[Reply] = []
-        self.shell.feed(ev.PictureAsked(replies.append))
-        return picture_from_text(replies[0].value())
+        self.shell.feed(ev.SnapshotRequested(replies.append))
+        return snapshot_from_text(replies[0].value())
 
-    def news(self) -> list[News]:
-        told = [decode(News, message) for line, message in self.messages if line == TREE]
+    def delta(self) -> list[Delta]:
+        told = [decode(Delta, message) for line, message in self.messages if line == TREE]
         self.messages.clear()
         return told
 
-    def figures(self) -> list[Figures]:
-        told = [decode(Figures, message) for line, message in self.messages if line == FIGURES]
+    def metrics(self) -> list[Metrics]:
+        told = [decode(Metrics, message) for line, message in self.messages if line == FIGURES]
         self.messages.clear()
         return told
 
@@ -60,35 +60,35 @@ def test_nothing_is_told_while_nobody_listens(shell: FakeShell, listener: Listen
     assert listener.messages == []
     picture = listener.picture()
     assert [each.instance for each in picture.facts.components] == ["A"]
-    (ping,) = listener.news()[-1:]
+    (ping,) = listener.delta()[-1:]
     assert (ping.run, ping.number) == (picture.run, picture.number)
-    shell.feed(ev.Listened(TREE, False))
+    shell.feed(ev.ListenersChanged(TREE, False))
     shell.make("B")
     assert listener.messages == []
 
 
 def test_news_follow_the_picture_number_by_number(shell: FakeShell, listener: Listener) -> None:
     picture = listener.picture()
-    listener.news()
+    listener.delta()
     shell.make("A", "slave")
-    told = listener.news()
+    told = listener.delta()
     numbers = [each.number for each in told]
     assert numbers == list(range(picture.number + 1, picture.number + 1 + len(told)))
     assert [process.state for each in told for process in each.processes] == ["starting", "up"]
     # It appears once, with its names: not while it is being made.
     (made,) = (component for each in told for component in each.components)
     assert made.names == ("localhost/A.rtc",)
-    shell.feed(ev.Tick())
-    assert listener.news() == []
+    shell.feed(ev.TimerExpired())
+    assert listener.delta() == []
 
 
 def test_an_older_listener_sees_a_gap(shell: FakeShell, listener: Listener) -> None:
     first = listener.picture()
-    shell.feed(ev.Listened(TREE, False))
-    listener.news()
+    shell.feed(ev.ListenersChanged(TREE, False))
+    listener.delta()
     shell.make("A")
-    shell.feed(ev.Listened(TREE, True))
-    (ping,) = listener.news()
+    shell.feed(ev.ListenersChanged(TREE, True))
+    (ping,) = listener.delta()
     assert ping.number > first.number + 1
 
 
@@ -97,7 +97,7 @@ def test_the_end_is_told(shell: FakeShell, listener: Listener) -> None:
     shell.stop()
     shell.serve()
     assert shell.is_finished
-    assert [each.is_last for each in listener.news()][-1]
+    assert [each.is_last for each in listener.delta()][-1]
 
 
 def report(instance: str) -> dict[str, Any]:
@@ -108,16 +108,16 @@ def test_figures_are_asked_for_only_while_wanted(shell: FakeShell, listener: Lis
     shell.make("A")
     shell.wait(5.0)
     assert shell.told == []
-    shell.feed(ev.Listened(FIGURES, True))
-    assert shell.told == [(OWN, {"op": "figures"})]
-    assert listener.figures() == []
-    shell.say(OWN, figures=[report("A")])
-    (figures,) = listener.figures()
-    (process,) = figures.processes
+    shell.feed(ev.ListenersChanged(FIGURES, True))
+    assert shell.told == [(OWN, {"op": "metrics"})]
+    assert listener.metrics() == []
+    shell.say(OWN, metrics=[report("A")])
+    (metrics,) = listener.metrics()
+    (process,) = metrics.processes
     assert (process.answered, process.components[0].written) == (True, {"out": 3})
     shell.wait(1.0)
     assert len(shell.told) == 2
-    shell.feed(ev.Listened(FIGURES, False))
+    shell.feed(ev.ListenersChanged(FIGURES, False))
     shell.wait(5.0)
     assert len(shell.told) == 2
 
@@ -126,33 +126,33 @@ def test_who_does_not_answer_is_told_of_and_not_asked_again(
     shell: FakeShell, listener: Listener
 ) -> None:
     key = shell.make("A", "slave")
-    shell.feed(ev.Listened(FIGURES, True))
+    shell.feed(ev.ListenersChanged(FIGURES, True))
     for count in (1, 2, 3):
-        shell.say(OWN, figures=[])
+        shell.say(OWN, metrics=[])
         shell.wait(1.0)
-        assert [each for each in shell.told if each[0] == key] == [(key, {"op": "figures"})]
-        told = listener.figures()
+        assert [each for each in shell.told if each[0] == key] == [(key, {"op": "metrics"})]
+        told = listener.metrics()
         assert told[-1].number == count
         assert [each.answered for each in told[-1].processes] == [True, False]
-    shell.say(key, figures=[report("A")])
-    shell.say(OWN, figures=[])
+    shell.say(key, metrics=[report("A")])
+    shell.say(OWN, metrics=[])
     shell.wait(1.0)
     assert len([each for each in shell.told if each[0] == key]) == 2
 
 
 def test_figures_that_are_none_change_nothing(shell: FakeShell, listener: Listener) -> None:
     shell.make("A")
-    shell.feed(ev.Listened(FIGURES, True))
-    with pytest.raises(ValueError, match="figures"):
-        shell.say(OWN, figures="many")
+    shell.feed(ev.ListenersChanged(FIGURES, True))
+    with pytest.raises(ValueError, match="metrics"):
+        shell.say(OWN, metrics="many")
     shell.wait(2.0)
-    assert len(listener.figures()) >= 1
+    assert len(listener.metrics()) >= 1
 
 
 def test_what_a_user_makes_again_is_no_restart(shell: FakeShell) -> None:
     key = shell.make("A", "slave")
     shell.say(key, facts=facts("A"))
-    assert shell.state.components["A"].upkeep.restarts == 0
+    assert shell.state.components["A"].restart_status.restarts == 0
     shell.end(key)
     shell.make("A", "slave")
-    assert shell.state.components["A"].upkeep.restarts == 0
+    assert shell.state.components["A"].restart_status.restarts == 0

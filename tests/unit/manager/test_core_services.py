@@ -8,8 +8,8 @@ from rtkit.deployment.actions import Connect, Disconnect
 from rtkit.errors import Unreachable
 from rtkit.manager.fake import OWN, FakeShell, facts, wire
 from rtkit.rtc.enums import Polarity, PortType
-from rtkit.rtc.plain import encode
 from rtkit.rtc.profiles import PortInterfaceProfile, PortProfile
+from rtkit.rtc.serde import encode
 
 
 def port(name, *interfaces):

@@ -33,8 +33,8 @@ def test_which_ends_are_answered(restart: str, reason: str, is_back: bool) -> No
     come_back(shell)
     told = shell.state.components["A"]
     assert (not told.zombie) is is_back
-    assert told.upkeep.restarts == is_back
-    assert told.upkeep.why == reason * is_back
+    assert told.restart_status.restarts == is_back
+    assert told.restart_status.why == reason * is_back
 
 
 def test_what_is_made_again_is_as_it_was() -> None:
@@ -71,7 +71,7 @@ def test_waits_double_and_after_five_it_is_given_up() -> None:
     waits = []
     while not shell.state.watched("A").ledger.is_given_up:
         began = shell.now
-        shell.end(shell.state.holders["A"])
+        shell.end(shell.state.containers["A"])
         pass_time(shell, 100.0)
         if "s" in shell.spawned:
             waits.append(shell.now - began)
@@ -89,11 +89,11 @@ def test_after_good_health_it_begins_anew() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     for _ in range(12):
-        shell.end(shell.state.holders["A"])
+        shell.end(shell.state.containers["A"])
         come_back(shell, 0.12)
         shell.wait(HEALTHY_S + 1.0)
     assert not shell.state.components["A"].zombie
-    assert shell.state.components["A"].upkeep.restarts == 12
+    assert shell.state.components["A"].restart_status.restarts == 12
 
 
 def test_a_start_that_fails_counts_as_an_end() -> None:
@@ -127,7 +127,7 @@ def test_what_a_user_ends_stays_ended(end: act.Action) -> None:
 
 
 def test_nothing_comes_back_into_a_manager_that_stops() -> None:
-    for event in (ev.StopAsked(), ev.StopAsked(is_kept=True)):
+    for event in (ev.StopRequested(), ev.StopRequested(is_kept=True)):
         shell = FakeShell()
         shell.end(make(shell, "A", restart="always"))
         shell.feed(event)
@@ -140,7 +140,7 @@ def test_one_that_waits_can_be_laid_to_rest_and_comes_back_so() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     refused = shell.ask(act.ChangeState("A", "0", Transition.ACTIVATE)).result
     assert (refused.kind, refused.why) == ("refused", "zombie (signal 9): A")
     do(shell, act.ChangeState("A", "0", Transition.DEACTIVATE))
@@ -151,7 +151,7 @@ def test_what_is_told_to_rest_while_it_is_made_is_not_activated() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     pass_time(shell, 20.0)
     shell.fork("s")
     do(shell, act.ChangeState("A", "0", Transition.DEACTIVATE))
@@ -166,7 +166,7 @@ def test_a_reset_makes_one_that_waits_or_is_given_up_again_at_once(ends: int) ->
     make(shell, "A", restart="on-failure")
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
     for turn in range(ends):
-        shell.end(shell.state.holders["A"])
+        shell.end(shell.state.containers["A"])
         if turn < ends - 1:
             come_back(shell)
     began = shell.now
@@ -175,9 +175,15 @@ def test_a_reset_makes_one_that_waits_or_is_given_up_again_at_once(ends: int) ->
     assert asked.result.ok
     assert shell.now == pytest.approx(began, abs=0.01)
     facts = shell.state.components["A"]
-    assert (facts.zombie, facts.upkeep.given_up, facts.upkeep.restarts) == ("", "", ends)
-    shell.end(shell.state.holders["A"])  # as if for the first time
-    assert shell.state.components["A"].upkeep.due_s - shell.now == pytest.approx(0.1, rel=0.11)
+    assert (facts.zombie, facts.restart_status.given_up, facts.restart_status.restarts) == (
+        "",
+        "",
+        ends,
+    )
+    shell.end(shell.state.containers["A"])  # as if for the first time
+    assert shell.state.components["A"].restart_status.due_s - shell.now == pytest.approx(
+        0.1, rel=0.11
+    )
     assert come_back(shell) == ["create"]
     shell.wait(60.0)
     assert not shell.spawned
@@ -186,7 +192,7 @@ def test_a_reset_makes_one_that_waits_or_is_given_up_again_at_once(ends: int) ->
 def test_a_reset_that_fails_says_why() -> None:
     shell = FakeShell()
     make(shell, "A", **{"restart": "on-failure", "restart.delay": "9"})
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     asked = shell.ask(act.ChangeState("A", "0", Transition.RESET))
     shell.fork("s")
     shell.refuse(shell.next("create"), Refused("no such type"))
@@ -197,7 +203,7 @@ def test_a_reset_that_fails_says_why() -> None:
 def test_one_that_is_deleted_while_it_comes_back_does_not_stay() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     pass_time(shell, 20.0)
     deleted = shell.ask(act.Delete("A"))
     key = shell.fork("s")
@@ -212,12 +218,12 @@ def test_another_one_of_the_name_of_one_that_was_ended_is_made_again_too() -> No
     shell = FakeShell()
     for _ in range(3):
         make(shell, "A", **{"restart": "on-failure", "restart.delay": "5"})
-        shell.end(shell.state.holders["A"])
+        shell.end(shell.state.containers["A"])
         do(shell, act.Delete("A"))
         shell.wait(1.0)
     make(shell, "A", restart="on-failure")
     shell.wait(20.0)
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     assert come_back(shell, 1.0) == ["create"]
     assert not shell.state.returning
 
@@ -239,8 +245,11 @@ def test_one_in_error_is_made_again_in_its_place() -> None:
     shell.say(key, facts=in_error("A"))
     assert come_back(shell) == ["delete", "create", "change_state"]
     told = shell.state.components["A"]
-    assert (told.upkeep.restarts, told.upkeep.why) == (1, "in Error: ValueError: no (a.py:1)")
-    assert shell.state.holders["A"] == key
+    assert (told.restart_status.restarts, told.restart_status.why) == (
+        1,
+        "in Error: ValueError: no (a.py:1)",
+    )
+    assert shell.state.containers["A"] == key
 
 
 def test_one_in_error_that_does_not_end_takes_its_slave_along() -> None:
@@ -279,8 +288,8 @@ def test_one_whose_callback_hangs_is_ended_at_once_and_comes_back() -> None:
     assert shell.now - began < 0.25
     assert [bool(told[each].zombie) for each in "AB"] == [False, True]
     shell.wait(60.0)
-    assert told["A"].upkeep.restarts == 1
-    again = shell.state.holders["A"]
+    assert told["A"].restart_status.restarts == 1
+    again = shell.state.containers["A"]
     shell.feed(ev.CallbackStuck(again, "A", STUCK, True))
     shell.wait(HANGING_S)
     assert shell.killed() == [key, again]
@@ -311,9 +320,11 @@ def test_one_that_cannot_be_ended_is_not_said_to_be_back() -> None:
     pass_time(shell, 1.0)
     assert shell.next("delete").message["instance"] == "A"
     shell.wait(2.0)
-    upkeep = shell.state.components["A"].upkeep
-    assert (upkeep.restarts, upkeep.returning) == (0, "")
-    assert upkeep.given_up.startswith("it cannot be ended: no answer from manager in time: A is ")
+    restart_status = shell.state.components["A"].restart_status
+    assert (restart_status.restarts, restart_status.returning) == (0, "")
+    assert restart_status.given_up.startswith(
+        "it cannot be ended: no answer from manager in time: A is "
+    )
     assert not shell.state.returning
 
 
@@ -323,10 +334,10 @@ def test_one_that_is_given_up_in_error_says_so_until_it_is_reset() -> None:
     for _ in range(2):
         shell.say(key, facts=in_error("A"))
         come_back(shell, 1.0)
-    assert "given up" in shell.state.components["A"].upkeep.trouble
+    assert "given up" in shell.state.components["A"].restart_status.trouble
     do(shell, act.ChangeState("A", "0", Transition.RESET))
     shell.say(key, facts=facts("A"))
-    assert not shell.state.components["A"].upkeep.trouble
+    assert not shell.state.components["A"].restart_status.trouble
 
 
 def test_the_loss_of_what_is_critical_stops_the_system_in_reverse_order() -> None:
@@ -337,7 +348,7 @@ def test_the_loss_of_what_is_critical_stops_the_system_in_reverse_order() -> Non
     for instance in "ABC":
         do(shell, act.ChangeState(instance, "0", Transition.ACTIVATE))
         active = in_error(instance, LifeCycleState.ACTIVE)
-        shell.say(shell.state.holders[instance], facts={**active, "cause": ""})
+        shell.say(shell.state.containers[instance], facts={**active, "cause": ""})
     shell.end(key)
     rested = []
     while shell.calls:
@@ -369,11 +380,11 @@ def test_what_slave_and_manager_say_holds_for_who_says_nothing() -> None:
 
 def tell_figures(shell: FakeShell, written: int) -> None:
     """Wait until a holder is asked for figures, and tell them."""
-    while not (asked := [key for key, message in shell.told if message["op"] == "figures"]):
+    while not (asked := [key for key, message in shell.told if message["op"] == "metrics"]):
         shell.wait(0.1)
     shell.told.clear()
     for key in asked:
-        shell.say(key, figures=[{"instance": "A", "contexts": [], "written": {"out": written}}])
+        shell.say(key, metrics=[{"instance": "A", "contexts": [], "written": {"out": written}}])
     shell.wait(0.1)
 
 
@@ -382,27 +393,27 @@ def at_work(rule: str, **options: str) -> FakeShell:
     shell = FakeShell()
     make(shell, "A", **{"health.rate.out": rule, **options})
     active = in_error("A", LifeCycleState.ACTIVE)
-    shell.say(shell.state.holders["A"], facts={**active, "cause": ""})
+    shell.say(shell.state.containers["A"], facts={**active, "cause": ""})
     do(shell, act.ChangeState("A", "0", Transition.ACTIVATE))
     for count in (100, 200):
         tell_figures(shell, count)
-    assert not shell.state.components["A"].upkeep.trouble
+    assert not shell.state.components["A"].restart_status.trouble
     return shell
 
 
 def test_a_component_that_is_not_well_says_so_until_it_is_well_again() -> None:
     shell = at_work("50-200:degrade")
     tell_figures(shell, 201)
-    assert "degraded: out carries" in shell.state.components["A"].upkeep.trouble
+    assert "degraded: out carries" in shell.state.components["A"].restart_status.trouble
     tell_figures(shell, 300)
-    assert not shell.state.components["A"].upkeep.trouble
+    assert not shell.state.components["A"].restart_status.trouble
 
 
 def test_one_that_is_not_well_is_made_again() -> None:
     shell = at_work("50-200:restart")
     tell_figures(shell, 201)
     assert come_back(shell, 1.0) == ["delete", "create", "change_state"]
-    assert "not well: out carries" in shell.state.components["A"].upkeep.why
+    assert "not well: out carries" in shell.state.components["A"].restart_status.why
 
 
 def test_one_that_is_not_well_is_rested_and_with_it_all_if_it_is_critical() -> None:
@@ -415,7 +426,7 @@ def test_one_that_is_not_well_is_rested_and_with_it_all_if_it_is_critical() -> N
 
 def test_nobody_is_asked_for_figures_when_there_is_no_rule() -> None:
     shell = at_work("50-200:degrade")
-    key = shell.state.holders["A"]
+    key = shell.state.containers["A"]
     shell.ask(act.Delete("A"))
     shell.serve()
     shell.end(key, "exit status 0")
@@ -441,7 +452,7 @@ def test_the_policy_of_what_lives_is_changed_without_interrupting_it() -> None:
     assert not shell.state.components["A"].zombie
     do(shell, act.SetPolicy("A", {}))
     assert shell.state.ruled == set()
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     assert not come_back(shell)
 
 
@@ -460,7 +471,7 @@ def test_what_a_user_makes_again_counts_as_no_restart() -> None:
     shell.end(make(shell, "A", restart="on-failure"))
     come_back(shell)
     do(shell, act.SetPolicy("A", {}))
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     make(shell, "A")
-    upkeep = shell.state.components["A"].upkeep
-    assert (upkeep.restarts, upkeep.why) == (1, "signal 9")
+    restart_status = shell.state.components["A"].restart_status
+    assert (restart_status.restarts, restart_status.why) == (1, "signal 9")

@@ -6,34 +6,34 @@ import pytest
 from endings import come_back, do, heir, in_error, make, pass_time, restore
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.happenings import SUPERVISION, Happening, happenings
-from rtkit.deployment.news import TREE, News, applied, news_between, picture_from_text
-from rtkit.deployment.upkeep import Upkeep
+from rtkit.deployment.delta import TREE, Delta, applied, delta_between, snapshot_from_text
+from rtkit.deployment.restart_status import RestartStatus
+from rtkit.deployment.user_events import SUPERVISION, UserEvent, user_events
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import FakeShell, facts
 from rtkit.property.exchange import Reply
 from rtkit.rtc.enums import LifeCycleState, Transition
-from rtkit.rtc.plain import decode
+from rtkit.rtc.serde import decode
 
 
-def upkeep(shell: FakeShell, instance: str = "A") -> Upkeep:
-    return shell.state.components[instance].upkeep
+def restart_status(shell: FakeShell, instance: str = "A") -> RestartStatus:
+    return shell.state.components[instance].restart_status
 
 
-def listen(shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> list[Happening]:
+def listen(shell: FakeShell, monkeypatch: pytest.MonkeyPatch) -> list[UserEvent]:
     """Return a list to which everything is added that happens from now on."""
-    heard: list[Happening] = []
+    heard: list[UserEvent] = []
     replies: list[Reply] = []
-    shell.feed(ev.PictureAsked(replies.append))
-    known = picture_from_text(replies[0].value()).facts
+    shell.feed(ev.SnapshotRequested(replies.append))
+    known = snapshot_from_text(replies[0].value()).facts
     carry_out = shell._carry_out
 
     def hear(instruction: ev.Instruction) -> None:
         nonlocal known
         if isinstance(instruction, ev.Publish) and instruction.line == TREE:
-            news = decode(News, instruction.message)
-            heard.extend(happenings(known, news))
-            known = applied(known, news)
+            delta = decode(Delta, instruction.message)
+            heard.extend(user_events(known, delta))
+            known = applied(known, delta)
         carry_out(instruction)
 
     monkeypatch.setattr(shell, "_carry_out", hear)
@@ -51,15 +51,15 @@ def test_what_was_made_again_is_told_to_the_next_manager() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     for _ in range(2):
-        shell.end(shell.state.holders["A"])
+        shell.end(shell.state.containers["A"])
         come_back(shell)
-    before = upkeep(shell)
+    before = restart_status(shell)
     assert (before.restarts, before.why, before.returning) == (2, "signal 9", "")
     assert before.took_s == pytest.approx(0.2, rel=0.2)
     other = heir(shell)
     found(other)
     restore(other)
-    assert upkeep(other) == before
+    assert restart_status(other) == before
     assert other.state.kept.watched == shell.state.kept.watched
 
 
@@ -68,7 +68,7 @@ def test_who_dies_at_every_start_is_not_made_again_more_often_by_many_managers()
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     starts, began = [], shell.now
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     for turn in range(20):
         shell = heir(shell)
         restore(shell)
@@ -79,11 +79,11 @@ def test_who_dies_at_every_start_is_not_made_again_more_often_by_many_managers()
             starts.append(shell.now - began)
             shell.fork("s")
             shell.serve()
-            shell.end(shell.state.holders["A"])
+            shell.end(shell.state.containers["A"])
     assert len(starts) == 5
     waits = [later - sooner for sooner, later in zip([0.0, *starts], starts, strict=False)]
     assert waits == [pytest.approx(0.1 * 2**n, rel=0.11) for n in range(5)]
-    assert upkeep(shell).given_up == "given up after 5 restarts within 60 s"
+    assert restart_status(shell).given_up == "given up after 5 restarts within 60 s"
     assert "given up after 5" in shell.state.components["A"].zombie
 
 
@@ -91,17 +91,17 @@ def test_who_was_to_come_back_does_under_the_next_manager_and_is_shown_meanwhile
     shell = FakeShell()
     make(shell, "A", **{"restart": "always", "restart.delay": "8"})
     make(shell, "B", "t")
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     shell.wait(2.0)
     other = heir(shell)
     assert other.state.components["A"].zombie == "signal 9"
-    assert upkeep(other).returning == "signal 9"
+    assert restart_status(other).returning == "signal 9"
     restore(other)
     assert (other.state.components["A"].zombie, "B" in other.state.components) == ("signal 9", True)
     began = other.now
     come_back(other)
     assert other.now - began == pytest.approx(6.0, abs=0.9)
-    assert (other.state.components["A"].zombie, upkeep(other).restarts) == ("", 1)
+    assert (other.state.components["A"].zombie, restart_status(other).restarts) == ("", 1)
 
 
 def test_who_died_while_there_was_no_manager_is_made_again_as_its_policy_says() -> None:
@@ -109,11 +109,11 @@ def test_who_died_while_there_was_no_manager_is_made_again_as_its_policy_says() 
     for instance, policy in (("A", "on-failure"), ("B", "never")):
         make(shell, instance, **{"restart": policy})
     other = heir(shell)
-    other.feed(ev.SlaveMissed(900, "s", [facts("A"), facts("B")], "signal 11"))
+    other.feed(ev.SlaveExitedUnseen(900, "s", [facts("A"), facts("B")], "signal 11"))
     restore(other)
     assert other.state.components["A"].zombie == "signal 11"
     assert come_back(other) == ["create"]
-    assert (upkeep(other).why, upkeep(other).restarts) == ("signal 11", 1)
+    assert (restart_status(other).why, restart_status(other).restarts) == ("signal 11", 1)
     assert other.state.components["B"].zombie == "signal 11"
 
 
@@ -123,14 +123,14 @@ def test_managers_that_are_killed_in_their_start_forget_no_policy(managers: int)
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     shell = heir(shell)
-    shell.feed(ev.SlaveMissed(900, "s", [facts("A")], "signal 9"))
+    shell.feed(ev.SlaveExitedUnseen(900, "s", [facts("A")], "signal 9"))
     for _ in range(managers):
         assert {("zombie", "A"), ("watched", "A")} <= shell.rows.keys()
         shell = heir(shell)
-    assert upkeep(shell).returning == "signal 9"
+    assert restart_status(shell).returning == "signal 9"
     restore(shell)
     assert come_back(shell) == ["create"]
-    assert (upkeep(shell).why, upkeep(shell).restarts) == ("signal 9", 1)
+    assert (restart_status(shell).why, restart_status(shell).restarts) == ("signal 9", 1)
     assert len(shell.state.watched("A").ledger.times) == 1
 
 
@@ -139,17 +139,21 @@ def test_who_died_with_everything_or_with_the_machine_begins_anew() -> None:
     restore(shell)
     make(shell, "A", restart="on-failure")
     for _ in range(6):
-        shell.end(shell.state.holders["A"])
+        shell.end(shell.state.containers["A"])
         come_back(shell)
-    assert upkeep(shell).given_up
+    assert restart_status(shell).given_up
     other = heir(shell, "one run")
     restore(other)
     assert "given up" in other.state.components["A"].zombie
     other = heir(shell, "another run")
     restore(other)
     told = other.state.components["A"]
-    assert (told.zombie, upkeep(other).given_up, upkeep(other).restarts) == ("", "", 5)
-    other.end(other.state.holders["A"])
+    assert (told.zombie, restart_status(other).given_up, restart_status(other).restarts) == (
+        "",
+        "",
+        5,
+    )
+    other.end(other.state.containers["A"])
     assert come_back(other) == ["create"]
 
 
@@ -162,8 +166,8 @@ def test_one_found_in_error_is_answered_once() -> None:
         shell.feed(ev.SlaveFound(900, "s", [held], []))
         restore(shell)
         come_back(shell)
-    assert upkeep(shell).given_up
-    assert upkeep(shell).restarts == 1
+    assert restart_status(shell).given_up
+    assert restart_status(shell).restarts == 1
 
 
 def test_what_is_reset_keeps_its_record_and_is_forgiven() -> None:
@@ -172,9 +176,9 @@ def test_what_is_reset_keeps_its_record_and_is_forgiven() -> None:
     for _ in range(2):
         shell.say(key, facts=in_error("A"))
         come_back(shell, 1.0)
-    assert upkeep(shell).trouble == "given up after 1 restarts within 60 s"
+    assert restart_status(shell).trouble == "given up after 1 restarts within 60 s"
     do(shell, act.ChangeState("A", "0", Transition.RESET))
-    assert (upkeep(shell).restarts, upkeep(shell).trouble) == (1, "")
+    assert (restart_status(shell).restarts, restart_status(shell).trouble) == (1, "")
 
 
 def test_one_that_is_reset_while_it_waits_is_left() -> None:
@@ -184,7 +188,7 @@ def test_one_that_is_reset_while_it_waits_is_left() -> None:
     do(shell, act.ChangeState("A", "0", Transition.RESET))
     shell.say(key, facts=facts("A"))
     assert come_back(shell, 10.0) == []
-    assert upkeep(shell) == Upkeep()
+    assert restart_status(shell) == RestartStatus()
 
 
 def test_what_is_critical_says_what_it_stopped_until_it_is_activated() -> None:
@@ -193,23 +197,23 @@ def test_what_is_critical_says_what_it_stopped_until_it_is_activated() -> None:
     key = make(shell, "C", critical="yes", restart="on-failure")
     for instance in "AC":
         active = in_error(instance, LifeCycleState.ACTIVE)
-        shell.say(shell.state.holders[instance], facts={**active, "cause": ""})
+        shell.say(shell.state.containers[instance], facts={**active, "cause": ""})
     shell.end(key)
     shell.serve()
     come_back(shell)
-    assert upkeep(shell, "C").stops == "all was deactivated: signal 9"
+    assert restart_status(shell, "C").stops == "all was deactivated: signal 9"
     other = heir(shell)
     found(other, "s", "C")
     restore(other)
-    assert upkeep(other, "C").stops == "all was deactivated: signal 9"
+    assert restart_status(other, "C").stops == "all was deactivated: signal 9"
     do(other, act.ChangeState("C", "0", Transition.ACTIVATE))
-    assert upkeep(other, "C").stops == ""
+    assert restart_status(other, "C").stops == ""
 
 
 def test_the_end_is_on_the_disk_before_the_restart() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     assert '"pending":"signal 9"' in shell.rows["watched", "A"]
     assert not shell.spawned
 
@@ -218,7 +222,7 @@ def test_a_disk_that_takes_nothing_holds_up_no_restart() -> None:
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     shell.disk = "full"
-    shell.end(shell.state.holders["A"])
+    shell.end(shell.state.containers["A"])
     assert come_back(shell) == ["create"]
     shell.disk = ""
     make(shell, "B", "t")
@@ -242,7 +246,7 @@ def test_each_restart_is_told_once(end: str, monkeypatch: pytest.MonkeyPatch) ->
     shell = FakeShell()
     make(shell, "A", restart="on-failure")
     heard = listen(shell, monkeypatch)
-    key = shell.state.holders["A"]
+    key = shell.state.containers["A"]
     if end == "signal 9":
         shell.end(key)
     else:
@@ -259,11 +263,11 @@ def test_nothing_seems_to_have_ended_that_outlived_its_manager() -> None:
     before = shell.state.snapshot()
     other = heir(shell)
     replies: list[Reply] = []
-    other.feed(ev.PictureAsked(replies.append))
+    other.feed(ev.SnapshotRequested(replies.append))
     assert not replies
     held = {**facts("A"), "create": before.components[0].create, "names": ["localhost/A.rtc"]}
     other.feed(ev.SlaveFound(pid, "s", [held], []))
     restore(other)
     (reply,) = replies
-    after = picture_from_text(reply.value()).facts
-    assert list(happenings(before, news_between(before, after, "", 1))) == []
+    after = snapshot_from_text(reply.value()).facts
+    assert list(user_events(before, delta_between(before, after, "", 1))) == []

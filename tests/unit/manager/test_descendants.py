@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from rtkit.container.inherited import MARK, unmarked
+from rtkit.container.orphans import began_at
 from rtkit.link.deadline import boot_id
 from rtkit.manager.processes.descendants import Descendants, end_descendants
-from rtkit.manager.processes.inherited import MARK, unmarked
-from rtkit.manager.processes.leftovers import began_at
 
 DEAD = 999_999_999
 

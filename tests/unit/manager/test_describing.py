@@ -9,9 +9,9 @@ import threading
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.manager.modules.describing import describe
-from rtkit.manager.modules.loadable import loadable
-from rtkit.manager.modules.loader import Loader
+from rtkit.manager.loadable import loadable
+from rtkit.modules.describing import describe
+from rtkit.modules.loader import Loader
 from rtkit.resources import resource
 
 MODULE = '''

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.manager.modules.finding import lacking
-from rtkit.manager.modules.search import Search
+from rtkit.modules.finding import lacking
+from rtkit.modules.search import Search
 from rtkit.rtc.profiles import ModuleProfile, TypeProfile
 
 MODULE = """

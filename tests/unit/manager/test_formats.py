@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, Refused
-from rtkit.manager.settings import formats, values
 from rtkit.rtc.profiles import TypeProfile
+from rtkit.settings import formats, values
 
 ARM = TypeProfile("Arm", "me/you", "Robot", "1.0")
 

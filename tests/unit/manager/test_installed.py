@@ -8,10 +8,10 @@ from importlib.machinery import ModuleSpec
 import pytest
 
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.modules.installed import installed
-from rtkit.manager.modules.loadable import loadable
-from rtkit.manager.modules.loader import Loader
-from rtkit.manager.modules.search import Search
+from rtkit.manager.loadable import loadable
+from rtkit.modules.installed import installed
+from rtkit.modules.loader import Loader
+from rtkit.modules.search import Search
 from rtkit.rtc.create import parse_create
 
 CODE = """

@@ -7,8 +7,8 @@ import pytest
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action
 from rtkit.deployment.facts import ComponentFacts
-from rtkit.manager.core.kept import Kept
-from rtkit.manager.core.noting import note
+from rtkit.manager.core.desired import DesiredState
+from rtkit.manager.core.record_desired import note
 from rtkit.manager.fake import wire
 from rtkit.rtc.enums import Transition
 from rtkit.rtc.pattern import ComponentPattern
@@ -36,15 +36,15 @@ NOTED: list[tuple[list[Action], dict[str, object]]] = [
 ]
 
 
-def two() -> Kept:
-    kept = Kept()
+def two() -> DesiredState:
+    kept = DesiredState()
     for instance in "AB":
         kept.made(instance, f"Thing?instance_name={instance}", (), None)
     return kept
 
 
-def read(kept: Kept) -> Kept:
-    other = Kept()
+def read(kept: DesiredState) -> DesiredState:
+    other = DesiredState()
     assert other.read(kept.changes()) == []
     return other
 
@@ -114,7 +114,7 @@ def test_made_by_hand_it_begins_anew_and_made_again_it_does_not() -> None:
 
 
 def test_rows_that_cannot_be_read_are_told_and_the_others_are_read() -> None:
-    kept = Kept()
+    kept = DesiredState()
     rows = [
         ("component", "A", '{"create": 7}'),
         ("component", "B", "{"),

@@ -10,9 +10,9 @@ import sys
 import pytest
 
 from rtkit.link import places
-from rtkit.manager.logs import outputs
-from rtkit.manager.logs.outputs import cut, forget_old, head
-from rtkit.manager.processes.lastwords import LastWords, last_words, log_crash
+from rtkit.logs import outputs
+from rtkit.logs.outputs import cut, forget_old, head
+from rtkit.manager.processes.exit_diagnostics import ExitDiagnostics, exit_diagnostics, log_crash
 from rtkit.tree.logbook import Logbook
 
 CRASH = f"""Fatal Python error: Segmentation fault
@@ -49,14 +49,14 @@ def logged(*records, pid=42):
 
 def test_a_crash_is_named_with_its_line(folder):
     wrote(CRASH)
-    words = last_words("m", "s", 42)
-    assert words == LastWords("arm.py:15 in move", "", 0x7F0000000002, CRASH.strip())
+    words = exit_diagnostics("m", "s", 42)
+    assert words == ExitDiagnostics("arm.py:15 in move", "", 0x7F0000000002, CRASH.strip())
     assert words.reason("signal 11") == "signal 11 at arm.py:15 in move"
 
 
 def test_what_was_printed_before_a_crash(folder):
     wrote(f"terminate called after throwing 'X'\n  what():  no \x1b[1m arm\n{CRASH}")
-    assert last_words("m", "s", 42)[:2] == (
+    assert exit_diagnostics("m", "s", 42)[:2] == (
         "arm.py:15 in move",
         "terminate called after throwing 'X'; what(): no \\x1b[1m arm",
     )
@@ -73,14 +73,14 @@ def test_what_was_printed_before_a_crash(folder):
 def test_a_crash_that_is_not_in_a_component(folder, frame):
     thread = "Current thread 0x0000000000000002 (most recent call first):"
     wrote(f"Fatal Python error: Segmentation fault\n\n{thread}\n{frame}\n")
-    assert last_words("m", "s", 42)[:2] == ("", "")
-    assert LastWords().reason("signal 11") == "signal 11"
+    assert exit_diagnostics("m", "s", 42)[:2] == ("", "")
+    assert ExitDiagnostics().reason("signal 11") == "signal 11"
 
 
 @pytest.mark.parametrize("instance", ["Arm0", ""])
 def test_the_stacks_of_a_crash_are_logged_for_its_component(folder, instance):
     wrote(f"before\n{CRASH}")
-    log_crash("m", "s", 42, last_words("m", "s", 42), instance)
+    log_crash("m", "s", 42, exit_diagnostics("m", "s", 42), instance)
     [entry] = Logbook(str(folder), lambda entry: True).there()
     assert entry.message == "Fatal Python error: Segmentation fault at arm.py:15 in move"
     assert (entry.component, entry.process, entry.pid, entry.level) == (instance, "s", 42, "FATAL")
@@ -92,7 +92,7 @@ def test_the_stacks_of_a_crash_are_logged_for_its_component(folder, instance):
 def test_the_last_lines_that_were_printed(folder):
     wrote("one\n\n two \nthree\nfour")
     logged(("ERROR", "A", "not this"))
-    assert last_words("m", "s", 42).text == "two; three; four"
+    assert exit_diagnostics("m", "s", 42).text == "two; three; four"
 
 
 def test_else_what_was_logged_as_worth_a_warning(folder):
@@ -103,15 +103,15 @@ def test_else_what_was_logged_as_worth_a_warning(folder):
         ("WARN", "A", "warned"),
         ("ERROR", "A", "no\nlicence"),
     )
-    assert last_words("m", "s", 42).text == "printed; warned; no licence"
+    assert exit_diagnostics("m", "s", 42).text == "printed; warned; no licence"
 
 
 def test_words_of_another_process_are_not_its_own(folder):
     wrote(CRASH, pid=43)
     logged(("ERROR", "A", "not this"), pid=43)
-    assert last_words("m", "s", 42) == LastWords()
+    assert exit_diagnostics("m", "s", 42) == ExitDiagnostics()
     wrote("")
-    assert last_words("m", "s", 42) == LastWords()
+    assert exit_diagnostics("m", "s", 42) == ExitDiagnostics()
 
 
 @pytest.mark.parametrize("left", ["nothing", "folders", "rubbish"])
@@ -123,15 +123,15 @@ def test_what_cannot_be_read_says_nothing(folder, left):
         else:
             with open(path, "wb") as file:
                 file.write(b"\xff\xfe{\n[]\n3\nnull\n" * 9000)
-    assert last_words("m", "s", 42) == LastWords()
+    assert exit_diagnostics("m", "s", 42) == ExitDiagnostics()
     if left == "rubbish":
         wrote("")
-        assert last_words("m", "s", 42) == LastWords()
+        assert exit_diagnostics("m", "s", 42) == ExitDiagnostics()
 
 
 def test_long_words_are_cut_at_their_beginning(folder):
     wrote("x" * 100_000 + "\nthe end\n")
-    text = last_words("m", "s", 42).text
+    text = exit_diagnostics("m", "s", 42).text
     assert len(text) == 300
     assert text.startswith("…x")
     assert text.endswith("x; the end")
@@ -144,7 +144,7 @@ def run(script):
 
 
 def test_a_process_begins_its_output_anew(folder):
-    script = "from rtkit.manager.logs.outputs import redirect; import os; redirect({!r}, 's');"
+    script = "from rtkit.logs.outputs import redirect; import os; redirect({!r}, 's');"
     script = script.format(places.output_file("m", "s")) + "os.system('echo {}; echo e >&2')"
     for text in ("one", "two"):
         assert run(script.format(text)).stdout == b""
@@ -159,7 +159,7 @@ def test_output_that_cannot_be_kept_goes_where_it_went(folder):
     os.mkdir(places.output_file("m", "s") + ".1")
     (folder / "m.s.out.1" / "x").write_text("")
     path = places.output_file("m", "s")
-    script = f"from rtkit.manager.logs.outputs import redirect; redirect({path!r}, 's')"
+    script = f"from rtkit.logs.outputs import redirect; redirect({path!r}, 's')"
     assert run(f"{script}; import os; os.write(1, b'here')").stdout == b"here"
 
 

@@ -6,13 +6,19 @@ import os
 
 import pytest
 
+from rtkit.container.layers import layered
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager.holding.layers import layered
-from rtkit.manager.settings.configuration import Wanted, door, name, read, wanted_from_text
-from rtkit.manager.settings.properties import Settings
-from rtkit.manager.settings.reading import read_private
 from rtkit.rtc.create import parse_create
 from rtkit.rtc.profiles import TypeProfile
+from rtkit.settings.configuration import (
+    CommandLineSettings,
+    name,
+    read,
+    tcp_endpoint_settings,
+    wanted_from_text,
+)
+from rtkit.settings.properties import Settings
+from rtkit.settings.reading import read_private
 
 ARM = TypeProfile("Arm", category="Robot")
 
@@ -71,7 +77,7 @@ def test_a_file_that_cannot_be_read(tmp_path, text, error):
 
 
 def test_without_a_file_there_are_only_overrides():
-    found = read(Wanted(overrides=("naming.formats:x/%n.rtc", "mine:1")))
+    found = read(CommandLineSettings(overrides=("naming.formats:x/%n.rtc", "mine:1")))
     assert found.settings.text("naming.formats") == "x/%n.rtc"
     assert found.file == ""
     assert found.warnings == ("unknown property: mine",)
@@ -79,7 +85,7 @@ def test_without_a_file_there_are_only_overrides():
 
 def test_the_file_of_the_folder_is_found_and_outranked(tmp_path):
     path = write(tmp_path / "rtc.conf", "naming.enable: NO\nlogger.log_level: ERROR\nx.y: 1\n")
-    found = read(Wanted(overrides=("logger.log_level:WARN",)))
+    found = read(CommandLineSettings(overrides=("logger.log_level:WARN",)))
     assert found.file == path
     assert found.warnings == (f"{path}:3: unknown property: x.y",)
     assert not found.settings.flag("naming.enable")
@@ -91,18 +97,18 @@ def test_the_file_that_is_named_outranks_that_of_the_environment(tmp_path, monke
     write(tmp_path / "env.conf", "manager.name: environment")
     write(tmp_path / "line.conf", "manager.name: line")
     monkeypatch.setenv("RTC_MANAGER_CONFIG", "env.conf")
-    assert read(Wanted()).settings.text("manager.name") == "environment"
-    assert read(Wanted("line.conf")).settings.text("manager.name") == "line"
+    assert read(CommandLineSettings()).settings.text("manager.name") == "environment"
+    assert read(CommandLineSettings("line.conf")).settings.text("manager.name") == "line"
 
 
 def test_a_named_file_has_to_be_there(tmp_path, monkeypatch):
     write(tmp_path / "rtc.conf", "manager.name: folder")
-    for wanted in (Wanted("absent"), Wanted()):
+    for wanted in (CommandLineSettings("absent"), CommandLineSettings()):
         with pytest.raises(NotFound, match=r"no such configuration file: .*absent"):
             read(wanted)
         monkeypatch.setenv("RTC_MANAGER_CONFIG", "absent")
-    assert read(Wanted("absent", may_lack_file=True)).file == ""
-    assert read(Wanted(may_lack_file=True)).file == ""
+    assert read(CommandLineSettings("absent", may_lack_file=True)).file == ""
+    assert read(CommandLineSettings(may_lack_file=True)).file == ""
 
 
 def test_files_that_strangers_can_have_written(tmp_path):
@@ -110,16 +116,16 @@ def test_files_that_strangers_can_have_written(tmp_path):
     write(path, "manager.name: x")
     path.chmod(0o646)
     with pytest.raises(Refused, match="written by everybody"):
-        read(Wanted())
+        read(CommandLineSettings())
     path.chmod(0o644)
     tmp_path.chmod(0o777)
     with pytest.raises(Refused, match="written by everybody"):
-        read(Wanted())
+        read(CommandLineSettings())
     tmp_path.chmod(0o700)
     if os.getuid() == 0:
         os.chown(path, 65534, 65534)
         with pytest.raises(Refused, match="another user"):
-            read(Wanted())
+            read(CommandLineSettings())
 
 
 def test_what_is_no_file(tmp_path):
@@ -132,7 +138,7 @@ def test_what_is_no_file(tmp_path):
 
 
 def test_wishes_travel_as_text():
-    wanted = Wanted("a b", ("x:1", "y:ü"), True)
+    wanted = CommandLineSettings("a b", ("x:1", "y:ü"), True)
     assert wanted_from_text(wanted.to_text()) == wanted
 
 
@@ -150,13 +156,13 @@ def test_wishes_travel_as_text():
 )
 def test_where_the_door_is(monkeypatch, given, usual, port, is_asked):
     monkeypatch.setenv("RTKIT_PORT", usual)
-    assert door(Settings(given)) == (port, is_asked)
+    assert tcp_endpoint_settings(Settings(given)) == (port, is_asked)
 
 
 def test_a_door_of_the_environment_that_cannot_be_read(monkeypatch):
     monkeypatch.setenv("RTKIT_PORT", "x")
     with pytest.raises(Malformed, match="RTKIT_PORT: not"):
-        door(Settings())
+        tcp_endpoint_settings(Settings())
 
 
 def test_what_a_manager_is_called(monkeypatch):

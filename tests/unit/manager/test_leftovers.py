@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from rtkit.manager.processes import leftovers
-from rtkit.manager.processes.leftovers import (
+from rtkit.container import orphans
+from rtkit.container.orphans import (
     MARK,
     Adopted,
     end_family,
@@ -20,7 +20,7 @@ from rtkit.manager.processes.leftovers import (
     family,
     reap_orphans,
 )
-from rtkit.manager.processes.subreaper import become_subreaper
+from rtkit.container.subreaper import become_subreaper
 
 SLAVE = """
 import os, subprocess, sys
@@ -75,7 +75,7 @@ def test_the_session_of_a_slave_is_ended(
     if not has_lists:
         exists = os.path.exists
         monkeypatch.setattr(
-            leftovers.os.path, "exists", lambda path: "children" not in path and exists(path)
+            orphans.os.path, "exists", lambda path: "children" not in path and exists(path)
         )
     pid, left = slave("same")
     assert all(map(is_alive, left))

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from rtkit.deployment.limits import NO_LIMITS, Limits
+from rtkit.deployment.limits import NO_LIMITS, SlaveLimits
 from rtkit.manager.processes import limiter as module
 from rtkit.manager.processes.limiter import Limiter
 from rtkit.manager.processes.tree_usage import proportional_memory, tree_usage
@@ -45,7 +45,7 @@ def start() -> Iterator[Start]:
         process.communicate(timeout=30.0)
 
 
-def reached(pid: int, limits: Limits) -> str:
+def reached(pid: int, limits: SlaveLimits) -> str:
     limiter = Limiter()
     limiter.limit(1, pid, limits)
     told = [event.why for event in limiter.look()]
@@ -62,8 +62,10 @@ if not os.fork():
     os._exit(0)
 os.read(read, 1)"""
     pid = start(code).pid
-    assert reached(pid, Limits(memory=100 * MIB)).startswith("memory limit of 100 MiB reached (")
-    assert not reached(pid, Limits(memory=400 * MIB))
+    assert reached(pid, SlaveLimits(memory=100 * MIB)).startswith(
+        "memory limit of 100 MiB reached ("
+    )
+    assert not reached(pid, SlaveLimits(memory=400 * MIB))
 
 
 def test_what_processes_share_counts_once(start: Start) -> None:
@@ -77,8 +79,8 @@ for _ in range(3):
     used = tree_usage(pid)
     assert len(used.pids) == 4
     assert used.memory > 240 * MIB > 120 * MIB > proportional_memory(used.pids)
-    assert not reached(pid, Limits(memory=150 * MIB))
-    assert reached(pid, Limits(memory=40 * MIB))
+    assert not reached(pid, SlaveLimits(memory=150 * MIB))
+    assert reached(pid, SlaveLimits(memory=40 * MIB))
 
 
 def test_processes_and_descriptors_are_counted(start: Start) -> None:
@@ -88,9 +90,11 @@ for _ in range(3):
         sys.stdin.read()
         os._exit(0)"""
     pid = start(code).pid
-    assert not reached(pid, Limits(processes=4, descriptors=100))
-    assert reached(pid, Limits(processes=3)) == "limit of 3 processes reached (4)"
-    assert reached(pid, Limits(descriptors=50)).startswith("limit of 50 descriptors reached (5")
+    assert not reached(pid, SlaveLimits(processes=4, descriptors=100))
+    assert reached(pid, SlaveLimits(processes=3)) == "limit of 3 processes reached (4)"
+    assert reached(pid, SlaveLimits(descriptors=50)).startswith(
+        "limit of 50 descriptors reached (5"
+    )
 
 
 def test_the_kernel_holds_what_runs_away_with_room_above(start: Start) -> None:
@@ -99,7 +103,7 @@ def test_the_kernel_holds_what_runs_away_with_room_above(start: Start) -> None:
         resource.prlimit(pid, what) for what in (resource.RLIMIT_DATA, resource.RLIMIT_NOFILE)
     ]
     limiter = Limiter()
-    limiter.limit(1, pid, Limits(memory=100 * MIB, descriptors=20))
+    limiter.limit(1, pid, SlaveLimits(memory=100 * MIB, descriptors=20))
     (data, data_hard), (files, files_hard) = (
         resource.prlimit(pid, what) for what in (resource.RLIMIT_DATA, resource.RLIMIT_NOFILE)
     )
@@ -114,10 +118,10 @@ def test_the_kernel_holds_what_runs_away_with_room_above(start: Start) -> None:
 def test_a_limit_is_told_once_and_again_when_it_changes(start: Start) -> None:
     pid = start("").pid
     limiter = Limiter()
-    limiter.limit(1, pid, Limits(memory=MIB))
+    limiter.limit(1, pid, SlaveLimits(memory=MIB))
     assert len(limiter.look()) == 1
     assert limiter.look() == []
-    limiter.limit(1, pid, Limits(memory=2 * MIB))
+    limiter.limit(1, pid, SlaveLimits(memory=2 * MIB))
     limiter.forget(1)
     assert limiter.look_at == float("inf")
 
@@ -125,7 +129,9 @@ def test_a_limit_is_told_once_and_again_when_it_changes(start: Start) -> None:
 def test_a_process_that_has_ended_reaches_nothing() -> None:
     process = subprocess.Popen([sys.executable, "-c", ""])
     process.wait()
-    assert not reached(process.pid, Limits(memory=MIB, processes=1, descriptors=1, processor=0.1))
+    assert not reached(
+        process.pid, SlaveLimits(memory=MIB, processes=1, descriptors=1, processor=0.1)
+    )
 
 
 def test_the_share_is_the_mean_of_the_window() -> None:
@@ -164,13 +170,16 @@ def test_an_abort_for_want_of_memory_is_the_limit(reason: str, last: str, told: 
     limiter = Limiter()
     limiter.limit(1, os.getpid(), NO_LIMITS)
     assert limiter.reason(1, reason, last) == reason
-    limiter._slaves[1] = module._Limited(os.getpid(), Limits(memory=MIB))
+    limiter._slaves[1] = module._Limited(os.getpid(), SlaveLimits(memory=MIB))
     assert limiter.reason(1, reason, last) == told
 
 
 def test_it_looks_often_only_at_what_can_run_away(start: Start) -> None:
     pid = start("").pid
-    for limits, often_s in ((Limits(processor=4096), 0.5), (Limits(memory=1 << 50), 0.05)):
+    for limits, often_s in (
+        (SlaveLimits(processor=4096), 0.5),
+        (SlaveLimits(memory=1 << 50), 0.05),
+    ):
         limiter = Limiter()
         limiter.limit(1, pid, limits)
         began = time.monotonic()

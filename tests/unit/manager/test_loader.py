@@ -11,8 +11,8 @@ import pytest
 
 from rtkit.component.describe import describe
 from rtkit.errors import NotFound, Refused
-from rtkit.manager.modules import loader as loader_module
-from rtkit.manager.modules.loader import Loader, UntriedModule
+from rtkit.modules import loader as loader_module
+from rtkit.modules.loader import Loader, UntriedModule
 from rtkit.rtc.create import parse_create
 
 THING = '''

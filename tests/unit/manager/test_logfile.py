@@ -12,8 +12,8 @@ import sys
 
 import pytest
 
-from rtkit.manager.logs import logfile
-from rtkit.manager.logs.logfile import LogFile, Lossy, Terminal
+from rtkit.logs import logfile
+from rtkit.logs.logfile import LogFile, Lossy, Terminal
 
 
 def line(text):
@@ -84,7 +84,7 @@ def test_only_one_of_two_turns_a_file_over(path, monkeypatch):
 
 def test_many_writers_lose_no_line_and_tear_none(path):
     script = (
-        "import sys; from rtkit.manager.logs.logfile import LogFile\n"
+        "import sys; from rtkit.logs.logfile import LogFile\n"
         f"file = LogFile({str(path)!r}, 4096, 10)\n"
         "for number in range(500): file.write(b'%s %03d\\n' % (sys.argv[1].encode(), number))\n"
     )

@@ -13,7 +13,7 @@ import pytest
 
 from rtkit.component.current import current
 from rtkit.errors import Malformed, Refused
-from rtkit.manager.logs.logs import LEVEL_KEY, Log, begin_component, level_of
+from rtkit.logs.logs import LEVEL_KEY, Log, begin_component, level_of
 
 
 @pytest.fixture

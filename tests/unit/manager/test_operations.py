@@ -9,10 +9,10 @@ from rtkit.errors import NotFound, Refused
 from rtkit.manager.core import configuring, operations
 from rtkit.manager.core import events as ev
 from rtkit.manager.fake import OWN, FakeShell, facts
-from rtkit.manager.requests import Desk
-from rtkit.manager.settings.properties import Settings
+from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request
 from rtkit.rtc.enums import Transition
+from rtkit.settings.properties import Settings
 
 
 @pytest.fixture
@@ -25,11 +25,11 @@ class Client:
 
     def __init__(self, shell: FakeShell) -> None:
         self.shell = shell
-        self.desk = Desk(shell.state)
+        self.query_server = ManagerQueryServer(shell.state)
 
     def ask(self, name: str, payload: str | None = None) -> list[Reply]:
         replies: list[Reply] = []
-        event = self.desk.take(Request(name, payload, replies.append))
+        event = self.query_server.take(Request(name, payload, replies.append))
         if event is not None:
             self.shell.feed(event)
         return replies
@@ -119,7 +119,7 @@ def test_a_fork_stays_if_the_properties_say_so(client, shell, key, value):
 
 
 def test_other_managers_register_and_take_themselves_off(client, monkeypatch):
-    monkeypatch.setattr("rtkit.manager.requests.managers", lambda: ["two"])
+    monkeypatch.setattr("rtkit.manager.query_server.managers", lambda: ["two"])
     for name in ("two", "two", "dead", "localhost:2811"):
         client.set("add_slave_manager", name)
     assert client.get("get_slave_managers") == "two\nlocalhost:2811"
@@ -158,7 +158,7 @@ def test_the_table_of_operations_is_that_of_the_interface():
 def test_words_that_end_it(client, shell, word):
     assert client.ask(word, "")[0].value() == "100"
     assert shell.is_finished
-    assert (client.desk.restart is not None) is (word == "restart")
+    assert (client.query_server.restart is not None) is (word == "restart")
 
 
 # properties

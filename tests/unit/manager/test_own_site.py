@@ -12,10 +12,10 @@ from rtkit.deployment.actions import Delete
 from rtkit.deployment.batch import results_to_text
 from rtkit.deployment.lease import Immortal, Lease
 from rtkit.errors import Refused
-from rtkit.manager.core.events import BatchAsked
+from rtkit.manager.core.events import BatchRequested
 from rtkit.manager.fake import FakeShell
 from rtkit.manager.following.own_site import Ended, OwnSite
-from rtkit.manager.requests import Desk
+from rtkit.manager.query_server import ManagerQueryServer
 from rtkit.property.exchange import Reply, Request
 
 WAIT_S = 10.0
@@ -25,9 +25,9 @@ class Manager:
     """A desk that is served at once; batches are answered by the test."""
 
     def __init__(self) -> None:
-        self.desk = Desk(FakeShell().state)
-        self.desk.lease = Lease(lambda _pid: Immortal())
-        self.batches: Queue[BatchAsked] = Queue()
+        self.query_server = ManagerQueryServer(FakeShell().state)
+        self.query_server.lease = Lease(lambda _pid: Immortal())
+        self.batches: Queue[BatchRequested] = Queue()
         self.site = self.another("the manager itself, which follows S")
 
     def another(self, purpose: str) -> OwnSite:
@@ -35,11 +35,11 @@ class Manager:
 
     def _post(self, request: Request) -> None:
         try:
-            event = self.desk.take(request)
+            event = self.query_server.take(request)
         except Refused as error:
             request.answer(Reply(str(error), error.kind))
             return
-        if isinstance(event, BatchAsked):
+        if isinstance(event, BatchRequested):
             self.batches.put(event)
 
 
@@ -82,7 +82,7 @@ def test_one_at_a_time_carries_plans_out_and_others_are_told_who() -> None:
     manager.site.give_lease()
     thread.join(WAIT_S)
     assert not thread.is_alive()
-    assert str(manager.desk.lease.holder).startswith("rtapply (")
+    assert str(manager.query_server.lease.holder).startswith("rtapply (")
     assert waits.empty()
 
 
@@ -103,4 +103,4 @@ def test_whatever_it_waits_for_it_ends_when_told_to() -> None:
     with pytest.raises(Ended):
         manager.site.snapshot()
     manager.site.give_lease()
-    assert manager.desk.lease.holder is None
+    assert manager.query_server.lease.holder is None

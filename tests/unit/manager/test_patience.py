@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rtkit.manager.processes.patience import Patience
+from rtkit.manager.processes.backoff import Backoff
 
 
 def test_each_wait_is_longer_up_to_ten_seconds():
-    patience, now, waits = Patience(), 0.0, []
+    patience, now, waits = Backoff(), 0.0, []
     for _ in range(12):
         patience.begin(now)
         now += 0.2
@@ -18,7 +18,7 @@ def test_each_wait_is_longer_up_to_ten_seconds():
 
 
 def test_one_that_did_its_work_or_ran_long_ended_by_accident():
-    patience = Patience()
+    patience = Backoff()
     for _ in range(3):
         patience.begin(0.0)
         patience.end(1.0)
@@ -32,7 +32,7 @@ def test_one_that_did_its_work_or_ran_long_ended_by_accident():
 
 
 def test_what_was_proven_of_one_is_not_of_the_next():
-    patience = Patience()
+    patience = Backoff()
     patience.begin(0.0)
     patience.prove()
     patience.end(1.0)
@@ -42,7 +42,7 @@ def test_what_was_proven_of_one_is_not_of_the_next():
 
 
 def test_no_number_of_ends_is_too_many():
-    patience = Patience()
+    patience = Backoff()
     for _ in range(10_000):
         patience.begin(0.0)
         assert patience.end(0.0) <= 10.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.manager.settings import properties
-from rtkit.manager.settings.properties import Settings
+from rtkit.settings import properties
+from rtkit.settings.properties import Settings
 
 
 @pytest.mark.parametrize(

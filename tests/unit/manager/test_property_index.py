@@ -5,7 +5,7 @@ from __future__ import annotations
 import runpy
 from pathlib import Path
 
-from rtkit.manager.settings.properties import NONE, properties
+from rtkit.settings.properties import NONE, properties
 
 ROOT = Path(__file__).parents[3]
 PROPERTIES, SETTINGS = "test_properties.py", "test_configuration.py"

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtkit.manager.logs.records import LEVELS, MAX_TEXT, JsonLines, Readable, level_word
+from rtkit.logs.records import LEVELS, MAX_TEXT, JsonLines, Readable, level_word
 
 MOMENT = 1_700_000_000.25
 
@@ -107,7 +107,7 @@ def test_a_readable_record():
 
 
 def test_levels_have_the_words_of_the_property():
-    from rtkit.manager.settings import properties
+    from rtkit.settings import properties
 
     assert tuple(LEVELS) == properties.LEVELS
     assert [level_word(number) for word, number in LEVELS.items() if word != "SILENT"] == [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, Refused
-from rtkit.manager.settings.rtcconf import Entry, candidates, parse, parse_override, warnings
+from rtkit.settings.rtcconf import RtcConfEntry, candidates, parse, parse_override, warnings
 
 TEXT = """\
 # a comment
@@ -25,18 +25,18 @@ manager.cpu_affinity:
 
 def test_the_syntax():
     assert parse(TEXT.encode(), "rtc.conf") == [
-        Entry("corba.nameservers", "localhost", 2),
-        Entry("naming.formats", "%n.rtc , %h.host_cxt/%n.rtc", 3),
-        Entry("manager.components.precreate", "A,B?x=http://1,C", 6),
-        Entry("logger.enable", "NO", 10),
-        Entry("logger.log_level", "DEBUG", 11),
-        Entry("manager.cpu_affinity", "", 12),
+        RtcConfEntry("corba.nameservers", "localhost", 2),
+        RtcConfEntry("naming.formats", "%n.rtc , %h.host_cxt/%n.rtc", 3),
+        RtcConfEntry("manager.components.precreate", "A,B?x=http://1,C", 6),
+        RtcConfEntry("logger.enable", "NO", 10),
+        RtcConfEntry("logger.log_level", "DEBUG", 11),
+        RtcConfEntry("manager.cpu_affinity", "", 12),
     ]
 
 
 @pytest.mark.parametrize("end", ["\\", "\\\n", "\\\r\n", "\n", ""])
 def test_the_last_line_may_end_in_any_way(end):
-    assert parse(f"manager.name: a{end}".encode(), "f") == [Entry("manager.name", "a", 1)]
+    assert parse(f"manager.name: a{end}".encode(), "f") == [RtcConfEntry("manager.name", "a", 1)]
 
 
 @pytest.mark.parametrize(
@@ -67,7 +67,7 @@ def test_unknown_and_repeated_keys_are_told():
 
 def test_overrides():
     assert parse_override("naming.formats: a/%n.rtc:x".removesuffix(":x")).value == "a/%n.rtc"
-    assert parse_override("mine:a:b") == Entry("mine", "a:b", 0)
+    assert parse_override("mine:a:b") == RtcConfEntry("mine", "a:b", 0)
     assert warnings([parse_override("mine:1")], "f") == ["unknown property: mine"]
     for text in ("", "a", ":a", "naming.enable:perhaps"):
         with pytest.raises(Malformed):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import sqlite3
@@ -13,8 +14,7 @@ from pathlib import Path
 import pytest
 
 from rtkit.errors import Refused
-from rtkit.manager.keeping.keeper import Keeper
-from rtkit.manager.keeping.store import (
+from rtkit.manager.store.store import (
     APPLICATION,
     NOTED,
     VERSION,
@@ -23,6 +23,7 @@ from rtkit.manager.keeping.store import (
     StoreLost,
     remove,
 )
+from rtkit.manager.store.writer import StoreWriter
 
 ROWS = [("component", f"C{n}", f'{{"create":"{"x" * 300}"}}') for n in range(60)]
 
@@ -34,11 +35,31 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     draft = str(tmp_path / "draft")
     store = Store(draft)
     store.write(ROWS)
-    path = tmp_path / "m.wishes"
+    path = tmp_path / "m.desired"
     for suffix in ("", "-wal"):
         shutil.copyfile(draft + suffix, f"{path}{suffix}")
     store.forget()
     return str(path)
+
+
+def test_a_store_under_its_former_name_is_read_and_renamed(path: str) -> None:
+    former = path.replace(".desired", ".wishes")
+    os.rename(path, former)  # broken off before: what lies beside it was renamed already
+    assert Store(path).find() == (ROWS, "")
+    assert not os.path.lexists(former)
+    assert not os.path.lexists(f"{former}-wal")
+
+
+def test_a_store_that_cannot_be_renamed_is_told(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    os.rename(path, path.replace(".desired", ".wishes"))
+
+    def refuse(*_: str) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    monkeypatch.setattr(os, "rename", refuse)
+    found = Store(path).find()
+    assert found.rows == []
+    assert "cannot be renamed" in found.told
 
 
 def alter(path: str, *statements: str) -> None:
@@ -97,7 +118,7 @@ def test_what_is_no_store_is_put_aside_and_another_one_begun(path: str, damage: 
     store = Store(path)
     rows, told = store.find()
     assert rows == []
-    assert told.startswith(f"the damaged store of wishes is kept aside: {path}.damaged-1 (")
+    assert told.startswith(f"the damaged state store is kept aside: {path}.damaged-1 (")
     assert os.path.exists(f"{path}.damaged-1")
     store.write(ROWS)
     store.close()
@@ -136,7 +157,9 @@ sys.stdin.read()
     assert other.stdout is not None
     assert other.stdout.readline() == b"locked\n"
     try:
-        with pytest.raises(Refused, match=rf"process {other.pid} \(python.*\) uses the store"):
+        with pytest.raises(
+            Refused, match=rf"process {other.pid} \(python.*\) uses the state store"
+        ):
             Store(path).find()
     finally:
         other.communicate()
@@ -160,7 +183,7 @@ def test_one_that_cannot_be_written_is_read_and_told(
     store = Store(path)
     rows, told = store.find()
     assert rows == ROWS
-    assert told == f"the store of wishes cannot be written: unable to open database file ({path})"
+    assert told == f"the state store cannot be written: unable to open database file ({path})"
     with pytest.raises(StoreFailed, match="unable to open"):
         store.write([("wire", "w", "1")])
     monkeypatch.undo()
@@ -183,7 +206,7 @@ def test_a_store_that_is_removed_under_way_is_told_once_and_then_made_anew(path:
     store.find()
     store.write([("wire", "old", "1")])
     os.unlink(path)
-    with pytest.raises(StoreLost, match="the store of wishes was removed"):
+    with pytest.raises(StoreLost, match="the state store was removed"):
         store.write([("wire", "w", "1")])
     Path(f"{path}-wal").write_bytes(b"a log of another file" * 1000)
     store.write([("wire", "w", "1")])
@@ -205,7 +228,7 @@ def test_a_store_that_is_replaced_under_way_is_put_aside(path: str) -> None:
 
 def test_the_keeper_tells_that_the_store_is_gone_before_it_makes_another(path: str) -> None:
     """Also when it was removed before anything was written to it."""
-    keeper = Keeper(path)
+    keeper = StoreWriter(path)
     keeper.find()
     os.unlink(path)
     told: list[tuple[int, bool]] = []
@@ -230,9 +253,9 @@ def killed(path: str, commits: int) -> str:
 
 def test_a_store_that_was_removed_with_nobody_there_is_told_once(path: str) -> None:
     os.unlink(killed(path, 3))
-    told = f"the store of wishes was removed ({path}): only what lives is known"
+    told = f"the state store was removed ({path}): only what lives is known"
     assert Store(path).find() == ([], told)
-    assert Keeper(path).find() == ([], told)
+    assert StoreWriter(path).find() == ([], told)
     store = Store(path)
     store.prepare()
     store.close()
@@ -246,7 +269,7 @@ def test_a_journal_that_lacks_its_end_is_told(path: str, keep: float) -> None:
     store = Store(path)
     rows, told = store.find()
     assert len(rows) < 5
-    assert told.startswith(f"the store of wishes lacks its last {5 - len(rows)} changes ({path})")
+    assert told.startswith(f"the state store lacks its last {5 - len(rows)} changes ({path})")
     store.write([("wire", "w", "1")])
     store.close()
     assert Store(path).find().told == ""
@@ -298,7 +321,7 @@ def test_what_is_forgotten_leaves_nothing(path: str) -> None:
 
 
 def test_a_store_is_one_by_what_is_written_in_it(tmp_path: Path) -> None:
-    path = tmp_path / "m.wishes"
+    path = tmp_path / "m.desired"
     store = Store(str(path))
     store.prepare()
     store.close()
@@ -310,8 +333,8 @@ def test_a_store_is_one_by_what_is_written_in_it(tmp_path: Path) -> None:
 
 
 def test_the_keeper_tells_what_is_on_the_disk_and_what_is_not(tmp_path: Path) -> None:
-    path = tmp_path / "m.wishes"
-    keeper = Keeper(str(path))
+    path = tmp_path / "m.desired"
+    keeper = StoreWriter(str(path))
     assert keeper.find() == ([], "")
     told: list[tuple[int, str]] = []
     keeper.heard = lambda number, why, _is_lost: told.append((number, why))
@@ -321,7 +344,7 @@ def test_the_keeper_tells_what_is_on_the_disk_and_what_is_not(tmp_path: Path) ->
     keeper.close()
     assert [number for number, _ in told] == [1, 2, 3]
     assert all("NOT NULL" in why for number, why in told if number == 3)
-    heir = Keeper(str(path))
+    heir = StoreWriter(str(path))
     rows, remark = heir.find()
     # What comes while it writes is one commit, so that the second may fail with the third.
     orders = zip((ROWS[:1], ROWS[1:]), told, strict=False)

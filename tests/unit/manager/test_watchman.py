@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from rtkit.container.heartbeats import STACKS_AT, Heartbeats, heartbeats_path
+from rtkit.container.stacks import open_stacks, write_stacks
 from rtkit.manager.core.events import CallbackStuck, ProcessInspected
-from rtkit.manager.holding.beats import STACKS_AT, Beats, beats_path
-from rtkit.manager.processes.stacks import open_stacks, write_stacks
-from rtkit.manager.processes.watchman import POLL_S, Watchman
+from rtkit.manager.processes.watchdog import POLL_S, Watchdog
 
 KEY = 7
 
@@ -23,20 +23,20 @@ class Watched:
 
     def __init__(self, folder: Path) -> None:
         pattern = str(folder / "m.%p.data")
-        beats = Beats(beats_path(pattern, os.getpid()))
-        slot = beats.slot()
+        heartbeats = Heartbeats(heartbeats_path(pattern, os.getpid()))
+        slot = heartbeats.slot()
         assert slot is not None
         self.slot = slot
         self.deadline_s = 1000.0
         self.answers = {False, True}
         self.asked = []
         self._stacks = open_stacks(pattern, os.getpid())
-        self.file = Path(beats_path(pattern, os.getpid()))
+        self.file = Path(heartbeats_path(pattern, os.getpid()))
         self.shortest_s = 0.0
-        self.watchman = Watchman(
+        self.watchdog = Watchdog(
             pattern, lambda _instance: self.deadline_s, lambda: self.shortest_s, self._dump
         )
-        self.watchman.watch(KEY, os.getpid())
+        self.watchdog.watch(KEY, os.getpid())
 
     def _dump(self, _key: int, is_urgent: bool) -> None:
         self.asked.append(is_urgent)
@@ -44,19 +44,19 @@ class Watched:
             write_stacks(self._stacks)
 
     def close(self) -> None:
-        self.watchman.forget(KEY)
+        self.watchdog.forget(KEY)
         os.close(self._stacks)
 
     def poll(self) -> list[object]:
         time.sleep(max(0.0, self.wait_s))
-        return list(self.watchman.poll())
+        return list(self.watchdog.poll())
 
     @property
     def wait_s(self) -> float:
-        return self.watchman.look_at - time.monotonic()
+        return self.watchdog.look_at - time.monotonic()
 
     def inspect(self, age_s: float) -> list[object]:
-        return list(self.watchman.inspect(KEY, age_s))
+        return list(self.watchdog.inspect(KEY, age_s))
 
 
 @pytest.fixture
@@ -114,7 +114,7 @@ def test_who_asks_when_nothing_takes_long_is_told_so_at_once(watched):
 
 
 def test_a_process_without_heartbeats_is_known_to_tell_nothing(watched):
-    assert list(watched.watchman.inspect(8, 0.0)) == [ProcessInspected(8)]
+    assert list(watched.watchdog.inspect(8, 0.0)) == [ProcessInspected(8)]
 
 
 def test_a_process_that_writes_no_stack_is_not_waited_for_without_end(watched):
@@ -181,7 +181,7 @@ def test_what_rests_is_looked_at_when_something_could_be_late(watched):
     watched.shortest_s = 100.0
     watched.poll()
     assert 90.0 < watched.wait_s <= 100.0
-    watched.watchman.hasten(KEY)
+    watched.watchdog.hasten(KEY)
     assert 0.0 < watched.wait_s <= POLL_S
 
 
@@ -207,19 +207,19 @@ def test_a_look_that_is_not_due_reads_nothing(watched):
     watched.poll()
     watched.deadline_s = 0.0
     watched.slot.watch("A", "on_execute")
-    assert list(watched.watchman.poll()) == []
+    assert list(watched.watchdog.poll()) == []
 
 
 def test_what_was_stopped_counts_from_when_it_goes_on(watched):
     watched.deadline_s = 0.05
-    watched.watchman.halted(KEY, is_halted=True)
+    watched.watchdog.halted(KEY, is_halted=True)
     watched.slot.watch("A", "on_execute")
     time.sleep(2 * watched.deadline_s)
-    assert list(watched.watchman.poll()) == []
+    assert list(watched.watchdog.poll()) == []
     watched.deadline_s = 1000.0
-    watched.watchman.halted(KEY, is_halted=False)
-    assert list(watched.watchman.poll()) == []
+    watched.watchdog.halted(KEY, is_halted=False)
+    assert list(watched.watchdog.poll()) == []
     watched.deadline_s = 0.05
-    watched.watchman.hasten(KEY)
+    watched.watchdog.hasten(KEY)
     time.sleep(2 * watched.deadline_s)
-    assert [each.instance for each in watched.watchman.poll() if each.text] == ["A"]
+    assert [each.instance for each in watched.watchdog.poll() if each.text] == ["A"]

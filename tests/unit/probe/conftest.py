@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.rtc.enums import PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import PortProfile, TypeProfile
@@ -26,4 +26,4 @@ def tree() -> Tree:
             TypeProfile("Text", "Me", "test", "1.0"), (PortProfile("in", PortType.IN, _TEXT),)
         ),
     ]
-    return fake_tree(World(types))
+    return fake_tree(FakeManager(types))

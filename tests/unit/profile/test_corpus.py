@@ -12,7 +12,7 @@ import pytest
 import xmlschema
 from lxml import etree
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.read import read_rtc, read_rts
 from rtkit.profile.rtc_model import ActionStatus, RtcProfile
@@ -131,7 +131,7 @@ def rts_facts(profile: RtsProfile) -> dict[str, Any]:
         "preceding_components": sum(
             len(step.preceding.preceding_components) for step in steps if step.preceding
         ),
-        "ext_properties": count(profile, "Property"),
+        "ext_properties": count(profile, "ExtensionProperty"),
         "root": "RtsProfile",
     }
 
@@ -240,7 +240,7 @@ def rtc_facts(profile: RtcProfile) -> dict[str, Any]:
         "data_ports_out": kinds.count("DataOutPort"),
         "event_ports": kinds.count("EventPort"),
         "data_port_names": [port.name for port in profile.data_ports],
-        "events": count(profile, "Event"),
+        "events": count(profile, "FsmTransition"),
         "service_ports": len(profile.service_ports),
         "interfaces": len(interfaces),
         "interfaces_provided": sum(item.direction == "Provided" for item in interfaces),
@@ -250,7 +250,7 @@ def rtc_facts(profile: RtcProfile) -> dict[str, Any]:
         "language_targets": count(profile, "TargetEnvironment"),
         "parameters": len(profile.parameters),
         "version_up_logs": len(info.version_up_logs) if info else 0,
-        "ext_properties": sum(isinstance(item, Property) for item in below(profile)),
+        "ext_properties": sum(isinstance(item, ExtensionProperty) for item in below(profile)),
         "docs": sum(type(item).__name__.endswith("Doc") for item in below(profile)),
         "root": "RtcProfile",
     }

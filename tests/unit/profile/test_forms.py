@@ -23,7 +23,7 @@ from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.rtc_spec import RTC_PROFILE
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.rts_spec import RTS_PROFILE
-from rtkit.profile.spec import Spec
+from rtkit.profile.spec import ElementSpec
 from rtkit.profile.write import write_profile
 from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.resources import resource
@@ -95,7 +95,7 @@ def test_the_samples_of_each_form(kind: str, form: str) -> None:
 
 
 @pytest.mark.parametrize(("kind", "spec"), [("rtc", RTC_PROFILE), ("rts", RTS_PROFILE)])
-def test_the_samples_are_whole(kind: str, spec: Spec) -> None:
+def test_the_samples_are_whole(kind: str, spec: ElementSpec) -> None:
     seen: set[tuple[str, str]] = set()
     for element in etree.parse(SAMPLES / f"{kind}.xml").iter():
         parent = element.getparent()
@@ -105,7 +105,7 @@ def test_the_samples_are_whole(kind: str, spec: Spec) -> None:
     assert not set(parts(spec, root, set())) - seen
 
 
-def parts(spec: Spec, tag: str, done: set[tuple[str, int]]) -> Iterator[tuple[str, str]]:
+def parts(spec: ElementSpec, tag: str, done: set[tuple[str, int]]) -> Iterator[tuple[str, str]]:
     if (tag, id(spec)) in done:
         return
     done.add((tag, id(spec)))

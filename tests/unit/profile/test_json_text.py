@@ -8,14 +8,14 @@ import pytest
 
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.json_text import read_json, write_json
-from rtkit.profile.nodes import MAX_DEPTH, Items, Node, Table, Text
+from rtkit.profile.nodes import MAX_DEPTH, ListNode, Node, ScalarNode, TableNode
 
 
 def lines(node: Node) -> Any:
     """The tree with the line of each object in place of it."""
-    if isinstance(node, Table):
+    if isinstance(node, TableNode):
         return node.line, {key.text: lines(value) for key, value in node.items}
-    if isinstance(node, Items):
+    if isinstance(node, ListNode):
         return [lines(item) for item in node.items]
     return node.text
 
@@ -30,8 +30,8 @@ def test_every_object_has_its_line() -> None:
 
 def test_scalars() -> None:
     node = read_json('["1", 1, true, false, null, "null", "", 1e5, "日\\ud83d\\ude00"]', "x")
-    assert isinstance(node, Items)
-    found = [(item.text, item.is_null) for item in node.items if isinstance(item, Text)]
+    assert isinstance(node, ListNode)
+    found = [(item.text, item.is_null) for item in node.items if isinstance(item, ScalarNode)]
     assert found == [
         ("1", False),
         ("1", False),

@@ -12,7 +12,7 @@ from lxml import etree
 from rtkit.profile.common import Note
 from rtkit.profile.findings import Findings, InvalidProfile
 from rtkit.profile.parse import parse
-from rtkit.profile.places import Places
+from rtkit.profile.places import ElementPaths
 from rtkit.profile.read import profile_kind, read_rtc, read_rts
 from rtkit.profile.rules import RULES
 from rtkit.profile.xmlnames import NAMESPACES, clark
@@ -107,7 +107,7 @@ def test_equal_findings_on_one_line_are_told_apart_by_their_path() -> None:
 
 def test_numbers_are_those_before_any_repair() -> None:
     root = parse(b"<a><b/><c/><b/><c><d/></c></a>", "x")
-    places = Places()
+    places = ElementPaths()
     first, second, third, fourth = root
     assert places.path(fourth) == "/a/c[2]"
     root.remove(second)
@@ -129,7 +129,7 @@ def test_what_a_repair_added_is_found_where_its_reason_is() -> None:
 
 def test_a_lifted_element_keeps_the_path_that_it_had() -> None:
     root = parse(b"<a><b><c/></b><d/></a>", "x")
-    places = Places()
+    places = ElementPaths()
     lifted = root[0][0]
     assert places.path(lifted) == "/a/b/c"
     root.append(lifted)
@@ -142,7 +142,7 @@ def test_foreign_names_are_selected_too(namespace: str) -> None:
     root = etree.Element(clark("rts:RtsProfile"))
     for value in "12":
         etree.SubElement(root, f"{{{namespace}}}part").set(f"{{{namespace}}}key", value)
-    path = Places().path(root[1], f"{{{namespace}}}key")
+    path = ElementPaths().path(root[1], f"{{{namespace}}}key")
     assert selected(root, path) == ["2"]
 
 

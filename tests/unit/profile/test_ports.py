@@ -1,24 +1,30 @@
 from __future__ import annotations
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.ports import DataPortFacts, DataPortKey, data_port_facts
-from rtkit.profile.rts_model import Component, DataPortConnector, Port, RtsProfile, TargetPort
+from rtkit.profile.rts_model import (
+    ComponentInstance,
+    DataPortConnector,
+    InstancePort,
+    RtsProfile,
+    TargetPort,
+)
 from rtkit.rtc.enums import PortType
 
 DATE = "2024-01-01T00:00:00"
 
 
-def port(name: str, **properties: str) -> Port:
-    return Port(
+def port(name: str, **properties: str) -> InstancePort:
+    return InstancePort(
         name,
         properties=tuple(
-            Property(key.replace("__", "."), text) for key, text in properties.items()
+            ExtensionProperty(key.replace("__", "."), text) for key, text in properties.items()
         ),
     )
 
 
-def system(*ports: Port, data_type: str = "RTC::TimedLong") -> RtsProfile:
-    component = Component("i", "h/A0.rtc", "A0", data_ports=ports)
+def system(*ports: InstancePort, data_type: str = "RTC::TimedLong") -> RtsProfile:
+    component = ComponentInstance("i", "h/A0.rtc", "A0", data_ports=ports)
     connector = DataPortConnector(
         "c", "n", data_type, "", "", TargetPort("i", "A0", "A0.out"), TargetPort("i", "A0", "in")
     )

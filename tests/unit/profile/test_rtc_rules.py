@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_model import (
     Between,
     Comparison,
@@ -18,12 +18,12 @@ from rtkit.profile.constraint_model import (
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.read import read_rtc
 from rtkit.profile.rtc_model import (
-    Configuration,
-    Event,
+    ConfigurationParameter,
+    FsmTransition,
     Language,
     Library,
-    Parameter,
     RtcProfile,
+    SystemParameter,
     TargetEnvironment,
 )
 from rtkit.profile.write import write_rtc
@@ -117,7 +117,7 @@ def test_a_fragment_is_read_and_noted() -> None:
     profile = reading.profile
     assert (profile.id, profile.basic_info, profile.actions) == ("", None, None)
     assert profile.configuration_set is not None
-    assert profile.configuration_set.configurations == (Configuration("", "", ""),)
+    assert profile.configuration_set.configurations == (ConfigurationParameter("", "", ""),)
 
 
 def test_a_nameless_parameter_of_a_whole_profile_is_an_error() -> None:
@@ -229,7 +229,7 @@ def test_parameters_are_kept() -> None:
         BASE + '<rtc:Parameters rtc:name="p" rtc:defaultValue="1"/><rtc:Parameters rtc:name="q"/>'
     )
     profile = read_rtc(document(body), strict=True).profile
-    assert profile.parameters == (Parameter("p", "1"), Parameter("q"))
+    assert profile.parameters == (SystemParameter("p", "1"), SystemParameter("q"))
 
 
 def test_events_and_occurrence() -> None:
@@ -240,7 +240,7 @@ def test_events_and_occurrence() -> None:
     (port,) = repaired(
         document(BASE + body), "rtcDoc:occurrence taken as rtcDoc:occerrence"
     ).data_ports
-    assert port.events == (Event("", "a", "b"),)
+    assert port.events == (FsmTransition("", "a", "b"),)
     assert port.doc is not None
     assert port.doc.occerrence == "often"
 
@@ -351,7 +351,7 @@ def test_foreign_content_of_text_is_dropped_with_a_note() -> None:
     profile = repaired(document(BASE + body), "unknown attribute {urn:f}a dropped")
     assert profile.configuration_set is not None
     (configuration,) = profile.configuration_set.configurations
-    assert configuration.properties == (Property("__widget__", "slider.0.1"),)
+    assert configuration.properties == (ExtensionProperty("__widget__", "slider.0.1"),)
 
 
 def test_a_language_may_leave_its_kind_open() -> None:
@@ -366,7 +366,7 @@ def test_system_parameters_stand_behind_the_service_ports() -> None:
     )
     old = '<rtc:Parameters rtc:name="a" rtc:defaultValue="1"/>'
     profile = read_rtc(document(f"{BASE}{PORT}{port}{old}"), strict=True).profile
-    assert profile.parameters == (Parameter("a", "1"),)
+    assert profile.parameters == (SystemParameter("a", "1"),)
     assert write_rtc(profile).index(b"<rtc:ServicePorts") < write_rtc(profile).index(
         b"<rtc:Parameters"
     )

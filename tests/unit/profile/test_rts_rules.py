@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.profile.common import Property, Reading
+from rtkit.profile.common import ExtensionProperty, Reading
 from rtkit.profile.findings import InvalidProfile
 from rtkit.profile.read import read_rts
-from rtkit.profile.rts_model import Component, ComponentRef, Location, RtsProfile
+from rtkit.profile.rts_model import ComponentInstance, ComponentRef, Location, RtsProfile
 from rtkit.profile.rts_rules import NO_DATE
 from rtkit.profile.words import property_value
 from rtkit.profile.write import write_rts
@@ -71,7 +71,7 @@ def errors(body: str, attributes: str = ROOT) -> list[tuple[int, str]]:
     return found[0]
 
 
-def only_component(profile: RtsProfile) -> Component:
+def only_component(profile: RtsProfile) -> ComponentInstance:
     (component,) = profile.components
     return component
 
@@ -137,7 +137,7 @@ def test_type_is_supplied_where_the_extension_is_the_default_namespace() -> None
         '<Properties r:name="x"/></r:Components></r:RtsProfile>'
     ).encode()
     reading = read_rts(data)
-    assert only_component(reading.profile).properties == (Property("x"),)
+    assert only_component(reading.profile).properties == (ExtensionProperty("x"),)
 
 
 def test_absent_dates() -> None:
@@ -234,7 +234,7 @@ def test_children_in_any_order() -> None:
         "children of rts:Components put in order",
     )
     assert profile.groups[0].members == (ComponentRef("RTC:v:c:Out:1", "Out0"),)
-    assert only_component(profile).properties == (Property("a"),)
+    assert only_component(profile).properties == (ExtensionProperty("a"),)
 
 
 def test_order_of_equal_children_stays() -> None:
@@ -312,7 +312,10 @@ def test_service_ports_that_only_a_connector_names() -> None:
         "port take of In0 is named by a connector only: added",
     )
     (port,) = profile.components[0].service_ports
-    assert (port.name, port.properties) == ("give", (Property("port.port_type", "CorbaPort"),))
+    assert (port.name, port.properties) == (
+        "give",
+        (ExtensionProperty("port.port_type", "CorbaPort"),),
+    )
 
 
 def test_connectors_without_id_get_one() -> None:
@@ -446,7 +449,7 @@ def test_a_whole_document_of_bare_names() -> None:
         'isRequired="true"><Properties name="k" value="v"/></Components></RtsProfile>'
     ).encode()
     component = only_component(read_rts(data).profile)
-    assert (component.instance_name, component.properties) == ("n", (Property("k", "v"),))
+    assert (component.instance_name, component.properties) == ("n", (ExtensionProperty("k", "v"),))
 
 
 @pytest.mark.parametrize(

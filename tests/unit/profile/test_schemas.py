@@ -12,7 +12,7 @@ from lxml import etree
 from rtkit.errors import NotFound
 from rtkit.profile.rtc_spec import RTC_PROFILE
 from rtkit.profile.rts_spec import RTS_PROFILE
-from rtkit.profile.spec import Spec
+from rtkit.profile.spec import ElementSpec
 from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.resources import resource
 
@@ -48,7 +48,7 @@ def test_everything_is_documented(name: str) -> None:
             assert text.strip().endswith("."), f"{name}:{item.sourceline}"
 
 
-def specs(spec: Spec, seen: set[int] | None = None) -> Iterator[Spec]:
+def specs(spec: ElementSpec, seen: set[int] | None = None) -> Iterator[ElementSpec]:
     seen = set() if seen is None else seen
     if id(spec) in seen:
         return
@@ -60,7 +60,7 @@ def specs(spec: Spec, seen: set[int] | None = None) -> Iterator[Spec]:
 
 
 @pytest.mark.parametrize(("root", "start"), [(RTC_PROFILE, "Rtc"), (RTS_PROFILE, "Rts")])
-def test_tables_and_schemas_know_the_same_names(root: Spec, start: str) -> None:
+def test_tables_and_schemas_know_the_same_names(root: ElementSpec, start: str) -> None:
     declared: dict[str, set[str]] = {"element": set(), "attribute": set()}
     for name in FILES:
         if name.startswith(start):
@@ -77,7 +77,7 @@ def test_tables_and_schemas_know_the_same_names(root: Spec, start: str) -> None:
 
 
 @pytest.mark.parametrize("root", [RTC_PROFILE, RTS_PROFILE])
-def test_every_type_that_is_written_is_declared(root: Spec) -> None:
+def test_every_type_that_is_written_is_declared(root: ElementSpec) -> None:
     for spec in specs(root):
         for namespace, local in (*spec.also_types, *([spec.xsi_type] if spec.xsi_type else [])):
             homes = [

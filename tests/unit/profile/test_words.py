@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.words import normal_data_type, property_value, strip_instance
 
 
@@ -45,7 +45,11 @@ def test_normal_data_type(text: str, normal: str) -> None:
 
 
 def test_property_value() -> None:
-    properties = (Property("a", ""), Property("b"), Property("a", "second"))
+    properties = (
+        ExtensionProperty("a", ""),
+        ExtensionProperty("b"),
+        ExtensionProperty("a", "second"),
+    )
     assert property_value(properties, "a") == ""
     assert property_value(properties, "b") is None
     assert property_value(properties, "c") is None

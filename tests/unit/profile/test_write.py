@@ -7,19 +7,19 @@ from dataclasses import replace
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.profile.common import Foreign, ForeignElement, Property
+from rtkit.profile.common import ExtensionProperty, Foreign, ForeignElement
 from rtkit.profile.rtc_model import Actions, ActionStatus, Language, RtcProfile
 from rtkit.profile.rts_model import (
-    Component,
+    ComponentInstance,
     ComponentRef,
-    Condition,
     ConfigurationData,
     ConfigurationSet,
     DataPortConnector,
-    ExecutionContext,
+    InstancePort,
     Location,
     Order,
-    Port,
+    OrderStep,
+    OwnedContext,
     RtsProfile,
     TargetComponent,
     TargetPort,
@@ -34,19 +34,19 @@ SYSTEM = RtsProfile(
     update_date="2024-01-02T00:00:00+09:00",
     abstract="two\nlines",
     components=(
-        Component(
+        ComponentInstance(
             id="RTC:v:c:A:1",
             path_uri="localhost/A0.rtc",
             instance_name="A0",
             composite_type="PeriodicECShared",
-            data_ports=(Port("out", visible=False),),
+            data_ports=(InstancePort("out", visible=False),),
             configuration_sets=(ConfigurationSet("default", (ConfigurationData("gain", "<1>"),)),),
             execution_contexts=(
-                ExecutionContext("0", "PERIODIC", 1000.0, (ComponentRef("RTC:v:c:A:1", "A0"),)),
+                OwnedContext("0", "PERIODIC", 1000.0, (ComponentRef("RTC:v:c:A:1", "A0"),)),
             ),
             participants=(ComponentRef("RTC:v:c:A:1", "A0"),),
             location=Location(1, 2, -1, -1, "DOWN"),
-            properties=(Property("rtkit.module", "a.py"), Property("empty")),
+            properties=(ExtensionProperty("rtkit.module", "a.py"), ExtensionProperty("empty")),
         ),
     ),
     data_port_connectors=(
@@ -61,7 +61,7 @@ SYSTEM = RtsProfile(
             push_interval=0.5,
         ),
     ),
-    activation=Order((Condition(1, TargetComponent("RTC:v:c:A:1", "A0", "0"), WaitTime(250)),)),
+    activation=Order((OrderStep(1, TargetComponent("RTC:v:c:A:1", "A0", "0"), WaitTime(250)),)),
     foreign=Foreign(
         (("{urn:z}a", "1"),),
         (ForeignElement("{urn:y}b", children=(ForeignElement("{urn:z}c", (("d", "2"),), "t"),)),),
@@ -145,7 +145,7 @@ def test_characters_that_xml_cannot_carry(bad: str) -> None:
 
 @pytest.mark.parametrize("rate", [float("nan"), float("inf"), float("-inf")])
 def test_numbers_that_are_not_finite(rate: float) -> None:
-    context = ExecutionContext("0", "PERIODIC", rate)
+    context = OwnedContext("0", "PERIODIC", rate)
     component = replace(SYSTEM.components[0], execution_contexts=(context,))
     with pytest.raises(Malformed, match="rts:rate must be a finite number"):
         write_rts(replace(SYSTEM, components=(component,)))

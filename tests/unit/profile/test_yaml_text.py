@@ -9,14 +9,14 @@ import pytest
 import yaml
 
 from rtkit.profile.findings import InvalidProfile
-from rtkit.profile.nodes import MAX_DEPTH, Node, Table, Text
+from rtkit.profile.nodes import MAX_DEPTH, Node, ScalarNode, TableNode
 from rtkit.profile.yaml_text import read_yaml, write_yaml
 
 
 def plain(node: Node) -> Any:
-    if isinstance(node, Text):
+    if isinstance(node, ScalarNode):
         return node.text
-    if isinstance(node, Table):
+    if isinstance(node, TableNode):
         return {key.text: plain(value) for key, value in node.items}
     return [plain(item) for item in node.items]
 
@@ -57,12 +57,14 @@ def test_what_is_read(text: str, meaning: object) -> None:
 
 def test_lines_and_nulls() -> None:
     node = read_yaml("a:\n  b: ~\n  c: ''\n  d:\n\n  e: &x null\n  f: *x\n  g: !!str ~\n", "x")
-    assert isinstance(node, Table)
+    assert isinstance(node, TableNode)
     ((_, body),) = node.items
-    assert isinstance(body, Table)
-    found = [(key.line, isinstance(value, Text) and value.is_null) for key, value in body.items]
+    assert isinstance(body, TableNode)
+    found = [
+        (key.line, isinstance(value, ScalarNode) and value.is_null) for key, value in body.items
+    ]
     assert found == [(2, True), (3, False), (4, True), (6, True), (7, True), (8, False)]
-    assert [value.line for _, value in body.items if isinstance(value, Text)][4] == 7
+    assert [value.line for _, value in body.items if isinstance(value, ScalarNode)][4] == 7
 
 
 LAUGHS = "\n".join(f"l{n}: &l{n} [{', '.join([f'*l{n - 1}'] * 9)}]" for n in range(1, 12))

@@ -10,18 +10,18 @@ from typing import Any
 import pytest
 
 from rtkit.errors import Refused
-from rtkit.profile.common import NO_FOREIGN, Foreign, ForeignElement, Property
+from rtkit.profile.common import NO_FOREIGN, ExtensionProperty, Foreign, ForeignElement
 from rtkit.profile.read import read_file
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile.rts_model import (
-    Component,
+    ComponentGroup,
+    ComponentInstance,
     ComponentRef,
-    Condition,
     DataPortConnector,
-    ExecutionContext,
-    Group,
+    InstancePort,
     Order,
-    Port,
+    OrderStep,
+    OwnedContext,
     RtsProfile,
     TargetComponent,
     TargetPort,
@@ -35,15 +35,15 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.a
 FILES = os.path.join(ROOT, "tests", "unit", "cli", "files")
 CORPUS = os.path.join(os.path.dirname(ROOT), "shared", "corpus")
 DATE = "2025-01-01T00:00:00"
-OUT = Component(
+OUT = ComponentInstance(
     "RTC:v:c:Out:1",
     "h/Out0.rtc",
     "Out0",
-    data_ports=(Port("Out0.out"), Port("Out0.more")),
+    data_ports=(InstancePort("Out0.out"), InstancePort("Out0.more")),
     configuration_sets=(Settings("default", (Data("gain", "1"), Data("name", "x"))),),
-    execution_contexts=(ExecutionContext("0", "PERIODIC", 100.0),),
+    execution_contexts=(OwnedContext("0", "PERIODIC", 100.0),),
 )
-IN = Component("RTC:v:c:In:1", "h/In0.rtc", "In0", data_ports=(Port("In0.in"),))
+IN = ComponentInstance("RTC:v:c:In:1", "h/In0.rtc", "In0", data_ports=(InstancePort("In0.in"),))
 WIRE = DataPortConnector(
     "1",
     "wire",
@@ -65,7 +65,7 @@ def changed(**parts: Any) -> list[str]:
     return [each.text for each in differences(SYSTEM, replace(SYSTEM, **parts))]
 
 
-def component(**parts: Any) -> tuple[Component, ...]:
+def component(**parts: Any) -> tuple[ComponentInstance, ...]:
     return (replace(OUT, **parts), IN)
 
 
@@ -84,17 +84,20 @@ def test_what_makes_no_difference() -> None:
     source = replace(WIRE.source, port_name="out")
     short = wire(data_type="TimedLong", dataflow_type="PUSH", source=source)
     assert changed(data_port_connectors=short) == []
-    stale = (Property("IOR", "IOR:00"), Property("POSITION", "1"))
+    stale = (ExtensionProperty("IOR", "IOR:00"), ExtensionProperty("POSITION", "1"))
     assert changed(components=component(properties=stale, composite_type="None", comment="c")) == []
     hidden = (*OUT.configuration_sets, Settings("__widget__", (Data("gain", "text"),)))
     assert changed(components=component(configuration_sets=hidden)) == []
-    live = (Property("dataport.corba_cdr.inport_ior", "IOR:1"), Property("BEND_POINT", "1"))
+    live = (
+        ExtensionProperty("dataport.corba_cdr.inport_ior", "IOR:1"),
+        ExtensionProperty("BEND_POINT", "1"),
+    )
     assert changed(data_port_connectors=wire(properties=live)) == []
 
 
 def test_components_come_and_go_with_all_that_is_theirs() -> None:
     assert changed(components=(IN,)) == ["- component Out0"]
-    extra = replace(OUT, instance_name="Out1", data_ports=(Port("o"),))
+    extra = replace(OUT, instance_name="Out1", data_ports=(InstancePort("o"),))
     assert changed(components=(OUT, IN, extra)) == ["+ component Out1"]
 
 
@@ -106,7 +109,7 @@ def test_components_change() -> None:
             is_required=False,
             active_configuration_set="fast",
             composite_type="Grouping",
-            properties=(Property("rtkit.create", "Out?manager_name=m"),),
+            properties=(ExtensionProperty("rtkit.create", "Out?manager_name=m"),),
         ),
         data_port_connectors=(),
     ) == [
@@ -121,18 +124,18 @@ def test_components_change() -> None:
 
 
 def test_policies_of_the_system_change() -> None:
-    stale = Property("POSITION", "1")
-    assert changed(properties=(stale, Property("rtkit.restart.slave.s1", "never"))) == [
+    stale = ExtensionProperty("POSITION", "1")
+    assert changed(properties=(stale, ExtensionProperty("rtkit.restart.slave.s1", "never"))) == [
         "~ system: rtkit.restart.slave.s1 (none) -> never"
     ]
 
 
 def test_ports_parameters_and_contexts() -> None:
     sets = (Settings("default", (Data("gain", ""), Data("new", "1"))), Settings("fast"))
-    contexts = (ExecutionContext("0", "PERIODIC", 50.0), ExecutionContext("1", "EVENT_DRIVEN"))
+    contexts = (OwnedContext("0", "PERIODIC", 50.0), OwnedContext("1", "EVENT_DRIVEN"))
     assert changed(
         components=component(
-            data_ports=(Port("out"), Port("other")),
+            data_ports=(InstancePort("out"), InstancePort("other")),
             configuration_sets=sets,
             execution_contexts=contexts,
         )
@@ -155,7 +158,10 @@ def test_connectors() -> None:
         "+ connector Out0.more -> In0.in",
         "- connector Out0.out -> In0.in",
     ]
-    options = (Property("dataport.buffer.length", "9"), Property("dataport.dataflow_type", "x"))
+    options = (
+        ExtensionProperty("dataport.buffer.length", "9"),
+        ExtensionProperty("dataport.dataflow_type", "x"),
+    )
     assert changed(data_port_connectors=wire(subscription_type="new", properties=options)) == [
         "~ connector Out0.out -> In0.in: subscription_type flush -> new",
         "~ connector Out0.out -> In0.in: dataport.buffer.length (none) -> 9",
@@ -166,10 +172,10 @@ def test_connectors() -> None:
 def test_orders_and_groups() -> None:
     target = TargetComponent(OUT.id, "Out0", "0")
     assert changed(
-        activation=Order((Condition(1, target),)), groups=(Group("wheels", (IN_REF,)),)
+        activation=Order((OrderStep(1, target),)), groups=(ComponentGroup("wheels", (IN_REF,)),)
     ) == ["+ order Activation", "+ group wheels"]
-    one = replace(SYSTEM, activation=Order((Condition(1, target), Condition(2, target))))
-    other = replace(SYSTEM, activation=Order((Condition(1, target, wait_time=WaitTime(5)),)))
+    one = replace(SYSTEM, activation=Order((OrderStep(1, target), OrderStep(2, target))))
+    other = replace(SYSTEM, activation=Order((OrderStep(1, target, wait_time=WaitTime(5)),)))
     assert [each.text for each in differences(one, other)] == [
         "~ step Activation 1 Out0 in 0: wait_ms (none) -> 5",
         "- step Activation 2 Out0 in 0",

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, NotFound, Refused
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.constraint_format import format_constraint
 from rtkit.profile.rtc_model import RtcProfile
 from rtkit.profile_tools import new_component as new
-from rtkit.profile_tools.new_system import Member, new_system
+from rtkit.profile_tools.new_system import NewMember, new_system
 
 DATE = "2025-01-01T00:00:00"
 
@@ -20,7 +20,7 @@ def made(name: str, *ports: str, activity: str = "PERIODIC") -> RtcProfile:
     data += [new.data_port(p[1:], "DataOutPort") for p in ports if p[0] == "<"]
     wishes = [new.interface(p[1:], "Provided") for p in ports if p[0] == "+"]
     wishes += [new.interface(p[1:], "Required") for p in ports if p[0] == "-"]
-    heading = new.Heading(name, DATE, activity_type=activity, rate=10.0)
+    heading = new.ComponentHeading(name, DATE, activity_type=activity, rate=10.0)
     items = [new.parameter("gain:double=1.0")]
     return new.new_component(heading, data, new.service_ports(wishes), items)
 
@@ -81,7 +81,7 @@ def test_components() -> None:
     assert profile.actions is not None
     assert profile.actions.on_action is None
     assert profile.actions.on_execute is not None
-    heading = new.Heading("Range", DATE)
+    heading = new.ComponentHeading("Range", DATE)
     with pytest.raises(Malformed, match="port a is named twice"):
         made("Range", ">a:TimedLong", "+a:Clock")
     with pytest.raises(Malformed, match="a vendor with a colon would break the id"):
@@ -94,7 +94,7 @@ def test_components() -> None:
 
 RANGE = made("Range", "<distance:TimedDouble", ">trigger:TimedBoolean", "+clock:Clock")
 MOTOR = made("Motor", ">range:RTC::TimedDouble", ">any:any", "-time:Clock", activity="SPORADIC")
-MEMBERS = (Member(RANGE, "Range0"), Member(MOTOR, "Motor0"))
+MEMBERS = (NewMember(RANGE, "Range0"), NewMember(MOTOR, "Motor0"))
 
 
 def test_systems() -> None:
@@ -114,8 +114,8 @@ def test_systems() -> None:
     assert [(c.kind, c.rate) for c in other.execution_contexts] == [("EVENT_DRIVEN", None)]
     distance = next(port for port in one.data_ports if port.name == "Range0.distance")
     assert distance.properties == (
-        Property("dataport.data_type", "IDL:RTC/TimedDouble:1.0"),
-        Property("port.port_type", "DataOutPort"),
+        ExtensionProperty("dataport.data_type", "IDL:RTC/TimedDouble:1.0"),
+        ExtensionProperty("port.port_type", "DataOutPort"),
     )
     assert one.location is not None
     assert other.location is not None
@@ -149,7 +149,7 @@ def test_what_cannot_be_connected(wire: str, error: type[Exception], told: str) 
 
 
 def test_types_have_to_be_the_same() -> None:
-    other = Member(made("Other", ">in:TimedLong"), "Other0")
+    other = NewMember(made("Other", ">in:TimedLong"), "Other0")
     with pytest.raises(Refused, match=r"IDL:RTC/TimedDouble:1\.0 and IDL:RTC/TimedLong:1\.0"):
         new_system("R", DATE, [*MEMBERS, other], ["Range0.distance=Other0.in"])
 

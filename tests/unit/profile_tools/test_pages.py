@@ -17,7 +17,7 @@ from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile_tools.component_page import component_page
 from rtkit.profile_tools.html_page import html_page
 from rtkit.profile_tools.markdown_page import markdown_page
-from rtkit.profile_tools.page import Page, Section, Table, section
+from rtkit.profile_tools.page import Page, PageTable, Section, section
 from rtkit.profile_tools.system_page import system_page
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
@@ -127,7 +127,7 @@ def test_any_text_is_shown_as_it_is() -> None:
 
 
 def test_line_breaks_of_builders_are_line_breaks() -> None:
-    table = Table(("a", "b"), (("one<br/>two", ""), ("three<BR>four\r\nfive", "")))
+    table = PageTable(("a", "b"), (("one<br/>two", ""), ("three<BR>four\r\nfive", "")))
     texts = ("one<br />two\n\n\nthree\nfour",)
     page = Page("T", "", (), "", "", (Section("S", texts, table),))
     root = checked(html_page(page))
@@ -159,10 +159,10 @@ def test_texts_that_look_like_markdown_are_texts() -> None:
 
 
 def test_what_is_empty_is_left_out() -> None:
-    assert section("S", ["", None, " "], Table(("a",), ()), [None]) is None
-    made = section("S", table=Table(("a", "b", "c"), (("1", "", "2"), ("3", " ", "4"))))
+    assert section("S", ["", None, " "], PageTable(("a",), ()), [None]) is None
+    made = section("S", table=PageTable(("a", "b", "c"), (("1", "", "2"), ("3", " ", "4"))))
     assert made is not None
-    assert made.table == Table(("a", "c"), (("1", "2"), ("3", "4")))
+    assert made.table == PageTable(("a", "c"), (("1", "2"), ("3", "4")))
 
 
 def test_the_picture_of_a_markdown_page_is_beside_it() -> None:

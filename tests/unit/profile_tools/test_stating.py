@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, NotFound
-from rtkit.profile.common import Property
-from rtkit.profile.rts_model import Component, RtsProfile
+from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.rts_model import ComponentInstance, RtsProfile
 from rtkit.profile_tools.stating import Statement, stated, statement
 
-MOTOR = Component(
-    "RTC:::Motor:", "localhost/Motor0.rtc", "Motor0", properties=(Property("a", "1"),)
+MOTOR = ComponentInstance(
+    "RTC:::Motor:", "localhost/Motor0.rtc", "Motor0", properties=(ExtensionProperty("a", "1"),)
 )
 SYSTEM = RtsProfile(
     "RTSystem:a:b:1",
@@ -18,7 +18,7 @@ SYSTEM = RtsProfile(
     "2025-01-01T00:00:00",
     "2025-01-01T00:00:00",
     components=(MOTOR,),
-    properties=(Property("x", "1"), Property("y", "2")),
+    properties=(ExtensionProperty("x", "1"), ExtensionProperty("y", "2")),
 )
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.profile.read import read_file, read_rts
 from rtkit.profile.rts_model import RtsProfile
 from rtkit.profile.rts_rules import NO_DATE
@@ -52,7 +52,10 @@ def test_what_rtkit_says_of_a_component_is_told_and_what_others_say_is_not() -> 
     profile = read_file(resource("profiles", "systems", "sensor-controller-motor.xml")).profile
     assert isinstance(profile, RtsProfile)
     first, *others = profile.components
-    more = (Property("rtkit.limit.memory", "1G"), Property("editor.colour", "red"))
+    more = (
+        ExtensionProperty("rtkit.limit.memory", "1G"),
+        ExtensionProperty("editor.colour", "red"),
+    )
     first = replace(first, properties=(*first.properties, *more))
     told = "\n".join(outline_lines([summary(replace(profile, components=(first, *others)))]))
     assert "rtkit.limit.memory  1G" in told

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed
-from rtkit.property.access import Access, Limits, read_policy
-from rtkit.serving.pace import Pace
+from rtkit.property.access import Access, EndpointLimits, read_policy
+from rtkit.serving.rate_limit import RateLimit
 
 RULES = """
 # who      may what
@@ -18,7 +18,7 @@ allow *    *       SET notes
 """
 
 
-@pytest.mark.parametrize(("door", "identity", "method", "name", "may"), [
+@pytest.mark.parametrize(("endpoint", "identity", "method", "name", "may"), [
     ("unix", "uid-0", "GET", "speed", True),
     ("unix", "uid-0", "SET", "speed", True),
     ("unix", "", "GET", "speed", True),
@@ -41,9 +41,9 @@ allow *    *       SET notes
     ("tcp", "rtkit-0", "SET", "notes", True),
 ])  # fmt: skip
 def test_the_first_that_fits_decides(
-    door: str, identity: str, method: str, name: str, may: bool
+    endpoint: str, identity: str, method: str, name: str, may: bool
 ) -> None:
-    access = read_policy(RULES).access(door)
+    access = read_policy(RULES).access(endpoint)
     assert access.may(identity, method, name) is may
     assert access.may(identity, method, name) is may, "remembered"
 
@@ -63,9 +63,9 @@ def test_what_is_remembered_is_bounded() -> None:
 
 def test_limits_are_of_a_door_or_of_all() -> None:
     policy = read_policy("limit tcp rate 5\nlimit * rate 9\nlimit * listeners 2\nlimit tcp rate 7")
-    assert policy.limits("tcp") == Limits(rate=5, listeners=2)
-    assert policy.limits("unix") == Limits(rate=9, listeners=2)
-    assert read_policy("").limits("http").connections < Limits().connections
+    assert policy.limits("tcp") == EndpointLimits(rate=5, listeners=2)
+    assert policy.limits("unix") == EndpointLimits(rate=9, listeners=2)
+    assert read_policy("").limits("http").connections < EndpointLimits().connections
     both = read_policy("deny * * SET *") + read_policy("allow * * SET *\nlimit tcp rate 3")
     assert both.limits("tcp").rate == 3
     assert not both.access("tcp").may("a", "SET", "x")
@@ -91,7 +91,7 @@ def test_what_cannot_be_read_is_told_with_its_line(text: str, says: str) -> None
 
 
 def test_a_pace_is_kept() -> None:
-    pace = Pace(10, 0.0)
+    pace = RateLimit(10, 0.0)
     assert [pace.takes(0.0) for _ in range(11)] == [True] * 10 + [False]
     assert [pace.takes(0.25) for _ in range(3)] == [True, True, False]
     assert sum(pace.takes(100.0) for _ in range(99)) == 10

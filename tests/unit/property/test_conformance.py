@@ -7,12 +7,12 @@ from contextlib import contextmanager
 
 from conformance import check_answers, check_events, subject
 
-from rtkit.property.listening import Listener
-from rtkit.property.messages import Answer, Ask, Caller, Event, Payload
+from rtkit.property.messages import Answer, Payload, PropertyEvent, PropertyRequest, Requester
 from rtkit.property.service import Service
+from rtkit.property.subscription import Listener
 
 
-class Direct(Caller):
+class Direct(Requester):
     """A door without a wire."""
 
     def __init__(self, service: Service) -> None:
@@ -26,7 +26,7 @@ class Direct(Caller):
 
     def ask(self, target: str, payload: Payload | None = None) -> Answer:
         answers: list[Answer] = []
-        self.service.handle(Ask(target, payload, answers.append, self))
+        self.service.handle(PropertyRequest(target, payload, answers.append, self))
         (answer,) = answers
         return answer
 
@@ -43,12 +43,12 @@ class Client:
         self.ask = self.caller.ask
 
     @contextmanager
-    def listen(self, target: str) -> Iterator[Iterator[Event]]:
+    def listen(self, target: str) -> Iterator[Iterator[PropertyEvent]]:
         caller = Direct(self.service)
         assert caller.listen_to(target) == Answer("")
         (listener,) = caller.listeners
 
-        def events() -> Iterator[Event]:
+        def events() -> Iterator[PropertyEvent]:
             while (event := listener.take(self.service.clock())) is not None:
                 yield event
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from rtkit.property.lanes import NAMES, lane_of, wait_of
-from rtkit.property.messages import Answer, Ask
+from rtkit.property.messages import Answer, PropertyRequest
 from rtkit.property.objects import Exported
 from rtkit.property.service import Service
 
@@ -30,8 +30,8 @@ class Thing:
     def act(self) -> None: ...
 
 
-def _ask(target: str, payload: str | None = None, until: float = math.inf) -> Ask:
-    return Ask(target, payload, lambda answer: None, until=until)
+def _ask(target: str, payload: str | None = None, until: float = math.inf) -> PropertyRequest:
+    return PropertyRequest(target, payload, lambda answer: None, until=until)
 
 
 @pytest.mark.parametrize(

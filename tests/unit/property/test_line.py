@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from rtkit.property.codes import PropertyError
 from rtkit.property.line import (
-    Asked,
+    LineRequest,
     Replies,
     Requests,
     write_answer,
@@ -16,11 +16,11 @@ from rtkit.property.line import (
     write_event,
     write_request,
 )
-from rtkit.property.messages import Answer, Event
+from rtkit.property.messages import Answer, PropertyEvent
 from rtkit.property.order import InOrder
 
 
-def asked(data: bytes, longest: int = 1000, piece: int = 1 << 20) -> list[Asked]:
+def asked(data: bytes, longest: int = 1000, piece: int = 1 << 20) -> list[LineRequest]:
     requests = Requests(longest)
     found = []
     for start in range(0, len(data), piece):
@@ -81,7 +81,7 @@ def test_an_endless_line_is_told_once_and_costs_nothing() -> None:
         told += requests.next() is not None
         assert len(requests._splitter._buffer) <= 2000
     requests.feed(b"\nGET a\n")
-    assert (told, requests.next()) == (1, Asked("", "a", None))
+    assert (told, requests.next()) == (1, LineRequest("", "a", None))
 
 
 def test_half_a_line_is_known_as_such() -> None:
@@ -119,10 +119,10 @@ def test_sets_come_back(payload: str | bytes) -> None:
     assert (request.id, request.target, got) == ("1", "a", raw)
 
 
-@given(st.builds(Event, st.just("a.b"), st.just("(1 2)"), st.floats(0, 1e10),
+@given(st.builds(PropertyEvent, st.just("a.b"), st.just("(1 2)"), st.floats(0, 1e10),
                  st.integers(0, 10**9), st.sampled_from(["good", "bad"]), st.integers(0, 9),
                  st.sampled_from(["", "unknown"])))  # fmt: skip
-def test_events_come_back(event: Event) -> None:
+def test_events_come_back(event: PropertyEvent) -> None:
     replies = Replies()
     replies.feed(write_event(event))
     assert replies.next() == event

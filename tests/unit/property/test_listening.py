@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.listening import Listener, Wish
-from rtkit.property.messages import Ask, Caller, Event
+from rtkit.property.messages import PropertyEvent, PropertyRequest, Requester
 from rtkit.property.service import Service
+from rtkit.property.subscription import Listener, SubscriptionOptions
 
 
 class Clock:
@@ -18,7 +18,7 @@ class Clock:
         return self.now
 
 
-class Ear(Caller):
+class Ear(Requester):
     """Somebody who can hear."""
 
     def __init__(self, name: str = "ear") -> None:
@@ -39,14 +39,14 @@ class Ear(Caller):
 def make(target: str, clock: Clock) -> tuple[Service, Ear, Listener]:
     service = Service("s", clock=clock, wall=lambda: 5.0)
     service.add("x", 0, "number")
-    ear = Ear()
+    subscription = Ear()
     answers = []
-    service.handle(Ask(target, "self", answers.append, ear))
+    service.handle(PropertyRequest(target, "self", answers.append, subscription))
     assert not answers[0].error, answers
-    return service, ear, ear.listeners[0]
+    return service, subscription, subscription.listeners[0]
 
 
-def drain(listener: Listener, now: float) -> list[Event]:
+def drain(listener: Listener, now: float) -> list[PropertyEvent]:
     events = []
     while (event := listener.take(now)) is not None:
         events.append(event)
@@ -86,31 +86,31 @@ def test_at_most_so_often_but_the_last_one_always() -> None:
 
 def test_a_lease_ends_and_can_be_renewed() -> None:
     clock = Clock()
-    service, ear, listener = make("x.listen?lease=10", clock)
+    service, subscription, listener = make("x.listen?lease=10", clock)
     assert service.listeners.tick() == 110.0
     clock.now = 109.0
-    service.handle(Ask("x.listen?lease=10", "self", lambda _: None, ear))
-    assert ear.listeners == [listener]
+    service.handle(PropertyRequest("x.listen?lease=10", "self", lambda _: None, subscription))
+    assert subscription.listeners == [listener]
     assert service.listeners.tick() == 119.0
     clock.now = 119.0
     assert service.listeners.tick() is None
-    assert ear.listeners == []
+    assert subscription.listeners == []
     assert service.registry.nodes["x"].listeners is None
 
 
 def test_another_wish_takes_the_place_of_the_first() -> None:
     clock = Clock()
-    service, ear, _ = make("x.listen?queue=5", clock)
-    service.handle(Ask("x.listen?queue=7", "self", lambda _: None, ear))
-    assert [each.wish.queue for each in ear.listeners] == [7]
+    service, subscription, _ = make("x.listen?queue=5", clock)
+    service.handle(PropertyRequest("x.listen?queue=7", "self", lambda _: None, subscription))
+    assert [each.wish.queue for each in subscription.listeners] == [7]
 
 
 def test_who_is_gone_is_forgotten() -> None:
     clock = Clock()
-    service, ear, _ = make("x.listen", clock)
-    service.handle(Ask("properties.listen", "self", lambda _: None, ear))
-    service.listeners.end_caller(ear)
-    assert ear.listeners == []
+    service, subscription, _ = make("x.listen", clock)
+    service.handle(PropertyRequest("properties.listen", "self", lambda _: None, subscription))
+    service.listeners.end_caller(subscription)
+    assert subscription.listeners == []
     assert service.listeners.of_names == {}
     service.update("x", 3)
     service.add("y", 1)
@@ -118,22 +118,22 @@ def test_who_is_gone_is_forgotten() -> None:
 
 def test_removing_twice_is_told() -> None:
     clock = Clock()
-    service, ear, _ = make("x.listen", clock)
+    service, subscription, _ = make("x.listen", clock)
     answers = []
     for _ in range(2):
-        service.handle(Ask("x.listen?remove", "self", answers.append, ear))
+        service.handle(PropertyRequest("x.listen?remove", "self", answers.append, subscription))
     assert [answer.error for answer in answers] == ["", "unknown"]
 
 
 def test_a_caller_s_listeners_are_bounded() -> None:
     clock = Clock()
-    service, ear, _ = make("x.listen", clock)
+    service, subscription, _ = make("x.listen", clock)
     answers = []
     for index in range(1100):
         service.add(f"p{index}", 1)
-        service.handle(Ask(f"p{index}.listen", "self", answers.append, ear))
+        service.handle(PropertyRequest(f"p{index}.listen", "self", answers.append, subscription))
     assert {answer.error for answer in answers} == {"", "denied"}
-    assert len(ear.listeners) == 1024
+    assert len(subscription.listeners) == 1024
 
 
 def test_what_is_computed_is_read_while_somebody_listens() -> None:
@@ -141,18 +141,18 @@ def test_what_is_computed_is_read_while_somebody_listens() -> None:
     service = Service("s", clock=clock)
     values = iter(range(100))
     service.add("n", spec="number", read=lambda given: next(values))
-    ear = Ear()
+    subscription = Ear()
     assert service.listeners.computed() == []
-    service.handle(Ask("n.listen", "self", lambda _: None, ear))
+    service.handle(PropertyRequest("n.listen", "self", lambda _: None, subscription))
     service.listeners.poll()
-    (event,) = drain(ear.listeners[0], clock.now)
+    (event,) = drain(subscription.listeners[0], clock.now)
     assert event.payload == "1"
 
 
 def test_numbers_that_are_none_always_pass_a_deadband() -> None:
-    listener = Listener("x", (), Wish(queue=9, deadband=1.0), Ear())
+    listener = Listener("x", (), SubscriptionOptions(queue=9, deadband=1.0), Ear())
     for text, value in (("0", 0), ("nan", float("nan")), ("0", 0)):
-        listener.offer(Event("x", text, 0.0, 1), value)
+        listener.offer(PropertyEvent("x", text, 0.0, 1), value)
     assert [event.payload for event in drain(listener, 0.0)] == ["0", "nan", "0"]
 
 

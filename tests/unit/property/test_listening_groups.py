@@ -7,21 +7,21 @@ from typing import NamedTuple
 
 import pytest
 
-from rtkit.link import ears
-from rtkit.link.properties import Joined, Place, Queried, group_of
 from rtkit.property.access import read_policy
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Answer, Ask, Event
+from rtkit.property.messages import Answer, PropertyEvent, PropertyRequest
 from rtkit.property.service import Service
-from rtkit.serving import ears as of_service
-from rtkit.serving.desk import Desk
-from rtkit.serving.host import Host
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires import subscribers as of_service
+from rtkit.wires.query_server import QueryServer
+from rtkit.wires.zenoh import subscriptions
+from rtkit.wires.zenoh.properties import EventPosition, Joined, Queried, group_of
 
 
 class Sent(NamedTuple):
     key: str
-    event: Event
-    at: Place
+    event: PropertyEvent
+    at: EventPosition
 
 
 class Network:
@@ -29,31 +29,31 @@ class Network:
 
     def __init__(self, rules: str = "") -> None:
         self.now = 1000.0
-        self.host = Host(read_policy(rules))
+        self.host = PropertyEventLoop(read_policy(rules))
         self.service = Service("s", clock=lambda: self.now)
         self.service.add("speed", 1.0, "number")
         self.service.add("mode", "idle", "word")
-        self.desk = Desk(self.host, self.service, "zenoh")
-        self.desk.send = self._send
+        self.query_server = QueryServer(self.host, self.service, "zenoh")
+        self.query_server.send = self._send
         self.sent: list[Sent] = []
-        self.ears: list[ears.Ear] = []
+        self.subscriptions: list[subscriptions.ZenohSubscription] = []
         self.is_lost = False
 
-    def _send(self, key: str, event: Event, at: Place) -> None:
+    def _send(self, key: str, event: PropertyEvent, at: EventPosition) -> None:
         self.sent.append(Sent(key, event, at))
-        for ear in [] if self.is_lost else self.ears:
-            if key == ear.group:
-                ear.follow(event, at)
-            elif key == ear.id:
-                ear.hear(event, at)
+        for subscription in [] if self.is_lost else self.subscriptions:
+            if key == subscription.group:
+                subscription.follow(event, at)
+            elif key == subscription.id:
+                subscription.hear(event, at)
 
-    def ask_to_listen(self, target: str, ear: str, group: str) -> Joined | None:
+    def ask_to_listen(self, target: str, subscription: str, group: str) -> Joined | None:
         told: list[tuple[Answer, Joined | None]] = []
 
         def answer(reply: Answer, joined: Joined | None = None, /) -> None:
             told.append((reply, joined))
 
-        self.desk.work(Queried(target, "self", answer, ear, group))
+        self.query_server.work(Queried(target, "self", answer, subscription, group))
         self.flush()
         [(reply, joined)] = told
         reply.value()
@@ -62,12 +62,12 @@ class Network:
     def flush(self) -> None:
         self.host._flush(self.now)
 
-    def listen(self, target: str) -> ears.Ear:
+    def listen(self, target: str) -> subscriptions.ZenohSubscription:
         name, mark, tail = target.partition("?")
-        ear = ears.Ear(self, f"{name}.listen{mark}{tail}", tail)
-        self.ears.append(ear)
-        ear.renew()
-        return ear
+        subscription = subscriptions.ZenohSubscription(self, f"{name}.listen{mark}{tail}", tail)
+        self.subscriptions.append(subscription)
+        subscription.renew()
+        return subscription
 
     def update(self, name: str, *values: float | str) -> None:
         for value in values:
@@ -80,9 +80,9 @@ class Network:
         self.flush()
 
 
-def _taken(ear: ears.Ear) -> list[str]:
+def _taken(subscription: subscriptions.ZenohSubscription) -> list[str]:
     told = []
-    while (event := ear.event(0.0)) is not None:
+    while (event := subscription.event(0.0)) is not None:
         told.append(str(event.payload))
     return told
 
@@ -91,7 +91,7 @@ def _taken(ear: ears.Ear) -> list[str]:
 def network(monkeypatch: pytest.MonkeyPatch) -> Iterator[Network]:
     made = Network()
     monkeypatch.setattr(of_service, "monotonic", lambda: made.now)
-    monkeypatch.setattr("rtkit.serving.desk.monotonic", lambda: made.now)
+    monkeypatch.setattr("rtkit.wires.query_server.monotonic", lambda: made.now)
     yield made
     made.host.close()
 
@@ -151,7 +151,7 @@ def test_nobody_is_put_into_a_group_of_others(network: Network) -> None:
         "mode.listen", "self", lambda reply, joined=None, /: told.append((reply.error, joined)),
         "somebody", group_of("speed.listen?queue=9"),
     )  # fmt: skip
-    network.desk.work(query)
+    network.query_server.work(query)
     network.flush()
     assert told == [("", None)], "served, but by itself"
     network.update("speed", 2.0)
@@ -166,13 +166,13 @@ def test_who_is_answered_late_is_one_listener_all_the_same(
         "speed.listen?queue=9&initial=0", "self",
         lambda reply, _joined=None, /: told.append(reply.error), "somebody",
     )  # fmt: skip
-    held: list[Ask] = []
+    held: list[PropertyRequest] = []
     with monkeypatch.context() as slow:
         slow.setattr(network.service, "handle", held.append)
-        network.desk.work(query)
+        network.query_server.work(query)
     network.service.handle(held.pop())
     network.update("speed", 2.0)
-    network.desk.work(query)
+    network.query_server.work(query)
     network.update("speed", 3.0)
     assert told == ["", ""]
     sent = [(each.event.payload, each.at.number) for each in network.sent]
@@ -224,8 +224,8 @@ def test_what_was_lost_is_counted_by_each(network: Network, more: str) -> None:
     network.update("speed", 4.0)
     network.is_lost = False
     network.update("speed", 5.0)
-    for ear, lost in ((one, 3), (later, 1)):
-        event = ear.event(0.0)
+    for subscription, lost in ((one, 3), (later, 1)):
+        event = subscription.event(0.0)
         assert event is not None
         assert (event.payload, event.dropped) == ("5.0", lost)
 
@@ -261,8 +261,8 @@ def test_the_end_of_the_property_is_the_last_event(network: Network) -> None:
     members = [network.listen("mode?queue=9&initial=0") for _ in range(2)]
     network.service.remove("mode")
     network.flush()
-    for ear in members:
-        event = ear.event(0.0)
+    for subscription in members:
+        event = subscription.event(0.0)
         assert event is not None
         assert (event.code, event.quality) == ("unknown", "bad")
 
@@ -280,8 +280,8 @@ def test_members_are_counted_where_listeners_are_bounded() -> None:
 def test_early_events_are_put_behind_the_first_value(network: Network) -> None:
     network.listen("speed?queue=9")
     network.update("speed", 2.0)
-    late = ears.Ear(network, "speed.listen?queue=9", "queue=9")
-    network.ears.append(late)  # it hears the group before it has asked
+    late = subscriptions.ZenohSubscription(network, "speed.listen?queue=9", "queue=9")
+    network.subscriptions.append(late)  # it hears the group before it has asked
     network.update("speed", 3.0)
     late.renew()
     network.update("speed", 4.0)

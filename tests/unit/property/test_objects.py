@@ -18,7 +18,7 @@ from simple_pid import PID
 
 from rtkit.property.annotations import Range, Unit
 from rtkit.property.codes import PropertyError
-from rtkit.property.messages import Ask, Caller
+from rtkit.property.messages import PropertyRequest, Requester
 from rtkit.property.objects import Exported
 from rtkit.property.service import Service
 
@@ -210,9 +210,13 @@ def test_methods_are_actions_with_their_signature() -> None:
 def test_keys_that_come_and_go_are_told() -> None:
     robot, heard = Robot(), []
     service = served(robot)
-    ear = Caller("ear")
-    ear.listen = heard.append  # type: ignore[method-assign]
-    service.handle(Ask("extra.properties.listen?queue=9&initial=0&mode=diff", "self", print, ear))
+    subscription = Requester("ear")
+    subscription.listen = heard.append  # type: ignore[method-assign]
+    service.handle(
+        PropertyRequest(
+            "extra.properties.listen?queue=9&initial=0&mode=diff", "self", print, subscription
+        )
+    )
     robot.extra["new"] = 3
     assert service.get("extra.new") == "3"
     del robot.extra["a"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from rtkit.property.idempotency import IdempotencyCache, is_shared, marked, shared
 from rtkit.property.messages import Answer
-from rtkit.property.once import Once, is_shared, marked, shared
 
 
 def test_a_repetition_has_the_answer_of_the_first() -> None:
-    once = Once()
+    once = IdempotencyCache()
     heard: list[Answer] = []
     answer = once.first("a", heard.append)
     assert answer is not None
@@ -21,7 +21,7 @@ def test_a_repetition_has_the_answer_of_the_first() -> None:
 
 @pytest.mark.parametrize("code", ["no-service", "timeout", "busy", "checksum"])
 def test_what_failed_in_passing_is_done_again(code: str) -> None:
-    once = Once()
+    once = IdempotencyCache()
     heard: list[Answer] = []
     for _ in range(2):
         answer = once.first("a", heard.append)
@@ -31,7 +31,7 @@ def test_what_failed_in_passing_is_done_again(code: str) -> None:
 
 
 def test_large_answers_are_forgotten_first_of_all_that_are_old() -> None:
-    once = Once()
+    once = IdempotencyCache()
     for number in range(6):
         answer = once.first(number, lambda reply: None)
         assert answer is not None

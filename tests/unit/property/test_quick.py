@@ -7,7 +7,7 @@ from conformance import subject
 
 from rtkit.property.access import read_policy
 from rtkit.property.line import Requests, write_answer
-from rtkit.property.messages import Answer, Ask, Caller
+from rtkit.property.messages import Answer, PropertyRequest, Requester
 from rtkit.property.service import Service
 
 LINES = [
@@ -27,21 +27,21 @@ LINES = [
 ENDS = ("speed", "notes", "count", "name", "arm.angle", "mode", "location", "blob")
 
 
-def _long(service: Service, line: bytes, caller: Caller) -> bytes:
+def _long(service: Service, line: bytes, caller: Requester) -> bytes:
     requests = Requests()
     requests.feed(line)
     asked = requests.next()
     assert asked is not None
     assert asked.error is None, "the short way took what is no request"
     answers: list[Answer] = []
-    service.handle(Ask(asked.target, asked.payload, answers.append, caller))
+    service.handle(PropertyRequest(asked.target, asked.payload, answers.append, caller))
     return write_answer(answers[0])
 
 
 @pytest.mark.parametrize("rules", ["", "deny * * SET arm\ndeny * * GET notes"])
 def test_it_comes_to_the_same(rules: str) -> None:
     short, long = subject(), subject()
-    caller = Caller("known")
+    caller = Requester("known")
     caller.access = read_policy(rules).access("unix")
     taken = 0
     for line in LINES * 2:
@@ -55,26 +55,26 @@ def test_it_comes_to_the_same(rules: str) -> None:
 
 
 def test_it_knows_of_names_that_come_and_go() -> None:
-    service, caller = subject(), Caller("known")
+    service, caller = subject(), Requester("known")
     assert service.quick(b"GET count\n", caller) == b"= 7\n"
     service.remove("count")
     assert service.quick(b"GET count\n", caller) is None
     service.add("count", 3, "integer")
     assert service.quick(b"GET count\n", caller) == b"= 3\n"
-    assert service.quick(b"SET count 4\n", Caller("")) is None
+    assert service.quick(b"SET count 4\n", Requester("")) is None
     assert service.quick(b"GET count\n", caller) == b"= 3\n"
 
 
 def test_listings_tell_present_values_of_what_may_be_got() -> None:
-    service, known, ruled = Service(), Caller("known"), Caller("known")
+    service, known, ruled = Service(), Requester("known"), Requester("known")
     ruled.access = read_policy("deny * * GET b").access("unix")
     for name, value in (("a", 1.0), ("b", 2.0), ("true", 3.0)):
         service.add(name, value, "number")
     target = "properties?values&names=(a%20b%20%22true%22)"
 
-    def told(caller: Caller) -> tuple[object, str]:
+    def told(caller: Requester) -> tuple[object, str]:
         answers: list[Answer] = []
-        service.handle(Ask(target, None, answers.append, caller))
+        service.handle(PropertyRequest(target, None, answers.append, caller))
         return answers[0].payload, answers[0].error
 
     assert told(known) == ('((a 1.0) (b 2.0) ("true" 3.0))', "")
@@ -88,7 +88,7 @@ def test_listings_tell_present_values_of_what_may_be_got() -> None:
 
 
 def test_each_change_of_a_number_is_one_and_no_other() -> None:
-    service, known = Service(), Caller("known")
+    service, known = Service(), Requester("known")
     service.add("x", 0.0, "number")
     revisions = []
     for text in ("0.0", "-0.0", "0.0", "nan", "nan", "inf", "2.5", "2.50", "2", "2.0", "1e400"):

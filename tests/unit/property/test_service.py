@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from rtkit.property.codes import CODES, PropertyError, code_of
-from rtkit.property.functional import Function
-from rtkit.property.messages import Answer, Ask, Caller
+from rtkit.property.functional import FunctionalProperty
+from rtkit.property.messages import Answer, PropertyRequest, Requester
 from rtkit.property.service import Service
-from rtkit.property.spec import Parameter, Spec
+from rtkit.property.spec import PropertySpec, RequestParameter
 from rtkit.property.types import parse_type
 
 
@@ -108,23 +108,25 @@ def test_the_same_value_is_no_change() -> None:
 def test_a_request_with_an_id_acts_once_and_waits_with_the_first() -> None:
     begun = []
     service = Service()
-    service.add("go", function=Function(lambda: None, run=lambda work, end: begun.append(end)))
+    service.add(
+        "go", function=FunctionalProperty(lambda: None, run=lambda work, end: begun.append(end))
+    )
     answers: list[Answer] = []
     for _ in range(3):
-        service.handle(Ask("go?echo&id=9", "", answers.append))
+        service.handle(PropertyRequest("go?echo&id=9", "", answers.append))
     assert (len(begun), answers) == (1, [])
     begun[0](None, None)
     assert [answer.payload for answer in answers] == ['<call state="done"/>'] * 3
-    caller = Caller("c")
+    caller = Requester("c")
     service.add("n", 0)
     for payload in ("1", "2", "1"):
-        service.handle(Ask("n", payload, answers.append, caller, "5"))
+        service.handle(PropertyRequest("n", payload, answers.append, caller, "5"))
     assert service.get("n") == "2"
 
 
 def test_a_running_action_is_busy() -> None:
     service = Service()
-    service.add("go", function=Function(lambda: None, run=lambda work, end: None))
+    service.add("go", function=FunctionalProperty(lambda: None, run=lambda work, end: None))
     service.set("go", "")
     with pytest.raises(PropertyError) as busy:
         service.set("go", "")
@@ -145,7 +147,9 @@ def test_what_yields_can_be_stopped() -> None:
             yield
 
     service = Service()
-    service.add("walk", function=Function(walk, run=lambda work, end: work_of.append((work, end))))
+    service.add(
+        "walk", function=FunctionalProperty(walk, run=lambda work, end: work_of.append((work, end)))
+    )
     service.set("walk", "")
     work, end = work_of[0]
     end(work(), None)
@@ -158,9 +162,11 @@ def test_what_yields_can_be_stopped() -> None:
 )
 def test_a_group_may_be_the_only_argument(payload: str, expected: tuple[int, ...]) -> None:
     taken = []
-    function = Function(lambda v: taken.append(v), (Parameter("v", parse_type("vector")),))
+    function = FunctionalProperty(
+        lambda v: taken.append(v), (RequestParameter("v", parse_type("vector")),)
+    )
     service = Service()
-    service.add("f", function=function, spec=Spec(is_functional=True))
+    service.add("f", function=function, spec=PropertySpec(is_functional=True))
     service.set("f", payload)
     assert taken == [expected]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rtkit.property.codes import PropertyError
-from rtkit.property.listening import Listener
-from rtkit.property.messages import DONE, Answer, Caller, Event, Payload
-from rtkit.proxy.contact import Answering, Gone, Hearing, over
-from rtkit.proxy.listenings import Listenings
+from rtkit.property.messages import DONE, Answer, Payload, PropertyEvent, Requester
+from rtkit.property.subscription import Listener
+from rtkit.proxy.provider_connection import Answering, Gone, Hearing, over
+from rtkit.proxy.subscriptions import RelayedSubscriptions
 
 Placed = Callable[["Asked | PropertyError"], None]
 
@@ -48,13 +48,13 @@ class Way:
 
     def __init__(self) -> None:
         self.is_up = True
-        self.contact = Asked()
+        self.connection = Asked()
 
     def place(self, name: str, placed: Placed) -> None:
-        placed(self.contact if self.is_up else PropertyError("no-service", "it is away"))
+        placed(self.connection if self.is_up else PropertyError("no-service", "it is away"))
 
 
-class Here(Caller):
+class Here(Requester):
     def listen(self, listener: Listener) -> None:
         self.listener = listener
 
@@ -67,29 +67,29 @@ class Scene:
     def __init__(self) -> None:
         self.now = 0.0
         self.way = Way()
-        self.listenings = Listenings(self.way, str, lambda: self.now)  # type: ignore[arg-type]
+        self.listenings = RelayedSubscriptions(self.way, str, lambda: self.now)  # type: ignore[arg-type]
         self.caller = Here()
         self.replies: list[Answer] = []
 
-    def begin(self, caller: Caller) -> None:
+    def begin(self, caller: Requester) -> None:
         self.listenings.begin("count", {}, caller, self.replies.append)
 
     def listening(self) -> Scene:
         self.begin(self.caller)
-        self.way.contact.say(DONE)
+        self.way.connection.say(DONE)
         self.heard("7")
         return self
 
-    def heard(self, payload: str) -> Event | None:
-        assert self.way.contact.hear is not None
-        self.way.contact.hear(Event("count", payload, 1.0, 1))
+    def heard(self, payload: str) -> PropertyEvent | None:
+        assert self.way.connection.hear is not None
+        self.way.connection.hear(PropertyEvent("count", payload, 1.0, 1))
         return self.taken()
 
-    def taken(self) -> Event | None:
+    def taken(self) -> PropertyEvent | None:
         return self.caller.listener.take(self.now)
 
     def is_asking(self) -> bool:
-        return self.way.contact.answer is not None
+        return self.way.connection.answer is not None
 
 
 def test_an_owner_that_goes_while_it_is_asked_is_asked_anew() -> None:
@@ -97,14 +97,14 @@ def test_an_owner_that_goes_while_it_is_asked_is_asked_anew() -> None:
     for code in ("no-service", "timeout", "busy"):
         scene.listenings.went()
         scene.listenings.came()
-        scene.way.contact.say(Answer("in passing", code))
+        scene.way.connection.say(Answer("in passing", code))
         scene.listenings.tick()
         assert not scene.is_asking(), "it is not pestered"
         scene.now += 1.0
         scene.listenings.tick()
         scene.listenings.tick()
         assert scene.is_asking()
-        scene.way.contact.say(DONE)
+        scene.way.connection.say(DONE)
         event = scene.heard("8")
         assert event is not None
         assert event.payload == "8"
@@ -129,7 +129,7 @@ def test_an_owner_that_no_longer_has_it_ends_it() -> None:
     scene.listenings.went()
     scene.taken()
     scene.listenings.came()
-    scene.way.contact.say(Answer("no such property", "unknown"))
+    scene.way.connection.say(Answer("no such property", "unknown"))
     last = scene.taken()
     assert last is not None
     assert last.code == "unknown"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.property.messages import Caller, Event
+from rtkit.property.messages import PropertyEvent, Requester
 from rtkit.property.naming import parse_parameters
-from rtkit.proxy.listenings import Relayed, wished
+from rtkit.proxy.subscriptions import RelayedListener, wished
 
 
 @pytest.mark.parametrize(
@@ -33,12 +33,14 @@ def test_wishes(text: str, passed_on: str, queue: int, lease_s: float, is_alike:
         passed_on, queue, lease_s, is_alike)  # fmt: skip
 
 
-def event(number: int, dropped: int = 0) -> Event:
-    return Event("count", str(number), float(number), number, dropped=dropped)
+def event(number: int, dropped: int = 0) -> PropertyEvent:
+    return PropertyEvent("count", str(number), float(number), number, dropped=dropped)
 
 
 def test_a_queue_holds_what_it_may_and_counts_what_it_lost() -> None:
-    relayed = Relayed("count", wished(parse_parameters("queue=3&lease=2")), Caller(), now=10.0)
+    relayed = RelayedListener(
+        "count", wished(parse_parameters("queue=3&lease=2")), Requester(), now=10.0
+    )
     assert (relayed.ends_at, relayed.due()) == (12.0, 12.0)
     relayed.pass_on(event(0, dropped=5))
     for number in range(1, 10):
@@ -53,7 +55,7 @@ def test_a_queue_holds_what_it_may_and_counts_what_it_lost() -> None:
 
 
 def test_of_the_latest_nothing_is_counted() -> None:
-    relayed = Relayed("count", wished({}), Caller(), now=0.0)
+    relayed = RelayedListener("count", wished({}), Requester(), now=0.0)
     relayed.pass_on(event(1))
     relayed.pass_on(event(2))
     assert (relayed.take(0.0), relayed.pending, relayed.due()) == (event(2), 0, None)

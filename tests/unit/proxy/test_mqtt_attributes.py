@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from rtkit.errors import Malformed, RtkitError
-from rtkit.link.mqtt import MqttAddress, name_of, read_address, topic_of
 from rtkit.property.naming import canonical
 from rtkit.property.reading import read
 from rtkit.property.values import Element
-from rtkit.serving.mqtt_feed import attributes_of
+from rtkit.wires.mqtt.feed import attributes_of
+from rtkit.wires.mqtt.session import MqttAddress, name_of, read_address, topic_of
 
 
 def test_addresses() -> None:

@@ -6,9 +6,9 @@ import re
 
 import pytest
 
-from rtkit.property.messages import Answer, Ask
+from rtkit.property.messages import Answer, PropertyRequest
 from rtkit.property.service import Service
-from rtkit.property.spec import Spec
+from rtkit.property.spec import PropertySpec
 from rtkit.property.types import parse_type
 from rtkit.proxy.narrowing import narrowed, tells_access
 
@@ -17,13 +17,13 @@ from rtkit.proxy.narrowing import narrowed, tells_access
 def service() -> Service:
     service = Service("robot")
     for name, access in (("speed", "rw"), ("arm.angle", "rw"), ("serial", "r"), ("kick", "w")):
-        service.add(name, 1.0, Spec(parse_type("number"), access, doc="(odd) <text>"))
+        service.add(name, 1.0, PropertySpec(parse_type("number"), access, doc="(odd) <text>"))
     return service
 
 
 def ask(service: Service, target: str) -> str:
     answers: list[Answer] = []
-    service.handle(Ask(target, None, answers.append))
+    service.handle(PropertyRequest(target, None, answers.append))
     return str(answers[0].value())
 
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.proxy.turns import Turn, Turns
+from rtkit.proxy.request_scheduler import RequestScheduler, ScheduledRequest
 
 
 class Asked:
     """Requests by what they are: ``speed`` is a GET, ``speed=`` a SET."""
 
     def __init__(self, most: int = 8) -> None:
-        self.turns = Turns(most)
-        self.by_name: dict[str, Turn] = {}
+        self.turns = RequestScheduler(most)
+        self.by_name: dict[str, ScheduledRequest] = {}
 
     def ask(self, *told: str) -> list[str]:
         for each in told:
             target = each.removesuffix("=")
-            turn = Turn(target, each.endswith("="), lambda: None)
+            turn = ScheduledRequest(target, each.endswith("="), lambda: None)
             self.by_name[each] = turn
             self.turns.add(turn)
         return self.begun()

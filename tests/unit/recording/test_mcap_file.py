@@ -12,23 +12,23 @@ from rtkit.component.codec import codec_for
 from rtkit.component.definition import idl_of
 from rtkit.component.types import Time, TimedLong
 from rtkit.errors import Malformed
-from rtkit.recording.entries import Channel, Entry
-from rtkit.recording.mcap_file import Reader, Writer
+from rtkit.recording.entries import RecordedStream, RecordedValue
+from rtkit.recording.mcap_file import RecordingReader, RecordingWriter
 
 ENCODE = codec_for(TimedLong).encode
 _BEGUN = 40
 """Bytes of a file after which it is known for a recording."""
-LONG = Channel("a", "RTC::TimedLong", ("/localhost/A.rtc:out", "/localhost/B.rtc:out"))
+LONG = RecordedStream("a", "RTC::TimedLong", ("/localhost/A.rtc:out", "/localhost/B.rtc:out"))
 
 
-def entry(number: int, channel: str = "a") -> Entry:
+def entry(number: int, channel: str = "a") -> RecordedValue:
     stamp = 10**18 + number
-    return Entry(channel, stamp, stamp + 7, ENCODE(TimedLong(Time(), number)))
+    return RecordedValue(channel, stamp, stamp + 7, ENCODE(TimedLong(Time(), number)))
 
 
-def recorded(path: Path, count: int, chunk: int = 5) -> list[Entry]:
+def recorded(path: Path, count: int, chunk: int = 5) -> list[RecordedValue]:
     entries = [entry(number) for number in range(count)]
-    with path.open("wb") as file, Writer(file) as writer:
+    with path.open("wb") as file, RecordingWriter(file) as writer:
         writer.add_channel(LONG, TimedLong)
         for number, each in enumerate(entries):
             writer.write(each)
@@ -40,8 +40,8 @@ def recorded(path: Path, count: int, chunk: int = 5) -> list[Entry]:
 def test_what_is_written_is_read(tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
     entries = recorded(path, 23)
-    assert list(Reader(str(path)).entries()) == entries
-    info = Reader(str(path)).info()
+    assert list(RecordingReader(str(path)).entries()) == entries
+    info = RecordingReader(str(path)).info()
     known = LONG._replace(definition=idl_of(TimedLong))
     assert (info.entries, info.is_whole, info.channels) == (23, True, (known,))
     assert (info.first_ns, info.last_ns) == (entries[0].time_ns, entries[-1].time_ns)
@@ -67,12 +67,12 @@ def test_a_file_that_was_cut_anywhere_gives_what_stands_before(tmp_path: Path) -
     seen = set()
     for size in range(_BEGUN, len(whole)):
         cut.write_bytes(whole[:size])
-        found = list(Reader(str(cut)).entries())
+        found = list(RecordingReader(str(cut)).entries())
         assert found == entries[: len(found)]
         seen.add(len(found))
     assert seen == {0, 5, 10, 15}
     cut.write_bytes(whole[: len(whole) // 2])
-    assert not Reader(str(cut)).info().is_whole
+    assert not RecordingReader(str(cut)).info().is_whole
 
 
 @pytest.mark.parametrize("content", [b"", b"hi", b"\x89MCAP0\r\n", bytes(1000)])
@@ -80,11 +80,11 @@ def test_what_is_no_recording(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "x"
     path.write_bytes(content)
     with pytest.raises(Malformed, match=r"^no recording: \S+: (not MCAP|it is empty)$"):
-        Reader(str(path)).info()
+        RecordingReader(str(path)).info()
 
 
 def test_a_chunk_is_due_soon_after_its_first_value() -> None:
-    writer = Writer(io.BytesIO())
+    writer = RecordingWriter(io.BytesIO())
     writer.add_channel(LONG, TimedLong)
     assert writer.flush_at is None
     writer.write(entry(0))

@@ -17,37 +17,37 @@ from rtkit.component.types import Time, TimedLong
 from rtkit.errors import Malformed, Refused
 from rtkit.idl.read import read_idl
 from rtkit.probe.stats import stamp_reader
-from rtkit.recording.entries import Entry, Part
+from rtkit.recording.entries import RecordedValue, RecordingSelection
 from rtkit.recording.shift import shifted
 from rtkit.recording.text_log import line_of, read_file, read_lines
 
-FIVE = [Entry("a", 100 + number, 0, b"") for number in range(5)]
+FIVE = [RecordedValue("a", 100 + number, 0, b"") for number in range(5)]
 
 
 @pytest.mark.parametrize(
     ("part", "wanted"),
     [
-        (Part(), [0, 1, 2, 3, 4]),
-        (Part(2, None, True), [2, 3, 4]),
-        (Part(None, 3, True), [0, 1, 2]),
-        (Part(2, 2, True), [2]),
-        (Part(102, None), [2, 3, 4]),
-        (Part(None, 102), [0, 1, 2]),
-        (Part(101, 103), [1, 2, 3]),
-        (Part(9, None, True), []),
-        (Part(105, None), []),
-        (Part(None, 99), []),
-        (Part(None, 0, True), []),
-        (Part(3, 2, True), []),
-        (Part(103, 102), []),
+        (RecordingSelection(), [0, 1, 2, 3, 4]),
+        (RecordingSelection(2, None, True), [2, 3, 4]),
+        (RecordingSelection(None, 3, True), [0, 1, 2]),
+        (RecordingSelection(2, 2, True), [2]),
+        (RecordingSelection(102, None), [2, 3, 4]),
+        (RecordingSelection(None, 102), [0, 1, 2]),
+        (RecordingSelection(101, 103), [1, 2, 3]),
+        (RecordingSelection(9, None, True), []),
+        (RecordingSelection(105, None), []),
+        (RecordingSelection(None, 99), []),
+        (RecordingSelection(None, 0, True), []),
+        (RecordingSelection(3, 2, True), []),
+        (RecordingSelection(103, 102), []),
     ],
 )
-def test_parts(part: Part, wanted: list[int]) -> None:
+def test_parts(part: RecordingSelection, wanted: list[int]) -> None:
     assert [entry.time_ns - 100 for entry in part.of(FIVE)] == wanted
     assert bool(wanted) is not _is_out(part)
 
 
-def _is_out(part: Part) -> bool:
+def _is_out(part: RecordingSelection) -> bool:
     try:
         return bool(part.check(5, 100, 104))
     except Refused:

@@ -16,8 +16,8 @@ from rtkit.component.geometry import Point2D, Pose2D, TimedPose2D
 from rtkit.component.images import TimedCameraImage
 from rtkit.component.sensors import CameraImage
 from rtkit.component.types import Time, TimedDoubleSeq, TimedLong, TimedString
-from rtkit.recording.entries import Channel, Entry
-from rtkit.recording.mcap_file import Writer
+from rtkit.recording.entries import RecordedStream, RecordedValue
+from rtkit.recording.mcap_file import RecordingWriter
 
 POSE = TimedPose2D(Time(3, 4), Pose2D(Point2D(1.5, 2.5), 3.5))
 IMAGE = CameraImage(Time(1, 1), 2, 3, 24, "rgb", 0.5, b"\1\2\3")
@@ -75,10 +75,10 @@ def test_what_is_recorded_is_understood_by_what_the_file_says(told: str, tmp_pat
     payload = codec_for(type(value)).encode(value)
     path = tmp_path / "x.mcap"
     is_compressed = not has_octets(type(value))
-    with path.open("wb") as file, Writer(file, is_compressed=is_compressed) as writer:
-        writer.add_channel(Channel("a", "", ("/localhost/A.rtc:out",)), type(value))
+    with path.open("wb") as file, RecordingWriter(file, is_compressed=is_compressed) as writer:
+        writer.add_channel(RecordedStream("a", "", ("/localhost/A.rtc:out",)), type(value))
         for number in range(3):
-            writer.write(Entry("a", 10**18, 10**18 + number, payload))
+            writer.write(RecordedValue("a", 10**18, 10**18 + number, payload))
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()

@@ -8,8 +8,8 @@ import pytest
 
 from rtkit.errors import Malformed
 from rtkit.rtc.enums import LifeCycleState, PortType, merged_state
-from rtkit.rtc.plain import decode, encode
 from rtkit.rtc.profiles import ConnectorProfile, ExecutionContextProfile, PortProfile, PortRef
+from rtkit.rtc.serde import decode, encode
 
 WIRE = ConnectorProfile("w", "n", (PortRef("A", "out"), PortRef("B", "in")), {"k": "v"})
 

@@ -17,29 +17,29 @@ from rtkit.link.deadline import (
     split_deadline,
     with_deadline,
 )
-from rtkit.link.properties import Joined, Queried
 from rtkit.property.access import read_policy
 from rtkit.property.exchange import NOT_BEGUN
 from rtkit.property.messages import Answer
 from rtkit.property.service import Service
-from rtkit.serving.desk import Desk
-from rtkit.serving.host import Host
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.query_server import QueryServer
+from rtkit.wires.zenoh.properties import Joined, Queried
 
 
 @pytest.fixture
-def host() -> Iterator[Host]:
-    host = Host(read_policy(""))
+def host() -> Iterator[PropertyEventLoop]:
+    host = PropertyEventLoop(read_policy(""))
     yield host
     host.close()
 
 
-@pytest.mark.parametrize("takes", [Desk.take, Desk.work])
+@pytest.mark.parametrize("takes", [QueryServer.take, QueryServer.work])
 def test_a_set_whose_client_has_given_up_is_not_done(
-    host: Host, takes: Callable[[Desk, Queried], None]
+    host: PropertyEventLoop, takes: Callable[[QueryServer, Queried], None]
 ) -> None:
     service = Service("s")
     service.add("speed", 1.0, "number")
-    desk = Desk(host, service, "zenoh")
+    query_server = QueryServer(host, service, "zenoh")
     told: list[Answer] = []
 
     def answer(reply: Answer, joined: Joined | None = None, /) -> None:
@@ -47,7 +47,7 @@ def test_a_set_whose_client_has_given_up_is_not_done(
 
     now = monotonic()
     for until, payload in ((now + 60, "2"), (now - 0.1, "3")):
-        takes(desk, Queried("speed", payload, answer, "", until=until))
+        takes(query_server, Queried("speed", payload, answer, "", until=until))
     assert told == [Answer(""), Answer(NOT_BEGUN, "timeout")]
     assert service.get("speed") == "2"
 

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from rtkit.property.messages import Answer, Payload
-from rtkit.serving.http_request import JSON, payload_of, response
+from rtkit.wires.http.request import JSON, payload_of, response
 
 PAYLOADS: tuple[Payload, ...] = (
     "7", "0.25", "-inf", "nan", "true", "idle", '"two words"', '"7"', "()", "(1 2.0)",

@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 from rtkit.report.finding import Checked
-from rtkit.statics.stock import Document, stocked
-from rtkit.statics.verdict import Options, opened, verdict
+from rtkit.static_check.stock import CandidateDocument, stocked
+from rtkit.static_check.verdict import Options, opened, verdict
 
 ROOT = Path(__file__).parents[3]
 Check = Callable[..., Checked]
 
 
 @cache
-def shipped() -> tuple[Document, ...]:
+def shipped() -> tuple[CandidateDocument, ...]:
     files = sorted((ROOT / "profiles").glob("*.xml"))
-    return tuple(Document(file.name, file.read_bytes()) for file in files)
+    return tuple(CandidateDocument(file.name, file.read_bytes()) for file in files)
 
 
 @pytest.fixture
@@ -38,7 +38,9 @@ def check() -> Check:
         form: str = "xml",
     ) -> Checked:
         system = opened(text.encode(), "sys", form=form)
-        changed = {name: Document(name, each.encode()) for name, each in (profiles or {}).items()}
+        changed = {
+            name: CandidateDocument(name, each.encode()) for name, each in (profiles or {}).items()
+        }
         known = [changed.pop(each.name, each) for each in shipped()]
         catalogue, troubles = stocked([*known, *changed.values()], system.types)
         assert troubles == []

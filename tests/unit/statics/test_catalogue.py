@@ -9,9 +9,9 @@ import pytest
 from rtkit.profile.forms import may_be_component
 from rtkit.profile.read import read_rtc
 from rtkit.report.finding import NOTE, WARNING
-from rtkit.statics.catalogue import Catalogue
-from rtkit.statics.stock import Document, stocked
-from rtkit.statics.verdict import Options
+from rtkit.static_check.catalogue import Catalogue
+from rtkit.static_check.stock import CandidateDocument, stocked
+from rtkit.static_check.verdict import Options
 
 
 @pytest.fixture
@@ -88,7 +88,10 @@ def test_several_profiles_are_a_warning(check: Any, text_of: Any, profile_of: An
 
 def test_what_is_no_profile_of_a_wanted_type_is_not_even_read(profile_of: Any) -> None:
     broken = profile_of("Motor").replace("</rtc:RtcProfile>", "")
-    documents = [Document("broken.xml", broken.encode()), Document("x.xml", b"<a/>")]
+    documents = [
+        CandidateDocument("broken.xml", broken.encode()),
+        CandidateDocument("x.xml", b"<a/>"),
+    ]
     known, troubles = stocked(documents, {"Sensor"})
     assert known.find("RTC:rtkit:example:Motor:1.0") is None
     assert troubles == []
@@ -106,9 +109,11 @@ def test_a_name_may_be_written_with_references(profile_of: Any) -> None:
     text = profile_of("Motor").replace('"Motor"', '"&#77;otor"').replace("RTC:rtkit:", "RTC:x:")
     text = text.replace("Motor.py", "M.py").replace("MotorInit", "M").replace("Motor:", "M:")
     assert "Motor" not in text
-    known, _ = stocked([Document("m", text.encode())], {"Motor"})
+    known, _ = stocked([CandidateDocument("m", text.encode())], {"Motor"})
     assert known.find("RTC:rtkit:example:Motor:1.0") is not None
-    known, _ = stocked([Document("m", text.replace("UTF-8", "UTF-16").encode("utf-16"))], {"Motor"})
+    known, _ = stocked(
+        [CandidateDocument("m", text.replace("UTF-8", "UTF-16").encode("utf-16"))], {"Motor"}
+    )
     assert known.find("RTC:rtkit:example:Motor:1.0") is not None
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from rtkit.profile.constraint_text import parse_constraint
 from rtkit.profile.read import read_rtc
-from rtkit.profile.rtc_model import Configuration, ConfigurationSet
+from rtkit.profile.rtc_model import ConfigurationParameter, DeclaredParameters
 from rtkit.profile.write import write_rtc
 from rtkit.report.finding import ERROR, WARNING
 
@@ -23,10 +23,12 @@ def found(check: Any, text_of: Any, profile_of: Any) -> Any:
 
     def run(type: str, constraint: str, value: str, default: str = "unlike") -> list[Any]:
         profile = read_rtc(profile_of("Motor").encode()).profile
-        declared = Configuration("p", type, default, constraint=parse_constraint(constraint))
+        declared = ConfigurationParameter(
+            "p", type, default, constraint=parse_constraint(constraint)
+        )
         # Written and read, so that the form in XML is the one that is tested.
         changed = write_rtc(
-            replace(profile, configuration_set=ConfigurationSet((declared,)))
+            replace(profile, configuration_set=DeclaredParameters((declared,)))
         ).decode()
         escaped = value.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
         new = f'<rts:ConfigurationData rts:name="p" rts:data="{escaped}"/>'

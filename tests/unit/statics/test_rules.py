@@ -8,14 +8,14 @@ import pytest
 from lxml import etree
 
 from rtkit.deployment.limits import Capacity
-from rtkit.profile.common import Property
-from rtkit.profile.rts_model import Component, DataPortConnector, RtsProfile, TargetPort
+from rtkit.profile.common import ExtensionProperty
+from rtkit.profile.rts_model import ComponentInstance, DataPortConnector, RtsProfile, TargetPort
 from rtkit.profile.xmlnames import NAMESPACES
 from rtkit.report.finding import ERROR, NOTE, WARNING
-from rtkit.statics.check import remarks
-from rtkit.statics.rules import RULES
-from rtkit.statics.stock import stocked
-from rtkit.statics.verdict import Options
+from rtkit.static_check.check import findings
+from rtkit.static_check.rules import RULES
+from rtkit.static_check.stock import stocked
+from rtkit.static_check.verdict import Options
 
 ROBOT, SERVICE, KEYS = "sensor-controller-motor", "my-service", "microwave"
 SYSTEMS = ("console", "microwave", "my-service", "sensor-controller-motor", "seq")
@@ -716,15 +716,15 @@ PLACES = [
 
 @pytest.mark.parametrize(("one", "other", "told"), PLACES)
 def test_a_direct_connection_needs_one_process(one: str, other: str, told: str) -> None:
-    def made(name: str, place: str) -> Component:
-        create = (Property("rtkit.create", f"{name[:-1]}?{place}".rstrip("?")),)
-        return Component(f"RTC:M:c:{name[:-1]}:1", "h/x", name, properties=create)
+    def made(name: str, place: str) -> ComponentInstance:
+        create = (ExtensionProperty("rtkit.create", f"{name[:-1]}?{place}".rstrip("?")),)
+        return ComponentInstance(f"RTC:M:c:{name[:-1]}:1", "h/x", name, properties=create)
 
     ends = [TargetPort(f"RTC:M:c:{n}:1", f"{n}0", n) for n in ("ConsoleIn", "ConsoleOut")]
     wire = DataPortConnector("w", "w", "TimedLong", "direct", "push", *ends)
     parts = (made("ConsoleIn0", one), made("ConsoleOut0", other))
     profile = RtsProfile("R:m:s:1", "0.2", "", "", components=parts, data_port_connectors=(wire,))
     catalogue, _ = stocked([], [])
-    found = [each.text for each in remarks(profile, catalogue) if each.rule == "interface-type"]
+    found = [each.text for each in findings(profile, catalogue) if each.rule == "interface-type"]
     text = f"connector w: interface type direct joins ports of one process: {told}"
     assert found == ([text] if told else [])

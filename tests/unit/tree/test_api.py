@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Malformed, NotFound, Refused
 from rtkit.rtc.enums import LifeCycleState, PortType, Transition
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
@@ -22,12 +22,12 @@ A, B = "/localhost/A.rtc", "/localhost/B.rtc"
 
 
 @pytest.fixture
-def world() -> World:
+def world() -> FakeManager:
     ports = (PortProfile("in", PortType.IN, LONG), PortProfile("out", PortType.OUT, LONG))
     pattern = ComponentPattern(
         TypeProfile("Std"), ports, {"default": {"gain": "1"}, "fast": {"gain": "9"}}
     )
-    world = World([pattern])
+    world = FakeManager([pattern])
     for name in "AB":
         world.perform(act.Create(f"Std?instance_name={name}"))
     world.performed.clear()
@@ -35,7 +35,7 @@ def world() -> World:
 
 
 @pytest.fixture
-def tree(world: World) -> Iterator[Tree]:
+def tree(world: FakeManager) -> Iterator[Tree]:
     with fake_tree(world) as tree:
         yield tree
 
@@ -56,7 +56,7 @@ def test_component(tree: Tree) -> None:
         tree.component("/localhost")
 
 
-def test_create_and_delete(tree: Tree, world: World) -> None:
+def test_create_and_delete(tree: Tree, world: FakeManager) -> None:
     assert tree.create("Std") == "/localhost/Std0.rtc"
     assert tree.create("Std?instance_name=Std0") == "/localhost/Std0.rtc"
     tree.delete("/localhost/Std0.rtc")
@@ -72,7 +72,7 @@ def test_create_and_delete(tree: Tree, world: World) -> None:
         tree.create("Nix")
 
 
-def test_what_is_made_is_found_where_it_is_registered(tree: Tree, world: World) -> None:
+def test_what_is_made_is_found_where_it_is_registered(tree: Tree, world: FakeManager) -> None:
     world.perform(act.Create("Std?instance_name=C", ("box/dir.host_cxt/C.rtc",)))
     assert tree.create("Std?instance_name=C") == "/localhost/dir.host_cxt/C.rtc"
     world.update("C", names=())
@@ -86,7 +86,7 @@ def test_it_tells_what_it_is(tree: Tree) -> None:
 
 
 @pytest.mark.parametrize("nothing", [None, 5, ["/localhost/A.rtc"]])
-def test_what_is_no_text_is_a_type_error(tree: Tree, world: World, nothing: Any) -> None:
+def test_what_is_no_text_is_a_type_error(tree: Tree, world: FakeManager, nothing: Any) -> None:
     for call in (
         tree.ls,
         tree.component,
@@ -106,7 +106,7 @@ def test_what_is_no_text_is_a_type_error(tree: Tree, world: World, nothing: Any)
     assert world.performed == []
 
 
-def test_values_are_text_numbers_or_truth(tree: Tree, world: World) -> None:
+def test_values_are_text_numbers_or_truth(tree: Tree, world: FakeManager) -> None:
     for value, text in ((0.5, "0.5"), (7, "7"), (True, "true"), ("x", "x")):
         tree.configure(A, gain=value)
         assert world.components["A"].sets["default"]["gain"] == text
@@ -127,14 +127,14 @@ def test_connections_are_between_ports(tree: Tree) -> None:
         tree.disconnect(A)
 
 
-def test_a_zombie_can_be_deleted(tree: Tree, world: World) -> None:
+def test_a_zombie_can_be_deleted(tree: Tree, world: FakeManager) -> None:
     tree.create("Std?instance_name=Z&manager_name=s")
     world.kill("s")
     tree.delete("/localhost/Z.rtc")
     assert "Z" not in world.components
 
 
-def test_transitions(tree: Tree, world: World) -> None:
+def test_transitions(tree: Tree, world: FakeManager) -> None:
     tree.activate(A)
     assert world.state_of("A") == "Active"
     tree.deactivate(A)
@@ -149,7 +149,7 @@ def test_transitions(tree: Tree, world: World) -> None:
     assert world.performed[0] == act.ChangeState("A", "0", Transition.ACTIVATE)
 
 
-def test_contexts_by_number_or_id(tree: Tree, world: World) -> None:
+def test_contexts_by_number_or_id(tree: Tree, world: FakeManager) -> None:
     contexts = (ContextPattern("Ec1"), ContextPattern("slow"))
     world.types["Two"] = ComponentPattern(TypeProfile("Two"), contexts=contexts)
     world.types["None"] = ComponentPattern(TypeProfile("None"))
@@ -175,7 +175,7 @@ def test_contexts_by_number_or_id(tree: Tree, world: World) -> None:
         tree.activate("/localhost/N.rtc")
 
 
-def test_connections(tree: Tree, world: World) -> None:
+def test_connections(tree: Tree, world: FakeManager) -> None:
     made = tree.connect(f"{A}:in", f"{B}:out", dataport__subscription_type="flush")
     wire = world.connectors[made]
     assert str(wire.ports[0]) == "B.out"
@@ -189,7 +189,7 @@ def test_connections(tree: Tree, world: World) -> None:
         tree.connect(f"{A}:in", f"{B}:in")
 
 
-def test_configuration(tree: Tree, world: World) -> None:
+def test_configuration(tree: Tree, world: FakeManager) -> None:
     tree.configure(A, gain="2")
     assert world.components["A"].sets["default"] == {"gain": "2"}
     assert world.performed[-1] == act.ActivateSet("A", "default")
@@ -208,7 +208,7 @@ def test_paths_must_be_readable(tree: Tree) -> None:
 
 
 @pytest.mark.parametrize("name", ["größe 部品", "a*b$c#d", "50%", "a.b"])
-def test_names_with_all_kinds_of_characters(tree: Tree, world: World, name: str) -> None:
+def test_names_with_all_kinds_of_characters(tree: Tree, world: FakeManager, name: str) -> None:
     world.perform(act.Create("Std?instance_name=" + name.replace("%", "%25")))
     assert tree.component(f"/localhost/{name}.rtc").instance == name
     assert [each.instance for each in tree.part([name, "A"]).components] == ["A", name]

@@ -6,10 +6,10 @@ import pytest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.plan import Check, Layer, Plan, Step
-from rtkit.deployment.runner import Runner, regret
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.plan import Check, Layer, LayeredPlan, PlannedAction
+from rtkit.deployment.runner import PlanRunner, roll_back
 from rtkit.deployment.site import UNFINISHED
-from rtkit.deployment.world import World
 from rtkit.errors import Refused, Unreachable
 from rtkit.rtc.enums import ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
@@ -24,7 +24,7 @@ NO = Result(ReturnCode.ERROR, "refused", "no")
 
 @pytest.fixture
 def world():
-    world = World([ComponentPattern(TypeProfile("Sink"), sets=SETS)])
+    world = FakeManager([ComponentPattern(TypeProfile("Sink"), sets=SETS)])
     world.perform(act.Create("Sink"))
     world.performed.clear()
     return world
@@ -37,15 +37,15 @@ def talk():
 
 @pytest.fixture
 def runner(world, talk):
-    return Runner(fake_tree(world), talk.append)
+    return PlanRunner(fake_tree(world), talk.append)
 
 
 def step(action, required=False, **more):
-    return Step("text", action, required, **more)
+    return PlannedAction("text", action, required, **more)
 
 
 def plan(*steps, **how):
-    return Plan(layers=(Layer("do", steps, **how),))
+    return LayeredPlan(layers=(Layer("do", steps, **how),))
 
 
 def test_checks_are_told_or_refused(runner, talk):
@@ -65,7 +65,7 @@ def test_parameters_of_a_set_are_written_at_once(runner, world):
 
 
 def test_a_required_failure_stops_before_the_next_layer(runner, world, talk):
-    two = Plan(
+    two = LayeredPlan(
         layers=(
             Layer("1", (step(act.Create("No"), True), step(act.Create("Nor"), True))),
             Layer("2", (step(act.Create("Sink"), True),)),
@@ -92,10 +92,10 @@ def test_what_is_known_to_fail_and_required_is_not_begun(runner, world):
 
 def test_in_order_one_after_the_other(runner, world, talk):
     steps = [
-        Step("{1} first", act.Create("Sink"), True),
-        Step("{2} second", act.Create("No")),
-        Step("{3} third", None, blocked="gone"),
-        Step("{4} fourth", act.Create("Sink"), True),
+        PlannedAction("{1} first", act.Create("Sink"), True),
+        PlannedAction("{2} second", act.Create("No")),
+        PlannedAction("{3} third", None, blocked="gone"),
+        PlannedAction("{4} fourth", act.Create("Sink"), True),
     ]
     runner.run(plan(*steps, is_ordered=True))
     assert talk == [
@@ -115,12 +115,12 @@ def test_in_order_a_required_failure_ends_the_plan(runner, world):
 def test_regret_takes_back_and_tells(runner, world):
     before = world.snapshot()
     runner.run(plan(step(act.Create("Sink?instance_name=New"))))
-    assert regret(runner, before, Refused()) == "removed again: New"
+    assert roll_back(runner, before, Refused()) == "removed again: New"
     assert world.snapshot() == before
 
 
 def test_regret_says_nothing_when_nothing_was_tried(runner, world):
-    assert regret(runner, world.snapshot(), Refused()) == ""
+    assert roll_back(runner, world.snapshot(), Refused()) == ""
 
 
 def test_regret_says_what_remains(runner, world):
@@ -129,7 +129,7 @@ def test_regret_says_what_remains(runner, world):
         plan(step(act.Create("Sink?instance_name=A")), step(act.Create("No?instance_name=B")))
     )
     world.fault = lambda action: NO if isinstance(action, act.Delete) else None
-    assert regret(runner, before, Refused()) == "remains: A (no)"
+    assert roll_back(runner, before, Refused()) == "remains: A (no)"
 
 
 def test_regret_tells_what_was_removed_when_the_manager_falls_silent(runner, world):
@@ -141,17 +141,17 @@ def test_regret_tells_what_was_removed_when_the_manager_falls_silent(runner, wor
             raise Unreachable("it fell silent")
 
     world.fault = fault
-    told = regret(runner, before, Refused())
+    told = roll_back(runner, before, Refused())
     assert told == "removed again: A; remains: B (manager on box: it fell silent), C"
 
 
 def test_regret_without_a_manager_says_so(world, talk):
     tree = fake_tree(world)
-    runner = Runner(tree, talk.append)
+    runner = PlanRunner(tree, talk.append)
     before = world.snapshot()
     runner.run(plan(step(act.Create("Sink?instance_name=A"))))
     tree.close()
-    assert "could not be removed (manager on box" in regret(runner, before, Refused())
+    assert "could not be removed (manager on box" in roll_back(runner, before, Refused())
 
 
 def test_a_call_that_fails_raises_in_the_caller():
@@ -197,7 +197,7 @@ def test_an_interruption_does_not_wait_for_ever(monkeypatch, runner, world):
     monkeypatch.undo()
     before = world.snapshot()
     runner.run(plan(step(act.Create("Sink?instance_name=New"))))
-    told = regret(runner, before, caught.value)
+    told = roll_back(runner, before, caught.value)
     assert told == (
         "removed again: New; the manager may still be busy with what it was last asked for"
     )
@@ -206,7 +206,7 @@ def test_an_interruption_does_not_wait_for_ever(monkeypatch, runner, world):
 def test_notes_on_what_was_done_are_told(world, talk):
     tree = fake_tree(world)
     tree.apply = lambda actions, **_how: tuple(Result(note="it is odd") for _ in actions)
-    Runner(tree, talk.append).run(plan(step(act.Create("Sink?instance_name=A"))))
+    PlanRunner(tree, talk.append).run(plan(step(act.Create("Sink?instance_name=A"))))
     assert talk == ["note: it is odd"]
 
 
@@ -215,5 +215,5 @@ def test_what_is_made_strictly_says_so_to_the_manager(world, talk):
     tree = fake_tree(world)
     tree.apply = lambda actions, **_how: (sent.extend(actions), (Result(),) * len(actions))[1]
     made = [act.Load("a.py"), act.Create("Sink"), act.Delete("Sink0")]
-    Runner(tree, talk.append, is_strict=True).run(plan(*map(step, made)))
+    PlanRunner(tree, talk.append, is_strict=True).run(plan(*map(step, made)))
     assert sent == [act.Load("a.py", is_strict=True), act.Create("Sink", is_strict=True), made[2]]

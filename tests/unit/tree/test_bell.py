@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import select
 
-from rtkit.tree.bell import Bell
+from rtkit.tree.wakeup import Wakeup
 
 
 def is_ringing(descriptor: int) -> bool:
@@ -13,28 +13,28 @@ def is_ringing(descriptor: int) -> bool:
 
 
 def test_it_rings_until_it_is_hushed() -> None:
-    bell = Bell()
-    assert not is_ringing(bell.fileno())
-    bell.hush()
-    bell.ring()
-    bell.ring()
-    assert is_ringing(bell.fileno())
-    bell.hush()
-    assert not is_ringing(bell.fileno())
-    bell.ring()
-    assert bell.wait((), 0.0)
-    assert not bell.wait((), 0.0)
-    bell.close()
+    wakeup = Wakeup()
+    assert not is_ringing(wakeup.fileno())
+    wakeup.hush()
+    wakeup.ring()
+    wakeup.ring()
+    assert is_ringing(wakeup.fileno())
+    wakeup.hush()
+    assert not is_ringing(wakeup.fileno())
+    wakeup.ring()
+    assert wakeup.wait((), 0.0)
+    assert not wakeup.wait((), 0.0)
+    wakeup.close()
 
 
 def test_who_rings_late_rings_nobody_else_s() -> None:
-    bell = Bell()
-    number = bell.fileno()
-    bell.close()
-    bell.close()
+    wakeup = Wakeup()
+    number = wakeup.fileno()
+    wakeup.close()
+    wakeup.close()
     other = os.eventfd(0, os.EFD_NONBLOCK)
     assert other == number  # the kernel gives the least number that is free
-    bell.ring()
-    assert bell.fileno() == -1
+    wakeup.ring()
+    assert wakeup.fileno() == -1
     assert not is_ringing(other)
     os.close(other)

@@ -1,7 +1,7 @@
 import pytest
 
 from rtkit.deployment import actions as act
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import NotFound
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import TypeProfile
@@ -9,7 +9,7 @@ from rtkit.tree.fake import fake_tree
 
 
 def test_the_real_client_sees_the_world():
-    world = World([ComponentPattern(TypeProfile("Sink"))])
+    world = FakeManager([ComponentPattern(TypeProfile("Sink"))])
     tree = fake_tree(world)
     assert tree.perform(act.Create("Sink?manager_name=s")) == "Sink0"
     assert [row.instance for row in tree.listing().rows] == ["Sink0"]
@@ -17,7 +17,7 @@ def test_the_real_client_sees_the_world():
 
 
 def test_errors_travel():
-    tree = fake_tree(World())
+    tree = fake_tree(FakeManager())
     with pytest.raises(NotFound, match="no component type Sink"):
         tree.perform(act.Create("Sink"))
     with pytest.raises(NotFound):
@@ -25,7 +25,7 @@ def test_errors_travel():
 
 
 def test_an_ordered_batch_ends_at_its_first_failure():
-    world = World([ComponentPattern(TypeProfile("Sink"))])
+    world = FakeManager([ComponentPattern(TypeProfile("Sink"))])
     actions = [act.Create("Sink"), act.Create("Nobody"), act.Create("Sink")]
     assert [r.ok for r in fake_tree(world).apply(actions)] == [True, False]
     assert [r.ok for r in fake_tree(world).apply(actions, is_ordered=False)] == [True, False, True]

@@ -10,21 +10,21 @@ import pytest
 from rtkit.deployment import actions as act
 from rtkit.deployment.applying import Applier
 from rtkit.deployment.creation import creation_plan
-from rtkit.deployment.goal import Goal
-from rtkit.deployment.joint import homes_in, inward, outward
-from rtkit.deployment.live import Live
-from rtkit.deployment.runner import Runner
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.goal import DeploymentGoal
+from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.multi_manager import homes_in, inward, outward
+from rtkit.deployment.runner import PlanRunner
 from rtkit.deployment.wanted import wanted
-from rtkit.deployment.world import World
 from rtkit.errors import Impossible, Refused, Unreachable
 from rtkit.profile import rts_model as rts
-from rtkit.profile.common import Property
+from rtkit.profile.common import ExtensionProperty
 from rtkit.rtc.enums import LifeCycleState, PortType
 from rtkit.rtc.pattern import ComponentPattern
 from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef, TypeProfile
 from rtkit.tree import managers
 from rtkit.tree.fake import fake_tree
-from rtkit.tree.fleet import Fleet, ear_at
+from rtkit.tree.manager_set import ManagerSet, subscription_at
 from rtkit.tree.resurrect import resurrect
 
 NAMES = ("manager", "m1")
@@ -34,21 +34,23 @@ LOADED = ComponentPattern(TypeProfile("Guest"), PORTS, {"default": {}})
 MODULE = "/m/guest.py:GuestInit"
 
 
-def make_world(name: str) -> World:
-    world = World([NODE], manager=name, modules={"/m/guest.py": [LOADED]})
+def make_world(name: str) -> FakeManager:
+    world = FakeManager([NODE], manager=name, modules={"/m/guest.py": [LOADED]})
     return world
 
 
-def component(name: str, path: str, **told: str) -> rts.Component:
-    properties = tuple(Property(f"rtkit.{key}", value) for key, value in told.items())
+def component(name: str, path: str, **told: str) -> rts.ComponentInstance:
+    properties = tuple(ExtensionProperty(f"rtkit.{key}", value) for key, value in told.items())
     kind = told["create"].partition("?")[0]
-    context = rts.ExecutionContext("0", "PERIODIC", 10.0)
-    return rts.Component(
+    context = rts.OwnedContext("0", "PERIODIC", 10.0)
+    return rts.ComponentInstance(
         f"RTC:::{kind}:", path, name, execution_contexts=(context,), properties=properties
     )
 
 
-def profile(*components: rts.Component, wires: tuple[tuple[str, str], ...] = ()) -> rts.RtsProfile:
+def profile(
+    *components: rts.ComponentInstance, wires: tuple[tuple[str, str], ...] = ()
+) -> rts.RtsProfile:
     date = "2025-01-01T00:00:00"
     joined = tuple(
         rts.DataPortConnector(
@@ -77,15 +79,15 @@ class Host:
         self.worlds = {name: make_world(name) for name in NAMES}
         self.system = wanted(told, "box", managers=["m1"])
         homes = {c.instance: c.manager or "manager" for c in self.system.components}
-        self.fleet = Fleet(NAMES, {n: fake_tree(w) for n, w in self.worlds.items()}, homes)
+        self.fleet = ManagerSet(NAMES, {n: fake_tree(w) for n, w in self.worlds.items()}, homes)
 
     def resurrect(self) -> None:
-        runner = Runner(self.fleet, lambda _: None)
+        runner = PlanRunner(self.fleet, lambda _: None)
         resurrect(self.fleet, self.system, self.fleet.snapshot(), runner)
 
     def apply(self) -> None:
         before = self.fleet.snapshot()
-        goal = Goal(self.system)
+        goal = DeploymentGoal(self.system)
         Applier(self.fleet, goal, lambda _: None, lambda _: None).run(goal.plan(before), before)
 
 
@@ -105,7 +107,7 @@ def test_each_manager_is_asked_for_what_is_its_own_in_its_own_words(way) -> None
 
 def test_what_is_to_be_done_says_where() -> None:
     host = Host(profile(HERE, THERE, GUEST))
-    plan = creation_plan(host.system, Live(host.fleet.snapshot(), host.system))
+    plan = creation_plan(host.system, LiveIndex(host.fleet.snapshot(), host.system))
     assert [step.text.partition(" at path ")[2] or step.text for step in plan.steps] == [
         f'Load module "{MODULE}" on m1',
         "/localhost/Here.rtc in the manager",
@@ -165,19 +167,19 @@ def test_results_come_in_the_order_of_the_actions_and_end_at_a_failure() -> None
 
 def test_what_all_tell_is_heard() -> None:
     host = Host(profile(HERE, THERE))
-    with ear_at(host.fleet) as ear:
+    with subscription_at(host.fleet) as subscription:
         host.worlds["m1"].perform(act.Create("Node?instance_name=There"))
         host.worlds["manager"].perform(act.Create("Node?instance_name=Here"))
-        while len(ear.facts.components) < 2:
-            assert ear.wait()
-        assert homes_in(ear.facts) == {"Here": "manager", "There": "m1"}
+        while len(subscription.facts.components) < 2:
+            assert subscription.wait()
+        assert homes_in(subscription.facts) == {"Here": "manager", "There": "m1"}
 
 
 def test_one_that_does_not_run_holds_nothing() -> None:
     host = Host(profile(HERE, THERE))
-    fleet = Fleet(NAMES, {"m1": host.fleet.trees["m1"]}, host.fleet.homes)
+    fleet = ManagerSet(NAMES, {"m1": host.fleet.trees["m1"]}, host.fleet.homes)
     assert [each.pid > 0 for each in (fleet.snapshot(), *fleet.snapshot().others)] == [False, True]
-    plan = Goal(host.system).plan(fleet.snapshot())
+    plan = DeploymentGoal(host.system).plan(fleet.snapshot())
     assert [move.text for move in plan.moves][:2] == [
         "start manager manager",
         "create Here on manager",
@@ -195,7 +197,7 @@ def test_of_a_batch_that_failed_it_is_told_what_was_done() -> None:
     host.worlds["m1"].fault = lambda _: act.Result(act.ReturnCode.ERROR, "refused", "no luck")
     before = host.fleet.snapshot()
     done: list[str] = []
-    applier = Applier(host.fleet, goal := Goal(host.system), lambda _: None, done.append)
+    applier = Applier(host.fleet, goal := DeploymentGoal(host.system), lambda _: None, done.append)
     with pytest.raises(Refused, match="no luck; 5 steps left"):
         applier.run(goal.plan(before), before)
     assert done == ["[1/3] create Here on manager"]
@@ -213,7 +215,7 @@ def test_the_way_back_leaves_out_what_was_in_a_manager_that_ended() -> None:
 
     there.fault = gone
     host.fleet.trees["m1"].has_ended = lambda: True
-    goal = Goal(host.system, LifeCycleState.INACTIVE)
+    goal = DeploymentGoal(host.system, LifeCycleState.INACTIVE)
     applier = Applier(host.fleet, goal, lambda _: None, lambda _: None)
     with pytest.raises(
         Unreachable, match="before, but for what was in manager m1, which has ended"
@@ -235,14 +237,14 @@ class Starting(Host):
         self.stopped: list[str] = []
         monkeypatch.setattr(managers, "stop", lambda name, _timeout_s: self.stopped.append(name))
         trees = {"manager": self.fleet.trees["manager"]}
-        self.fleet = Fleet(
+        self.fleet = ManagerSet(
             NAMES, trees, self.fleet.homes, lambda name: fake_tree(self.worlds[name])
         )
         self.told: list[str] = []
 
     def attempt(self, *, is_exact: bool = False) -> str:
         before = self.fleet.snapshot()
-        goal = Goal(self.system)
+        goal = DeploymentGoal(self.system)
         applier = Applier(self.fleet, goal, self.told.append, self.told.append)
         try:
             applier.run(goal.plan(before), before, rolls_back=True, is_exact=is_exact)
@@ -275,7 +277,7 @@ def test_a_manager_that_does_not_run_is_started_and_what_it_brings_back_is_kept(
     assert (host.worlds["manager"].components, host.stopped) == ({}, [])
     trees = {"manager": host.fleet.trees["manager"]}
     start = {name: fake_tree(world) for name, world in host.worlds.items()}
-    host.fleet = Fleet(NAMES, trees, host.fleet.homes, start.__getitem__)
+    host.fleet = ManagerSet(NAMES, trees, host.fleet.homes, start.__getitem__)
     assert host.attempt(is_exact=True).startswith(f"{why}; the rest of the saved plan is left; ")
 
 
@@ -295,9 +297,9 @@ def test_a_manager_that_cannot_be_started_is_told(monkeypatch: pytest.MonkeyPatc
     def start(_name: str) -> NoReturn:
         raise Refused("no memory")
 
-    host.fleet = Fleet(NAMES, host.fleet.trees, host.fleet.homes, start)
+    host.fleet = ManagerSet(NAMES, host.fleet.trees, host.fleet.homes, start)
     assert host.attempt() == "start manager m1: no memory; everything is as it was before"
-    host.fleet = Fleet(NAMES, host.fleet.trees, host.fleet.homes)
+    host.fleet = ManagerSet(NAMES, host.fleet.trees, host.fleet.homes)
     assert "m1 does not run; start it with: rtmgr start m1" in host.attempt()
 
 
@@ -319,6 +321,6 @@ def test_names_of_another_manager_are_shown_below_it(name: str, shown: str) -> N
 def test_facts_of_one_manager_stay_as_they_are() -> None:
     host = Host(profile(HERE))
     tree = host.fleet.trees["manager"]
-    one = Fleet(NAMES[:1], {"manager": tree}, {})
+    one = ManagerSet(NAMES[:1], {"manager": tree}, {})
     assert one.snapshot() == tree.snapshot()
     assert replace(one.snapshot(), pid=1).others == ()

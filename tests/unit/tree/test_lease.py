@@ -6,11 +6,11 @@ import time
 
 import pytest
 
-from rtkit.deployment.lease import Holder, Lease, holder_from_text
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.lease import Lease, LeaseHolder, holder_from_text
 from rtkit.errors import NotFound, Refused
-from rtkit.link.lives import Life
-from rtkit.rtc.plain import encode
+from rtkit.link.process_watch import ProcessWatch
+from rtkit.rtc.serde import encode
 from rtkit.tree import lease
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.lease import Leases
@@ -18,7 +18,7 @@ from rtkit.tree.lease import Leases
 
 @pytest.fixture
 def trees():
-    return [fake_tree(World(manager=name)) for name in ("a", "b")]
+    return [fake_tree(FakeManager(manager=name)) for name in ("a", "b")]
 
 
 def command_at(tree):
@@ -67,8 +67,8 @@ def test_it_is_waited_for(trees):
 
 def test_the_end_of_the_process_that_has_it_is_awaited(monkeypatch):
     """And not found out by asking again after some time."""
-    world = World(manager="a")
-    world.lease = Lease(Life)
+    world = FakeManager(manager="a")
+    world.lease = Lease(ProcessWatch)
     tree = fake_tree(world)
     monkeypatch.setattr(lease, "_ASK_AGAIN_S", 60.0)
     read, write = os.pipe()
@@ -78,7 +78,7 @@ def test_the_end_of_the_process_that_has_it_is_awaited(monkeypatch):
         os.read(read, 1)
         os._exit(0)
     os.close(read)
-    holder = Holder("id", "rtapply far.xml", "somebody", os.uname().nodename, pid)
+    holder = LeaseHolder("id", "rtapply far.xml", "somebody", os.uname().nodename, pid)
     tree.lease({"take": encode(holder)})
     began = time.monotonic()
     with Leases("rtapply x", 50, lambda _: os.close(write)) as mine:
@@ -108,7 +108,7 @@ def test_a_process_is_watched_to_its_end():
         os.read(read, 1)
         os._exit(0)
     os.close(read)
-    life = Life(pid)
+    life = ProcessWatch(pid)
     assert not life.is_over
     os.close(write)
     os.waitid(os.P_PID, pid, os.WEXITED | os.WNOWAIT)
@@ -116,4 +116,4 @@ def test_a_process_is_watched_to_its_end():
     os.waitpid(pid, 0)
     life.close()
     with pytest.raises(ProcessLookupError):
-        Life(pid)
+        ProcessWatch(pid)

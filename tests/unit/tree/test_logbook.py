@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtkit.errors import Refused
-from rtkit.manager.logs.logfile import LogFile
+from rtkit.logs.logfile import LogFile
 from rtkit.tree.logbook import Logbook
 
 
@@ -60,8 +60,8 @@ def test_what_comes_is_told_once_through_a_turn_over(
         files[moment % 2].write(record(moment, str(moment)))
         if moment % 3 == 0:
             assert select.select([book], [], [], 10.0)[0]
-            found += messages(book.news())
-    found += messages(book.news())
+            found += messages(book.delta())
+    found += messages(book.delta())
     assert found == [str(number) for number in range(1, 20)]
     assert not select.select([book], [], [], 0)[0]
     book.close()
@@ -83,7 +83,7 @@ def test_a_line_that_is_being_written_waits_for_its_end(tmp_path: Path) -> None:
     assert book.there() == []
     with path.open("ab") as file:
         file.write(line[20:])
-    assert messages(book.news()) == ["whole"]
+    assert messages(book.delta()) == ["whole"]
     book.close()
 
 

@@ -9,13 +9,13 @@ import threading
 
 import pytest
 
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
 from rtkit.errors import Unreachable
 from rtkit.rtc.names import parse_path
 from rtkit.tree import place
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.place import servers, strange_servers
-from rtkit.tree.view import Kind, Node
+from rtkit.tree.view import NodeKind, TreeNode
 
 
 @pytest.fixture
@@ -78,7 +78,7 @@ def test_servers_come_from_the_environment(running, monkeypatch):
 )
 def test_what_is_shown_beside(running, monkeypatch, path, shown):
     monkeypatch.setenv("RTKIT_SERVERS", "a:1")
-    root, _ = place.root_for(lambda: fake_tree(World([])), parse_path(path), is_deep=False)
+    root, _ = place.root_for(lambda: fake_tree(FakeManager([])), parse_path(path), is_deep=False)
     assert list(root.children) == shown
     others = ["other.mgr", "third.mgr"] if path != "/localhost:2811" else []
     assert list(root.children["localhost"].children) == ["manager.mgr", *others]
@@ -86,7 +86,7 @@ def test_what_is_shown_beside(running, monkeypatch, path, shown):
 
 def test_nothing_is_added_where_it_would_not_be_seen(running):
     path = parse_path("/localhost/manager.mgr")
-    root, _ = place.root_for(lambda: fake_tree(World()), path, is_deep=True)
+    root, _ = place.root_for(lambda: fake_tree(FakeManager()), path, is_deep=True)
     assert list(root.children["localhost"].children) == ["manager.mgr"]
 
 
@@ -171,9 +171,9 @@ def test_others_are_asked_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr("rtkit.tree.place.connect", connect)
     monkeypatch.setattr("rtkit.tree.place._others", lambda _manager: iter(["a", "b"]))
-    root = Node("", Kind.ROOT)
-    local = root.add(Node("localhost", Kind.HOST))
-    place.add_others(root, fake_tree(World()), parse_path("/"), is_deep=True)
+    root = TreeNode("", NodeKind.ROOT)
+    local = root.add(TreeNode("localhost", NodeKind.HOST))
+    place.add_others(root, fake_tree(FakeManager()), parse_path("/"), is_deep=True)
     assert local.trouble == "a is silent; b is silent"
     assert [node.trouble for node in local.children.values()] == ["a is silent", "b is silent"]
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from rtkit.deployment.listing import Listing, Row
+from rtkit.deployment.listing import Listing, ListingRow
 from rtkit.errors import Malformed, NotFound, Refused, RtkitError
 from rtkit.rtc.names import parse_path
 from rtkit.tree import resolve
-from rtkit.tree.view import Node, build
+from rtkit.tree.view import TreeNode, build
 
 
-def row(instance: str, zombie: str = "") -> Row:
+def row(instance: str, zombie: str = "") -> ListingRow:
     names = (f"localhost/{instance}.rtc",)
-    return Row(instance, "Inactive", 1, 0, 1, 0, 0, 0, "s1", zombie, "", False, names)
+    return ListingRow(instance, "Inactive", 1, 0, 1, 0, 0, 0, "s1", zombie, "", False, names)
 
 
 @pytest.fixture
-def root() -> Node:
+def root() -> TreeNode:
     rows = (row("A"), row("Z", "signal 9"))
     names = ("localhost/manager.mgr",)
     return build(Listing("box.lan", "manager", 1, (("s1", "up", ""),), rows, names))
@@ -36,14 +36,14 @@ def root() -> Node:
         "/[::1]:2810/A.rtc",
     ],
 )
-def test_this_host_has_many_names(root: Node, typed: str) -> None:
+def test_this_host_has_many_names(root: TreeNode, typed: str) -> None:
     node = resolve.find(root, parse_path(typed), "box.lan")
     assert node is not None
     assert node.path == "/localhost/A.rtc"
 
 
 @pytest.mark.parametrize("typed", ["/far/A.rtc", "/localhost/B.rtc", "/localhost/A.rtc/x"])
-def test_what_is_not_there(root: Node, typed: str) -> None:
+def test_what_is_not_there(root: TreeNode, typed: str) -> None:
     assert resolve.find(root, parse_path(typed), "box.lan") is None
     with pytest.raises(NotFound, match=f"^No such object: {typed}$"):
         resolve.entry(root, parse_path(typed), "box.lan")
@@ -75,7 +75,7 @@ def test_what_is_not_there(root: Node, typed: str) -> None:
     ],
 )
 def test_kinds(
-    root: Node, function: str, typed: str, error: type[RtkitError] | None, why: str
+    root: TreeNode, function: str, typed: str, error: type[RtkitError] | None, why: str
 ) -> None:
     find = getattr(resolve, function)
     if error is None:

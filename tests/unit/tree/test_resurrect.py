@@ -4,9 +4,9 @@ import pytest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Result
-from rtkit.deployment.runner import Runner
-from rtkit.deployment.system import System, WantedComponent, WantedConnector
-from rtkit.deployment.world import World
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.runner import PlanRunner
+from rtkit.deployment.system import WantedComponent, WantedConnector, WantedSystem
 from rtkit.errors import NotFound, Refused
 from rtkit.rtc.enums import PortType, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern
@@ -36,12 +36,12 @@ def wanted(kind, **told):
 def system(source=None, sink=None, required=True):
     ends = (PortRef("Source0", "out"), PortRef("Sink0", "in"))
     wire = WantedConnector(ConnectorProfile("w", "w", ends), True, required)
-    return System((source or wanted("Source"), sink or wanted("Sink")), (wire,))
+    return WantedSystem((source or wanted("Source"), sink or wanted("Sink")), (wire,))
 
 
 @pytest.fixture
 def world():
-    return World([ComponentPattern(TypeProfile(k), (p,), SETS) for k, p in PORTS.items()])
+    return FakeManager([ComponentPattern(TypeProfile(k), (p,), SETS) for k, p in PORTS.items()])
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def bring_up(world):
     def run(what, **how):
         tree, talk = fake_tree(world), []
         before = tree.snapshot()
-        runner = Runner(tree, talk.append)
+        runner = PlanRunner(tree, talk.append)
         resurrect(tree, what, before, runner, **how)
         return talk
 
@@ -144,14 +144,14 @@ def test_unknown_hosts_are_named_before_anything_changes(world, bring_up):
 
 @pytest.mark.parametrize("kind", [act.Create, act.Connect, act.SetParameters, act.ActivateSet])
 def test_an_interruption_leaves_nothing(world, bring_up, kind, monkeypatch):
-    class Impatient(Runner):
+    class Impatient(PlanRunner):
         def _send(self, actions, *, is_ordered):
             results = super()._send(actions, is_ordered=is_ordered)
             if any(isinstance(action, kind) for action in actions):
                 raise KeyboardInterrupt
             return results
 
-    monkeypatch.setitem(globals(), "Runner", Impatient)
+    monkeypatch.setitem(globals(), "PlanRunner", Impatient)
     before = world.snapshot()
     with pytest.raises(KeyboardInterrupt) as caught:
         bring_up(system())

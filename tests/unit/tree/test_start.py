@@ -10,28 +10,28 @@ import pytest
 
 from rtkit.deployment import actions as act
 from rtkit.deployment.actions import Action, ChangeState, Result
-from rtkit.deployment.conditions import NO_ORDERS, Condition, Orders, Target
-from rtkit.deployment.live import Live
+from rtkit.deployment.conditions import NO_ORDERS, Orders, OrderTarget, StartCondition
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.live import LiveIndex
 from rtkit.deployment.running import start_plan, stop_plan
-from rtkit.deployment.system import System, WantedComponent
-from rtkit.deployment.world import World
+from rtkit.deployment.system import WantedComponent, WantedSystem
 from rtkit.errors import Refused, Unreachable
 from rtkit.rtc.enums import LifeCycleState, ReturnCode
 from rtkit.rtc.pattern import ComponentPattern, ContextPattern
 from rtkit.rtc.profiles import TypeProfile
 from rtkit.tree import grace
-from rtkit.tree.bell import Bell
 from rtkit.tree.client import Tree
 from rtkit.tree.fake import fake_tree
 from rtkit.tree.start import Starter
+from rtkit.tree.wakeup import Wakeup
 
 NAMES = "ABCD"
 NO = Result(ReturnCode.ERROR, "refused", "no luck")
 
 
 @pytest.fixture
-def world() -> World:
-    world = World([ComponentPattern(TypeProfile("Thing"))])
+def world() -> FakeManager:
+    world = FakeManager([ComponentPattern(TypeProfile("Thing"))])
     for name in NAMES:
         world.perform(act.Create(f"Thing?instance_name={name}&manager_name=s{name}"))
     world.performed.clear()
@@ -39,13 +39,13 @@ def world() -> World:
 
 
 @pytest.fixture
-def tree(world: World) -> Iterator[Tree]:
+def tree(world: FakeManager) -> Iterator[Tree]:
     with fake_tree(world, 5.0) as tree:
         yield tree
 
 
-def system(optional: str = "") -> System:
-    return System(
+def system(optional: str = "") -> WantedSystem:
+    return WantedSystem(
         tuple(
             WantedComponent(
                 "RTC:::Thing:",
@@ -60,13 +60,13 @@ def system(optional: str = "") -> System:
     )
 
 
-def after(name: str, sequence: int = 1, **more: Any) -> Condition:
-    return Condition(sequence, 0, Target(name, 0), **more)
+def after(name: str, sequence: int = 1, **more: Any) -> StartCondition:
+    return StartCondition(sequence, 0, OrderTarget(name, 0), **more)
 
 
-def orders(**conditions: Condition | tuple[Condition, ...]) -> Orders:
+def orders(**conditions: StartCondition | tuple[StartCondition, ...]) -> Orders:
     return {
-        Target(name, 0): each if isinstance(each, tuple) else (each,)
+        OrderTarget(name, 0): each if isinstance(each, tuple) else (each,)
         for name, each in conditions.items()
     }
 
@@ -74,9 +74,11 @@ def orders(**conditions: Condition | tuple[Condition, ...]) -> Orders:
 class Start:
     """A start, or stop, of the four components."""
 
-    def __init__(self, world: World, tree: Tree, ordered: Orders = NO_ORDERS, **how: Any) -> None:
+    def __init__(
+        self, world: FakeManager, tree: Tree, ordered: Orders = NO_ORDERS, **how: Any
+    ) -> None:
         wanted = system(how.pop("optional", ""))
-        live = Live(world.snapshot(), wanted)
+        live = LiveIndex(world.snapshot(), wanted)
         plan_for: Callable[..., Any] = stop_plan if how.pop("stop", False) else start_plan
         plan = plan_for(wanted, live, ordered, wait=how.pop("wait", True))
         self.talk: list[str] = []
@@ -86,11 +88,11 @@ class Start:
         self.starter.run()
 
 
-def sent(world: World) -> str:
+def sent(world: FakeManager) -> str:
     return "".join(a.instance for a in world.performed if isinstance(a, ChangeState))
 
 
-def test_without_orders_one_after_the_other(world: World, tree: Tree) -> None:
+def test_without_orders_one_after_the_other(world: FakeManager, tree: Tree) -> None:
     start = Start(world, tree)
     start.run()
     assert sent(world) == "ABCD"
@@ -100,12 +102,12 @@ def test_without_orders_one_after_the_other(world: World, tree: Tree) -> None:
     assert {world.state_of(name) for name in NAMES} == {"Active"}
 
 
-def test_all_kinds_of_conditions(world: World, tree: Tree) -> None:
+def test_all_kinds_of_conditions(world: FakeManager, tree: Tree) -> None:
     ordered = orders(
-        A=Condition(3, 30),
+        A=StartCondition(3, 30),
         B=after("A", 2),
         C=after("B", 1, is_sync=False),
-        D=Condition(0),
+        D=StartCondition(0),
     )
     start = Start(world, tree, ordered)
     start.run()
@@ -113,7 +115,7 @@ def test_all_kinds_of_conditions(world: World, tree: Tree) -> None:
     assert start.talk[1].startswith("Executing {4} [Order 3/Wait 30ms] Activate /localhost/A.rtc")
 
 
-def test_a_stop(world: World, tree: Tree) -> None:
+def test_a_stop(world: FakeManager, tree: Tree) -> None:
     Start(world, tree).run()
     world.performed.clear()
     Start(world, tree, orders(D=after("B"), C=after("D")), stop=True).run()
@@ -122,30 +124,30 @@ def test_a_stop(world: World, tree: Tree) -> None:
 
 
 def test_a_state_that_others_bring_about_is_told(
-    world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
+    world: FakeManager, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     world.fault = lambda action: NO if getattr(action, "instance", "") == "A" else None
-    wait = Bell.wait
+    wait = Wakeup.wait
 
-    def repaired_when_waited_for(bell: Bell, others: Any, timeout_s: float | None) -> bool:
+    def repaired_when_waited_for(wakeup: Wakeup, others: Any, timeout_s: float | None) -> bool:
         if others and sent(world) == "ACD":
             Thread(target=world.set_state, args=("A", LifeCycleState.ACTIVE)).start()
-        return wait(bell, others, timeout_s)
+        return wait(wakeup, others, timeout_s)
 
-    monkeypatch.setattr(Bell, "wait", repaired_when_waited_for)
+    monkeypatch.setattr(Wakeup, "wait", repaired_when_waited_for)
     start = Start(world, tree, orders(B=after("A")), optional="A")
     start.run()
     assert sent(world) == "ACDB"
     assert start.talk[1] == "Action failed: /localhost/A.rtc: no luck"
 
 
-def test_no_wait_only_sends_but_conditions_are_waited_for(world: World, tree: Tree) -> None:
+def test_no_wait_only_sends_but_conditions_are_waited_for(world: FakeManager, tree: Tree) -> None:
     Start(world, tree, orders(B=after("A")), wait=False).run()
     assert sent(world) == "ACDB"
     assert not any(a.wait for a in world.performed if isinstance(a, ChangeState))
 
 
-def test_a_dead_component_is_named_when_the_time_is_up(world: World, tree: Tree) -> None:
+def test_a_dead_component_is_named_when_the_time_is_up(world: FakeManager, tree: Tree) -> None:
     def fault(action: Action) -> Result | None:
         if isinstance(action, ChangeState) and action.instance == "A":
             world.kill("sA")
@@ -165,7 +167,7 @@ def test_a_dead_component_is_named_when_the_time_is_up(world: World, tree: Tree)
     assert sent(world) == "AD"
 
 
-def test_a_required_failure(world: World, tree: Tree) -> None:
+def test_a_required_failure(world: FakeManager, tree: Tree) -> None:
     world.fault = lambda action: NO if getattr(action, "instance", "") == "B" else None
     start = Start(world, tree, orders(C=after("A")))
     with pytest.raises(Refused) as caught:
@@ -175,7 +177,7 @@ def test_a_required_failure(world: World, tree: Tree) -> None:
     assert sent(world) == "AB"
 
 
-def test_optional_failures_are_told(world: World, tree: Tree) -> None:
+def test_optional_failures_are_told(world: FakeManager, tree: Tree) -> None:
     world.fault = lambda action: NO if getattr(action, "instance", "") in "BC" else None
     start = Start(world, tree, optional="BC")
     start.run()
@@ -184,15 +186,15 @@ def test_optional_failures_are_told(world: World, tree: Tree) -> None:
     assert sent(world) == NAMES
 
 
-def test_a_bound_on_the_whole(world: World, tree: Tree) -> None:
-    start = Start(world, tree, orders(B=Condition(1, 600_000)), timeout_s=0.02)
+def test_a_bound_on_the_whole(world: FakeManager, tree: Tree) -> None:
+    start = Start(world, tree, orders(B=StartCondition(1, 600_000)), timeout_s=0.02)
     with pytest.raises(
         Refused, match=r"^Error executing plan: not finished within 0\.02 s; not run"
     ):
         start.run()
 
 
-def test_a_manager_that_goes_away(world: World, tree: Tree) -> None:
+def test_a_manager_that_goes_away(world: FakeManager, tree: Tree) -> None:
     def fault(action: Action) -> None:
         if getattr(action, "instance", "") == "B":
             tree.close()
@@ -205,18 +207,18 @@ def test_a_manager_that_goes_away(world: World, tree: Tree) -> None:
 
 
 def test_an_interruption_waits_for_what_is_under_way(
-    world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
+    world: FakeManager, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    start = Start(world, tree, orders(B=Condition(1, 600_000)))
-    wait = Bell.wait
+    start = Start(world, tree, orders(B=StartCondition(1, 600_000)))
+    wait = Wakeup.wait
     strikes = iter([KeyboardInterrupt])
 
-    def interrupted_once(bell: Bell, others: Any, timeout_s: float | None) -> bool:
+    def interrupted_once(wakeup: Wakeup, others: Any, timeout_s: float | None) -> bool:
         for strike in strikes:
             raise strike
-        return wait(bell, others, timeout_s)
+        return wait(wakeup, others, timeout_s)
 
-    monkeypatch.setattr(Bell, "wait", interrupted_once)
+    monkeypatch.setattr(Wakeup, "wait", interrupted_once)
     with pytest.raises(KeyboardInterrupt) as caught:
         start.run()
     assert caught.value.args == ("not run: {2}, {3}, {4}",)
@@ -224,7 +226,7 @@ def test_an_interruption_waits_for_what_is_under_way(
 
 
 def test_an_interruption_does_not_wait_for_ever(
-    world: World, tree: Tree, monkeypatch: pytest.MonkeyPatch
+    world: FakeManager, tree: Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(grace, "GRACE_S", 0.01)
     start = Start(world, tree)

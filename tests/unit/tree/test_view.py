@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rtkit.deployment.listing import Listing, Row
-from rtkit.tree.view import Kind, Node, build, shown_path
+from rtkit.deployment.listing import Listing, ListingRow
+from rtkit.tree.view import NodeKind, TreeNode, build, shown_path
 
 
 def row(
@@ -14,18 +14,18 @@ def row(
     trouble: str = "",
     is_stand_in: bool = False,
     cause: str = "",
-) -> Row:
+) -> ListingRow:
     counts = (1, 0, 1, 0, 0, 0)
     known = (process, zombie, trouble, is_stand_in, names, "0", cause)
-    return Row(instance, "Inactive", *counts, *known)
+    return ListingRow(instance, "Inactive", *counts, *known)
 
 
-def tree(*rows: Row, slaves: tuple[tuple[str, str, str], ...] = ()) -> Node:
+def tree(*rows: ListingRow, slaves: tuple[tuple[str, str, str], ...] = ()) -> TreeNode:
     names = ("localhost/manager.mgr",)
     return build(Listing("box", "manager", 1, slaves, rows, names))
 
 
-def paths(root: Node) -> list[str]:
+def paths(root: TreeNode) -> list[str]:
     return [node.path for node in root.walk()]
 
 
@@ -54,7 +54,7 @@ def test_a_component_of_a_slave_shows_below_the_slave_too() -> None:
         "/localhost/manager.mgr/s1.mgr",
         "/localhost/manager.mgr/s1.mgr/M0.rtc",
     ]
-    assert (slave.kind, slave.is_slave, slave.process) == (Kind.MANAGER, True, "s1")
+    assert (slave.kind, slave.is_slave, slave.process) == (NodeKind.MANAGER, True, "s1")
     assert not root.children["localhost"].children["manager.mgr"].is_slave
 
 
@@ -62,7 +62,7 @@ def test_names_of_this_host_are_below_localhost_others_below_theirs() -> None:
     root = tree(row("A", "box/A.rtc"), row("B", "127.0.0.1:2810/B.rtc"), row("C", "far:2810/C.rtc"))
     assert sorted(root.children) == ["far:2810", "localhost"]
     assert {"A.rtc", "B.rtc"} <= set(root.children["localhost"].children)
-    assert root.children["far:2810"].kind is Kind.HOST
+    assert root.children["far:2810"].kind is NodeKind.HOST
 
 
 def test_a_name_without_host_is_passed_over() -> None:
@@ -99,7 +99,7 @@ def test_remarks() -> None:
         "s2.mgr": "stopped",
         "s3.mgr": "starting",
     }
-    assert manager.children["A.rtc"].kind is Kind.ZOMBIE
+    assert manager.children["A.rtc"].kind is NodeKind.ZOMBIE
     assert manager.remark == ""
 
 

@@ -11,7 +11,7 @@ from deployments import large, model_from
 
 from rtkit.deployment.planning.explain import NoPlan
 from rtkit.deployment.planning.plan import make_plan
-from rtkit.deployment.planning.whole import judge, plan_of, problem_of
+from rtkit.deployment.planning.reference_model import judge, plan_of, problem_of
 from rtkit.planner import verify
 
 FILE = json.loads(Path(__file__).with_name("instances.json").read_text())

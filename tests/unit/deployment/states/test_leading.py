@@ -6,10 +6,10 @@ import pytest
 import statekit
 
 from rtkit.deployment.applying import Applier
-from rtkit.deployment.states.following import Passage
+from rtkit.deployment.fake_manager import FakeManager
+from rtkit.deployment.states.following import SystemTransition
 from rtkit.deployment.states.leading import Leader
 from rtkit.deployment.states.states import States
-from rtkit.deployment.world import World
 from rtkit.errors import Refused
 from rtkit.tree.fake import fake_tree
 
@@ -17,18 +17,18 @@ from rtkit.tree.fake import fake_tree
 class Robot:
     """A robot in a world, and who leads it."""
 
-    def __init__(self, states: States, world: World | None = None) -> None:
+    def __init__(self, states: States, world: FakeManager | None = None) -> None:
         self.world = world or statekit.make_world()
         self.states = states
         self.failed: list[str] = []
         self.leader = Leader(states, self._reach, self.failed.append, lambda: 0.0)
 
-    def _reach(self, passage: Passage) -> None:
+    def _reach(self, passage: SystemTransition) -> None:
         tree, goal = fake_tree(self.world), self.states.goal(passage.state)
         before = tree.snapshot()
         Applier(tree, goal, lambda _: None, lambda _: None).run(goal.plan(before), before)
 
-    def step(self) -> Passage | None:
+    def step(self) -> SystemTransition | None:
         return self.leader.step(self.world.snapshot(), {})
 
     @property
@@ -51,7 +51,7 @@ def test_events_and_others_lead_it() -> None:
     robot.leader.begin(robot.world.snapshot())
     assert robot.step() is None
     other = Robot(robot.states, robot.world)
-    other.leader.lead(Passage("standby", "start", "explore"))
+    other.leader.lead(SystemTransition("standby", "start", "explore"))
     assert robot.step() == ("standby", "by others", "explore")
     robot.world.kill("Motor")
     assert robot.step() == ("explore", "motor_lost", "degraded")
@@ -61,7 +61,7 @@ def test_events_and_others_lead_it() -> None:
 
 def test_what_fails_leads_on_by_failed_or_is_raised() -> None:
     robot = Robot(statekit.robot(**statekit.FAILING))
-    robot.leader.lead(Passage("", "goto", "explore"))
+    robot.leader.lead(SystemTransition("", "goto", "explore"))
     robot.world.fault = statekit.gain_refused
     robot.world.kill("Motor")
     assert robot.step() == ("degraded", "failed", "standby")
@@ -70,7 +70,7 @@ def test_what_fails_leads_on_by_failed_or_is_raised() -> None:
     assert robot.state == "standby"
     told = {"state.degraded": "Motor0=Absent; Eye0.gain=9"}
     robot = Robot(statekit.robot(**told))
-    robot.leader.lead(Passage("", "goto", "explore"))
+    robot.leader.lead(SystemTransition("", "goto", "explore"))
     robot.world.fault = statekit.gain_refused
     robot.world.kill("Motor")
     with pytest.raises(Refused, match=r"^explore -motor_lost-> degraded: .*no luck"):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from rtkit.deployment.facts import ComponentFacts, Snapshot
-from rtkit.deployment.figures import ComponentFigures
+from rtkit.deployment.metrics import ComponentMetrics
 from rtkit.deployment.states.events import condition
-from rtkit.deployment.states.following import Follower, Passage
-from rtkit.deployment.states.machine import Machine, machine_of
-from rtkit.deployment.states.wishes import Wish, wishes
+from rtkit.deployment.states.following import Follower, SystemTransition
+from rtkit.deployment.states.machine import SystemStates, machine_of
+from rtkit.deployment.states.variants import StateDifference, differences_of
 from rtkit.errors import Malformed, Refused
 from rtkit.rtc.enums import ExecutionKind, LifeCycleState, PortType
 from rtkit.rtc.profiles import ExecutionContextProfile, PortProfile, TypeProfile
@@ -25,7 +25,7 @@ TOLD = {
 }
 
 
-def machine(**told: str) -> Machine:
+def machine(**told: str) -> SystemStates:
     changed = {f"rtkit.{key.replace('__', '.')}": text for key, text in told.items()}
     found = machine_of({**TOLD, **changed}, SETS)
     assert found is not None
@@ -41,9 +41,9 @@ def test_a_machine_is_read() -> None:
         "dock": {"stop": "standby"},
     }
     assert made.wishes["dock"] == (
-        Wish("Nav0", ".variant", "bug2"),
-        Wish("Motor0", "fast.gain", "1"),
-        Wish("Motor0", "active_set", "fast"),
+        StateDifference("Nav0", ".variant", "bug2"),
+        StateDifference("Motor0", "fast.gain", "1"),
+        StateDifference("Motor0", "active_set", "fast"),
     )
     assert made.wishes["explore"] == ()
     assert str(made.conditions["tired"]) == "Motor0.configuration.default.level < 10"
@@ -108,7 +108,7 @@ def test_everything_wrong_is_told_at_once() -> None:
 
 
 def test_names_with_dots_are_the_longest_that_fit() -> None:
-    assert wishes("a.b.gain=1", SETS) == (Wish("a.b", ".gain", "1"),)
+    assert differences_of("a.b.gain=1", SETS) == (StateDifference("a.b", ".gain", "1"),)
 
 
 def world(state: LifeCycleState = LifeCycleState.ACTIVE, zombie: str = "") -> Snapshot:
@@ -150,8 +150,8 @@ def test_conditions(text: str, holds: bool) -> None:
 
 def test_figures_and_zombies() -> None:
     counted = condition("Motor0.ports.out.count > 3", SETS)
-    assert counted.needs_figures
-    assert counted.holds(world(), {"Motor0": ComponentFigures("Motor0", written={"out": 4})})
+    assert counted.needs_metrics
+    assert counted.holds(world(), {"Motor0": ComponentMetrics("Motor0", written={"out": 4})})
     assert condition("lost Motor0", SETS).holds(world(zombie="signal 9"))
     assert not condition("Motor0.state = Active", SETS).holds(world(zombie="signal 9"))
 
@@ -166,8 +166,8 @@ def test_a_follower_goes_where_events_lead_and_where_others_led() -> None:
     assert follower.look(world(), {}, 0.0) is None
     held = {"explore"}
     # Its event holds at once: it is followed in the next look, after the state was seen.
-    assert follower.look(world(), {}, 1.0) == Passage("standby", "", "explore")
-    assert follower.look(world(), {}, 2.0) == Passage("explore", "tired", "dock")
+    assert follower.look(world(), {}, 1.0) == SystemTransition("standby", "", "explore")
+    assert follower.look(world(), {}, 2.0) == SystemTransition("explore", "tired", "dock")
     held = {"dock"}
     assert follower.look(world(), {}, 3.0) is None
     held = set()
@@ -178,7 +178,7 @@ def test_a_follower_goes_where_events_lead_and_where_others_led() -> None:
 def test_where_an_event_led_by_itself_it_counts_as_that_event() -> None:
     follower = Follower(machine(), lambda state, _: state == "dock")
     follower.state = "explore"
-    assert follower.look(world(), {}, 0.0) == Passage("explore", "tired", "dock")
+    assert follower.look(world(), {}, 0.0) == SystemTransition("explore", "tired", "dock")
 
 
 def test_states_that_lead_to_one_another_without_end_are_refused() -> None:

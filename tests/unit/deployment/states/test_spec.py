@@ -13,8 +13,8 @@ from rtkit.deployment.states.followed import Followed
 from rtkit.deployment.states.spec import spec_from_text, spec_to_text
 from rtkit.deployment.states.states import States
 from rtkit.errors import Malformed
-from rtkit.records import replace as changed
-from rtkit.rtc.plain import decode, encode
+from rtkit.fast_dataclass import replace as changed
+from rtkit.rtc.serde import decode, encode
 
 
 def test_what_a_system_is_followed_by_travels() -> None:

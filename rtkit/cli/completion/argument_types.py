@@ -1,0 +1,334 @@
+"""What may stand for each kind of word: paths of the tree and names that the manager knows."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Callable, Iterable
+
+from rtkit.cli._app import working_directory
+from rtkit.cli.completion.candidates import Candidate, Files, those
+from rtkit.cli.completion.grammar import CursorMeaning
+from rtkit.cli.completion.live import CompletionSource, instances_of
+from rtkit.cli.completion.places import WantedPath, in_state, living, paths, with_row
+from rtkit.rtc.names import parse_path
+from rtkit.tree.view import NodeKind, TreeNode
+
+Found = Iterable[Candidate]
+Maker = Callable[[CursorMeaning, CompletionSource], "Found | Files"]
+PROFILES = Files((".xml", ".yaml", ".yml", ".json"))
+_IN, _OUT = "DataInPort", "DataOutPort"
+_CONNECTOR_PROPERTIES = (
+    "dataport.dataflow_type=",
+    "dataport.interface_type=",
+    "dataport.push_policy=",
+    "dataport.push_rate=",
+    "dataport.subscription_type=",
+)
+_COMPOSITES = ("PeriodicECSharedComposite", "PeriodicStateSharedComposite", "GroupingComposite")
+
+
+def found(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
+    """Return what may stand at the cursor."""
+    if asked.kind in ("option", "words"):
+        return [each for each in asked.words if each.text.startswith(asked.typed)]
+    maker = _MAKERS.get(asked.kind)
+    return maker(asked, live) if maker is not None else ()
+
+
+def _all(wanted: WantedPath) -> Maker:
+    return lambda asked, live: paths(live, asked.typed, wanted)
+
+
+def _is_manager(node: TreeNode) -> bool:
+    return node.kind is NodeKind.MANAGER
+
+
+def _is_slave(node: TreeNode) -> bool:
+    return node.is_slave
+
+
+def _deletable(asked: CursorMeaning, live: CompletionSource) -> Found:
+    if "-z" in asked.options:
+        return paths(live, asked.typed, WantedPath(lambda node: node.kind is NodeKind.ZOMBIE))
+    return paths(live, asked.typed, WantedPath(lambda _: True, takes_folders=True))
+
+
+def _changeable(state: str) -> Maker:
+    """Return components in a state; with a context named, all: the tree tells the merged state."""
+
+    def make(asked: CursorMeaning, live: CompletionSource) -> Found:
+        is_named = "-e" in asked.options
+        again = [each for each in asked.arguments if each != asked.typed]
+        told = paths(live, asked.typed, WantedPath(living if is_named else in_state(state)))
+        return [each for each in told if each.text not in again]
+
+    return make
+
+
+def _in_port(asked: CursorMeaning, live: CompletionSource) -> Found:
+    wanted = WantedPath(
+        with_row(lambda row: bool(row.ins)),
+        has_port=True,
+        port_fits=lambda _, port: port["port_type"] == _IN,
+    )
+    return paths(live, asked.typed, wanted)
+
+
+def _out_port(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
+    if asked.options.keys() & {"-p", "-d"} and asked.command == "rtlog":
+        return _in_port(asked, live)
+    wanted = WantedPath(
+        with_row(lambda row: bool(row.outs)),
+        has_port=True,
+        port_fits=lambda _, port: port["port_type"] == _OUT,
+    )
+    return paths(live, asked.typed, wanted)
+
+
+def _fitting(asked: CursorMeaning, live: CompletionSource) -> Found:
+    from rtkit.cli.completion.fitting import fits, is_fit
+
+    first = _end(asked.arguments[0], live)
+    if first is None:
+        return paths(live, asked.typed, _PORT)
+    instance, name = first
+    port = next((each for each in live.ports(instance) if each["name"] == name), None)
+    if port is None:
+        return paths(live, asked.typed, _PORT)
+    fit = fits(live.snapshot["components"], instance, port)
+    wanted = WantedPath(
+        with_row(lambda row: row.instance in fit),
+        has_port=True,
+        port_fits=lambda other, each: other in fit and is_fit(port, each),
+    )
+    return paths(live, asked.typed, wanted)
+
+
+def _end(typed: str, live: CompletionSource) -> tuple[str, str | None] | None:
+    """Return the component at a path, and the port that it names."""
+    node = live.component(typed)
+    if node is None or node.row is None:
+        return None
+    return node.row.instance, parse_path(typed, working_directory()).port
+
+
+def _connected_to(asked: CursorMeaning, live: CompletionSource) -> Found:
+    first = _end(asked.arguments[0], live)
+    if first is None:
+        return ()
+    ends = {
+        (end["instance"], end["port"])
+        for wire in instances_of(live.snapshot["connectors"], *first)
+        for end in wire["ports"]
+        if end["instance"] != first[0]
+    }
+    names = {instance for instance, _ in ends}
+    wanted = WantedPath(
+        with_row(lambda row: row.instance in names),
+        has_port=True,
+        port_fits=lambda instance, port: (instance, port["name"]) in ends,
+    )
+    return paths(live, asked.typed, wanted)
+
+
+def _connected(asked: CursorMeaning, live: CompletionSource) -> Found:
+    wanted = WantedPath(
+        with_row(lambda row: bool(row.ins_connected + row.outs_connected + row.services_connected)),
+        has_port=None,
+        port_fits=lambda instance, port: bool(
+            instances_of(live.part(instance)["connectors"], instance, port["name"])
+        ),
+    )
+    return paths(live, asked.typed, wanted)
+
+
+def _connectors(asked: CursorMeaning, live: CompletionSource) -> Found:
+    ends = [_end(each, live) for each in asked.arguments[:1]]
+    wires = live.snapshot["connectors"]
+    for end in filter(None, ends):
+        wires = instances_of(wires, *end)
+    return [
+        Candidate(
+            wire["connector_id"], " ".join(f"{p['instance']}.{p['port']}" for p in wire["ports"])
+        )
+        for wire in wires
+        if wire["connector_id"].startswith(asked.typed)
+    ]
+
+
+def _words(asked: CursorMeaning, live: CompletionSource) -> Found:
+    module = importlib.import_module(f"rtkit.cli.{asked.command}")
+    return those(getattr(module, "FORMS", None) or module.WORDS, asked.typed)
+
+
+def _manager_or_word(asked: CursorMeaning, live: CompletionSource) -> Found:
+    words = list(_words(asked, live))
+    if words and asked.typed:
+        return words
+    return [*words, *_or_none(lambda: paths(live, asked.typed, WantedPath(_is_manager)))]
+
+
+def _or_none(look: Callable[[], Found]) -> Found:
+    """Return what can be seen: words that need no manager are there without one, too."""
+    from rtkit.errors import RtkitError
+
+    try:
+        return list(look())
+    except RtkitError:
+        return ()
+
+
+def _manager_names(asked: CursorMeaning, live: CompletionSource) -> Found:
+    from rtkit.link.running import managers
+
+    return those(managers(), asked.typed)
+
+
+def _waited_for(asked: CursorMeaning, live: CompletionSource) -> Found:
+    words = _words(asked, live) if asked.arguments else ()
+    wanted = WantedPath(living, has_port=None)
+    return [*words, *_or_none(lambda: paths(live, asked.typed, wanted))]
+
+
+def _hosts(asked: CursorMeaning, live: CompletionSource) -> Found:
+    root = live.folder("/")
+    return those(root.children if root is not None else (), asked.typed)
+
+
+def _sets(asked: CursorMeaning, live: CompletionSource) -> Found:
+    sets = _facts(asked, live).get("sets", {})
+    return those((each for each in sets if not each.startswith("__")), asked.typed)
+
+
+def _facts(asked: CursorMeaning, live: CompletionSource) -> dict[str, dict[str, dict[str, str]]]:
+    node = live.component(asked.arguments[0]) if asked.arguments else None
+    return live.facts(node.row.instance) if node is not None and node.row is not None else {}
+
+
+def _conf(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
+    verb, count = asked.arguments[1], len(asked.arguments)
+    if verb == "diff" and count == 2:
+        return [*_sets(asked, live)] or Files((".json",))
+    if verb in ("import", "export") and count == 2:
+        return Files((".json",))
+    if verb not in ("get", "set") or (verb == "get" and count > 2):
+        return ()
+    values = _parameters(asked, live)
+    name, equals, start = asked.typed.partition("=")
+    if verb == "set" and equals:
+        return those([f"{name}={values.get(name, '')}"], f"{name}={start}", "as it is")
+    if verb == "set" and count == 3 and "=" not in asked.arguments[2]:
+        return those([values.get(asked.arguments[2], "")], asked.typed, "as it is")
+    end = "=" if verb == "set" else ""
+    return [Candidate(f"{each}{end}", values[each]) for each in values if each.startswith(name)]
+
+
+def _parameters(asked: CursorMeaning, live: CompletionSource) -> dict[str, str]:
+    node = live.component(asked.arguments[0])
+    if node is not None and node.kind is NodeKind.MANAGER:
+        return dict(live.part()["properties"])
+    facts = _facts(asked, live)
+    name = asked.options.get("-s") or str(facts.get("active_set", ""))
+    return facts.get("sets", {}).get(name, {})
+
+
+def _types(asked: CursorMeaning, live: CompletionSource) -> Found:
+    offered = live.tree().get("get_loadable_modules").splitlines()
+    kinds = [line.partition("?")[0].split(":") for line in offered]
+    loaded = (each for module in live.part()["modules"] for each in module.get("types", ()))
+    names = [*(each[3] for each in kinds if len(each) > 3), *(each["type_name"] for each in loaded)]
+    return those(sorted(names), asked.typed)
+
+
+def _modules(asked: CursorMeaning, live: CompletionSource) -> Found:
+    return those((each["path"] for each in live.part()["modules"]), asked.typed)
+
+
+def _properties(asked: CursorMeaning, live: CompletionSource) -> Found:
+    return those((f"{key}=" for key in live.part()["properties"]), asked.typed)
+
+
+def _instances(asked: CursorMeaning, live: CompletionSource) -> Found:
+    return those((row.instance for row in live.tree().listing().rows), asked.typed)
+
+
+def _live(asked: CursorMeaning, live: CompletionSource) -> Found:
+    from rtkit.cli.completion.properties import targets
+
+    return targets(asked.typed, live)
+
+
+def _value(asked: CursorMeaning, live: CompletionSource) -> Found:
+    from rtkit.cli.completion.properties import values
+
+    return values(asked.arguments[0], asked.typed, live.timeout_s)
+
+
+def _classes(asked: CursorMeaning, _live: CompletionSource) -> Found | Files:
+    """Return what a file defines of which the name is typed up to the colon, else files."""
+    path, colon, _ = asked.typed.rpartition(":")
+    if not colon and os.path.isfile(os.path.expanduser(asked.typed)):
+        path = asked.typed
+    elif not colon:
+        return Files((".py",))
+    import ast
+
+    try:
+        with open(os.path.expanduser(path), encoding="utf-8") as file:
+            tree = ast.parse(file.read())
+    except (OSError, ValueError, SyntaxError):
+        return ()
+    kinds = (ast.ClassDef, ast.FunctionDef)
+    names = (each.name for each in tree.body if isinstance(each, kinds))
+    return those((f"{path}:{each}" for each in names if each[0] != "_"), asked.typed)
+
+
+_PORT = WantedPath(with_row(lambda row: bool(row.ins + row.outs + row.services)), has_port=True)
+_MAKERS: dict[str, Maker] = {
+    "active": _changeable("Active"),
+    "anything": _all(WantedPath(lambda node: not node.is_directory, takes_folders=True)),
+    "anything:": _all(WantedPath(lambda node: not node.is_directory, True, None)),
+    "class": _classes,
+    "component": _all(WantedPath(living)),
+    "component:": _all(WantedPath(living, has_port=None)),
+    "component-or-system": lambda asked, _: (
+        those(("component", "system"), asked.typed) if not asked.arguments else ()
+    ),
+    "component|manager": _all(WantedPath(lambda node: living(node) or _is_manager(node))),
+    "component|slave": _all(WantedPath(lambda node: living(node) or _is_slave(node))),
+    "composite-type": lambda asked, _: those(_COMPOSITES, asked.typed),
+    "conf": _conf,
+    "connected": _connected,
+    "connected-to": _connected_to,
+    "connector": _connectors,
+    "connector-property": lambda asked, _: those(_CONNECTOR_PROPERTIES, asked.typed),
+    "context": lambda asked, _: those(("all",), asked.typed),
+    "deletable": _deletable,
+    "directory": _all(WantedPath(lambda _: False, takes_folders=True)),
+    "faulty": _changeable("Error"),
+    "file": lambda _asked, _live: Files(),
+    "fitting": _fitting,
+    "folder": lambda _asked, _live: Files(is_folder=True),
+    "host": _hosts,
+    "in-port": _in_port,
+    "inactive": _changeable("Inactive"),
+    "instance": _instances,
+    "live": _live,
+    "loaded-module": _modules,
+    "manager": _all(WantedPath(_is_manager)),
+    "manager-name": _manager_names,
+    "manager|component": _all(WantedPath(lambda node: living(node) or _is_manager(node))),
+    "manager|word": _manager_or_word,
+    "module": lambda _asked, _live: Files((".py", ".so")),
+    "out-port": _out_port,
+    "port": _all(_PORT),
+    "profile": lambda _asked, _live: PROFILES,
+    "property": _properties,
+    "set": _sets,
+    "type": _types,
+    "value": _value,
+    "waited-for": _waited_for,
+    "word": _words,
+}
+KINDS = frozenset((*_MAKERS, "option", "words", ""))

@@ -1,0 +1,145 @@
+"""What can be known of components before they are made: asked of the manager, read in profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING
+
+from rtkit.cli._app import App
+from rtkit.cli.system.present_code import present_code
+from rtkit.errors import NotFound
+from rtkit.rtc.create import parse_create
+
+if TYPE_CHECKING:
+    from rtkit.deployment.facts import Snapshot
+    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.planning.feasibility import Feasibility, Making
+    from rtkit.deployment.system import WantedComponent, WantedSystem
+    from rtkit.rtc.profiles import PortProfile
+    from rtkit.static_check.blueprint import Blueprint
+
+
+def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibility:
+    """Return what is known of the components that do not live as wanted; no code is run.
+
+    Raises:
+        Unreachable: The manager does not answer.
+    """
+    from rtkit.deployment.live import LiveIndex
+    from rtkit.deployment.planning.feasibility import Feasibility, makings
+
+    live = LiveIndex(snapshot, system)
+    asked = makings(system, live)
+    lacks = _lacking(app, asked, live)
+    pending = [system.component(name) for name in asked if name not in lacks]
+    types = _described(app, {each.instance: each.id for each in pending if _says_something(each)})
+    parameters = {
+        name: {key: each.declared for key, each in known.parameters.items()}
+        for name, known in types.items()
+    }
+    ports = _ports(system, live, pending, types)
+    code = present_code(snapshot.components)
+    return Feasibility(lacks, ports, parameters, frozenset(types), code)
+
+
+def _says_something(component: WantedComponent) -> bool:
+    """Whether what a type has is to be compared; what a composite has shows when it is made."""
+    is_composite = (
+        "members" in parse_create(component.create).options if component.create else False
+    )
+    return bool(component.sets or component.ports) and not is_composite
+
+
+def missing(app: App, system: WantedSystem, snapshot: Snapshot) -> dict[str, str]:
+    """Return why components cannot be made that are not there, by their names.
+
+    Raises:
+        Unreachable: The manager does not answer.
+    """
+    from rtkit.deployment.live import LiveIndex
+
+    live = LiveIndex(snapshot, system)
+    absent = {each.instance for each in system.components if live.at(each.instance) is None}
+    if not absent:
+        return {}
+    from rtkit.deployment.planning.feasibility import makings
+
+    asked = makings(system, live)
+    return _lacking(app, {name: asked[name] for name in asked if name in absent}, live)
+
+
+def _lacking(app: App, asked: Mapping[str, Making], live: LiveIndex) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for manager, known in live.managers.items():
+        mine = {name: making for name, making in asked.items() if live.home(name) == manager}
+        if mine and known.pid:
+            found.update(_lacking_at(app, manager, mine))
+    return found
+
+
+def _lacking_at(app: App, manager: str, asked: Mapping[str, Making]) -> dict[str, str]:
+    distinct = sorted(set(asked.values()))
+    try:
+        found = dict(zip(distinct, app.tree.at(manager).lacking(distinct), strict=True))
+    except NotFound as error:
+        app.tell(f"which modules are found is not known: {error}")
+        return {}
+    return {name: found[making] for name, making in asked.items() if found[making]}
+
+
+def _ports(
+    system: WantedSystem,
+    live: LiveIndex,
+    pending: Collection[WantedComponent],
+    types: Mapping[str, Blueprint],
+) -> dict[str, tuple[PortProfile, ...]]:
+    """Return the ports that components will have, of those that are to be connected.
+
+    A living component of the same type shows them, else an RTC profile of the type says them.
+    """
+    ends = {end.instance for wire in system.connectors for end in wire.profile.ports}
+    alive = {c.type.id: c.ports for c in live.snapshot.components if not c.zombie}
+    found = {}
+    for component in pending:
+        name = component.instance
+        if name in ends and component.id in alive:
+            found[name] = alive[component.id]
+        elif name in ends and name in types:
+            found[name] = _ports_of(types[name])
+    return found
+
+
+def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
+    """Return what RTC profiles say of the types of components, where they say it of just that."""
+    if not wanted:
+        return {}
+    from rtkit.cli._components import profiles
+    from rtkit.deployment.identity import type_of
+    from rtkit.static_check.stock import CandidateDocument, stocked
+
+    names = {type_of(id).type_name for id in wanted.values()}
+    catalogue, _ = stocked((CandidateDocument(*each) for each in profiles((), app.tell)), names)
+    found = {}
+    for name, id in wanted.items():
+        match = catalogue.find(id)
+        if match is not None and not match.is_other_version and not match.others:
+            found[name] = match.blueprint
+    return found
+
+
+def _ports_of(blueprint: Blueprint) -> tuple[PortProfile, ...]:
+    """Return ports by type alone: what else they offer shows when they live."""
+    from rtkit.rtc.enums import PortType
+    from rtkit.rtc.profiles import PortProfile
+
+    data = [
+        PortProfile(name, each.kind, {"dataport.data_type": each.data_type})
+        for name, ports in blueprint.data_ports.items()
+        for each in ports[:1]
+        if len(ports) == 1
+    ]
+    service = [
+        PortProfile(name, PortType.SERVICE, interfaces=interfaces)
+        for name, interfaces in blueprint.service_ports.items()
+    ]
+    return (*data, *service)

@@ -1,0 +1,69 @@
+"""What a holder does with composites: one change of members and shown ports after the other."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rtkit.component.base import Component
+from rtkit.component.composites_index import is_composite
+from rtkit.container.services_of_container import ContainerServices
+from rtkit.errors import RtkitError
+
+if TYPE_CHECKING:
+    from rtkit.component.composite import Composite, Done
+
+    _Change = Callable[[Done], object]
+
+
+class Composites:
+    """The changes of composites of one process."""
+
+    def __init__(self, host: ContainerServices) -> None:
+        self._host = host
+        self._waiting: deque[tuple[Composite, _Change, Done]] = deque()
+
+    def arrange(self, composite: Composite, then: Done) -> None:
+        """Make a composite what its parameters say, then tell `then` on the holder's thread."""
+        self._enqueue(composite, composite.arrange, then)
+
+    def part(self, component: Component, then: Callable[[], object]) -> None:
+        """Take a component out of its composite, and let its own members go, then do `then`."""
+        whole = component.composite
+        if is_composite(whole):
+            self._enqueue(
+                whole,
+                lambda done: whole.expel(component, done),
+                lambda _error: self.part(component, then),
+            )
+        elif is_composite(component) and component.member_components:
+            self._enqueue(component, component.dissolve, lambda _error: then())
+        else:
+            then()
+
+    def _enqueue(self, composite: Composite, change: _Change, then: Done) -> None:
+        self._waiting.append((composite, change, then))
+        if len(self._waiting) == 1:
+            self._begin()
+
+    def _begin(self) -> None:
+        composite, change, _ = self._waiting[0]
+        touched = list(composite.member_components)
+
+        def done(error: RtkitError | None) -> None:
+            self._host.post(lambda: self._end(touched, error))
+
+        change(done)
+
+    def _end(self, touched: list[Component], error: RtkitError | None) -> None:
+        composite, _, then = self._waiting.popleft()
+        outer: Component | None = composite
+        while outer is not None:
+            touched.append(outer)
+            outer = outer.composite
+        for each in dict.fromkeys([*touched, *composite.member_components]):
+            self._host.tell(each)
+        then(error)
+        if self._waiting:
+            self._begin()

@@ -1,0 +1,463 @@
+"""Holds the components of one process and does what the core asks of them.
+
+The same holder works inside the manager and inside a slave: messages in, messages out. All of
+it runs on one thread; pacers and connection workers only put events into its inbox. Component
+code runs here at initialise and finalise, and on the pacers' threads otherwise.
+"""
+
+from __future__ import annotations
+
+import os
+import queue
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rtkit import fault
+from rtkit.component.base import Component
+from rtkit.component.composites_index import is_composite
+from rtkit.component.context import ExecutionContext
+from rtkit.component.current import current
+from rtkit.container.composites import Composites
+from rtkit.container.data_connectors import DataConnectors
+from rtkit.container.execution_contexts import ExecutionContexts, release
+from rtkit.container.facts import facts_of
+from rtkit.container.neighbours import Neighbours
+from rtkit.container.pacer import Pacer, Work
+from rtkit.container.port_wiring import PortWiring
+from rtkit.container.services_of_container import LATER, Operations, in_time
+from rtkit.container.state_machines import StateMachines
+from rtkit.container.user_requests import UserRequests
+from rtkit.deployment.message import Message
+from rtkit.errors import Malformed, NotFound, Refused, RtkitError, Unreachable
+from rtkit.guard import guarded, kind_and_text
+from rtkit.logs.late import late
+from rtkit.property.exchange import NOT_BEGUN
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import ReturnCode
+from rtkit.rtc.serde import encode
+
+if TYPE_CHECKING:
+    from rtkit.component.composite import Composite
+    from rtkit.container.component_factory import ComponentFactory
+    from rtkit.container.heartbeats import Heartbeats, HeartbeatSlot
+    from rtkit.container.slave_checkpoint import CheckpointWriter
+
+_log = late(__name__)
+_CLOSE = object()
+_DEACTIVATE_S = 2.0
+_WIND_UP_S = 1.0
+"""How long all callbacks have to come back when the process ends: half of what it has [s]."""
+
+
+class ComponentContainer:
+    """The components of one process, on a thread of its own or the process's main thread.
+
+    Args:
+        send: Takes what is reported and answered.
+        wires: The connector ends of the process.
+        maker: Makes components; None where they are only handed in.
+    """
+
+    def __init__(
+        self,
+        send: Callable[[Message], object],
+        wires: PortWiring,
+        component_factory: ComponentFactory | None,
+    ) -> None:
+        self._send = send
+        self._component_factory = component_factory
+        self._heartbeats: Heartbeats | None = None
+        self._own_slot: HeartbeatSlot | None = None
+        self._checkpoint_writer: CheckpointWriter | None = None
+        self._slots: dict[tuple[str, str], HeartbeatSlot] = {}
+        self._wires = wires
+        self._inbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._components: dict[str, Component] = {}
+        self._pacers: dict[tuple[str, str], Pacer] = {}
+        self._memory: dict[str, Mapping[str, Any]] = {}
+        self._asked = UserRequests()
+        self._takeovers: dict[str, list[Message]] = {}
+        self._deletions: dict[str, list[Message]] = {}
+        self._stale: set[Component] = set()
+        self._links = DataConnectors(self, wires)
+        self._composites = Composites(self)
+        self._operations: Mapping[str, Callable[[Message], Any]] = {
+            "delete": self._delete,
+            "set": self._set,
+            "activate_set": self._activate_set,
+            "set_back": self._set_back,
+            "remember": self._remember,
+            "metrics": self._send_metrics,
+            **(self._making(component_factory) if component_factory is not None else {}),
+            **ExecutionContexts(self).operations,
+            **self._links.operations,
+            **StateMachines(self).operations,
+            **Neighbours(self).operations,
+        }
+
+    def show_heartbeats(self, heartbeats: Heartbeats) -> None:
+        """Show in which callback each context of this process is, before there are any."""
+        self._heartbeats, self._own_slot = heartbeats, heartbeats.slot()
+
+    def write_down(self, checkpoint_writer: CheckpointWriter) -> None:
+        """Keep an account of what is held, for when nobody here can tell it."""
+        self._checkpoint_writer = checkpoint_writer
+
+    def put(self, message: Message) -> None:
+        """Hand a message of the core in, from any thread."""
+        self._inbox.put(message)
+
+    def post(self, work: Callable[[], object]) -> None:
+        """Have something done on the thread of `run`, from any thread."""
+        self._inbox.put(work)
+
+    def close(self) -> None:
+        """End `run` after finalising every component, from any thread."""
+        self._inbox.put(_CLOSE)
+
+    def tell_all(self, tell: Callable[[Message], object]) -> None:
+        """Have `tell` called with everything that is held, before any later report."""
+
+        def introduce() -> None:
+            tell(self._holding())
+            if self._component_factory is not None and self._component_factory.modules:
+                self._send({"loaded": self._component_factory.modules})
+
+        self._inbox.put(introduce)
+
+    def run(self) -> None:
+        """Do what comes in until `close`."""
+        while True:
+            item = self._inbox.get()
+            if item is _CLOSE:
+                break
+            # User code may raise SystemExit, too, which must not end the process.
+            error = guarded(item if callable(item) else partial(self._serve, item)).error
+            if error is not None:
+                _log().error("holder failed at %r", item, exc_info=error)
+        self._wind_up()
+        self._wires.close()
+
+    def _wind_up(self) -> None:
+        """Finalise every component but those of which a callback does not come back."""
+        for pacer in self._pacers.values():
+            pacer.stop()
+        until = time.monotonic() + _WIND_UP_S
+        hung = {
+            instance
+            for (instance, _), pacer in self._pacers.items()
+            if not pacer.close(max(0.0, until - time.monotonic()))
+        }
+        for instance in reversed(list(self._components)):
+            if instance in hung:
+                _log().error("%s is not finalised: a callback of it does not come back", instance)
+            else:
+                self._end(instance)
+
+    def _serve(self, message: Message) -> None:
+        operation = self._operations.get(message.get("op", ""))
+        if operation is None:
+            self.refuse(message, Malformed(f"unknown operation: {message.get('op')!r}"))
+            return
+        if not in_time(message):
+            self.refuse(message, Unreachable(NOT_BEGUN))
+            return
+        fault.point("holder.asked")
+        try:
+            value = operation(message)
+            fault.point("holder.did")
+        except RtkitError as error:
+            if message["op"] in ("load", "create") and error.__cause__ is not None:
+                _log().error("%s failed: %s", message["op"], error, exc_info=error.__cause__)
+            self.refuse(message, error)
+        except BaseException as error:
+            self.refuse(message, RtkitError(kind_and_text(error)))
+            raise
+        else:
+            if value is not LATER:
+                self.answer(message, value)
+
+    def answer(self, message: Message, value: Any) -> None:
+        """Answer a message, whose operation was done."""
+        if message.get("instance") in self._components:
+            self._asked.note(message)
+        if "call" in message:
+            self._send({"reply": message["call"], "value": "" if value is None else value})
+            fault.point("holder.answered")
+
+    def refuse(self, message: Message, error: RtkitError, code: ReturnCode | None = None) -> None:
+        """Answer a message with an error."""
+        if "call" in message:
+            code = code or ReturnCode.ERROR
+            reply = {"reply": message["call"], "code": code.value}
+            self._send({**reply, "kind": error.kind, "why": str(error)})
+
+    # modules
+
+    def _making(self, component_factory: ComponentFactory) -> Operations:
+        return {
+            "configure": component_factory.configure,
+            "load": partial(self._load, component_factory),
+            "unload": component_factory.unload,
+            "fingerprint": component_factory.fingerprint,
+            "create": partial(self._create, component_factory),
+        }
+
+    def _load(self, component_factory: ComponentFactory, message: Message) -> dict[str, Any]:
+        path = message["path"]
+        with self._watched(os.path.basename(path), "import"):
+            return component_factory.load(path, message.get("init", ""))
+
+    # components
+
+    def _create(self, component_factory: ComponentFactory, message: Message) -> object:
+        create = parse_create(message["create"])
+        instance = create.instance_name
+        if instance in self._components:
+            raise Refused(f"{instance} exists already")
+        with self._watched(instance, "creation"):
+            component = component_factory.make(create, message)
+        found = component_factory.found()
+        if found:
+            self._send({"loaded": found})
+        if not isinstance(component, Component):
+            return component
+        self.hold(component)
+        self._memory[instance] = message.get("kept", {})
+        odd = [text for each in found for text in each["remarks"]]
+        odd += component_factory.odd_options(component, create)
+        for text in odd:
+            component.report(text)
+        changed = component_factory.changed(component)
+        told = {"changed": changed, "remarks": odd} if changed or odd else instance
+        if is_composite(component):
+            self._compose(message, component, told)
+            return LATER
+        self.tell(component)
+        return told
+
+    def hold(self, component: Component) -> None:
+        """Initialise a component and drive its contexts; only on the thread of `run`.
+
+        Raises:
+            Refused: on_initialize failed.
+        """
+        with self._watched(component.instance, "on_initialize"):
+            component.initialize()
+        self._components[component.instance] = component
+        for context in component.contexts.values():
+            self._drive(component, context)
+
+    def _compose(self, message: Message, composite: Composite, told: object) -> None:
+        composite.resolve = self.component
+
+        def done(error: RtkitError | None) -> None:
+            if error is None:
+                self.answer(message, told)
+            else:
+                self._end(composite.instance)
+                self.refuse(message, error)
+
+        self._composites.arrange(composite, done)
+
+    def _drive(self, component: Component, context: ExecutionContext) -> None:
+        key = (component.instance, context.id)
+        slot = self._heartbeats.slot() if self._heartbeats is not None else None
+        grant = slot.grant if slot is not None else None
+        self._pacers[key] = Pacer(context, f"{component.instance}/{context.id}", grant)
+        context.changed = self._changed
+        if slot is not None:
+            self._slots[key] = slot
+            context.watch = slot.watch
+
+    @contextmanager
+    def _watched(self, name: str, callback: str) -> Iterator[None]:
+        """Tell by a heartbeat, and in logs, whose code runs on this thread."""
+        before = current.set("" if callback == "import" else name)
+        if self._own_slot is not None:
+            self._own_slot.watch(name, callback)
+        try:
+            yield
+        finally:
+            if self._own_slot is not None:
+                self._own_slot.watch("", "")
+            current.reset(before)
+
+    def _changed(self, component: Component) -> None:
+        """Have a component's facts told soon, once for however many changes until then."""
+        if component not in self._stale:
+            self._stale.add(component)
+            self.post(lambda: self.tell(component))
+
+    def tell(self, component: Component) -> None:
+        """Report the facts of a component, and answer those who waited for its settings."""
+        self._stale.discard(component)
+        if self._components.get(component.instance) is component:
+            facts = encode(facts_of(component))
+            self._keep(component.instance, facts)
+            self._send({"facts": facts})
+        if not component.configuration.is_pending:
+            self._taken_over(component, self._takeovers.pop(component.instance, []))
+
+    def _keep(self, instance: str, facts: Mapping[str, Any]) -> None:
+        if self._checkpoint_writer is not None:
+            self._checkpoint_writer.keep(instance, {**facts, **self._memory.get(instance, {})})
+
+    def _taken_over(self, component: Component, messages: list[Message]) -> None:
+        """Answer those who waited for settings; a composite has to become what they say."""
+
+        def done(error: RtkitError | None) -> None:
+            for message in messages:
+                if error is None:
+                    self.answer(message, "")
+                else:
+                    self.refuse(message, error)
+
+        if messages and is_composite(component) and not component.is_arranged:
+            self._composites.arrange(component, done)
+        else:
+            done(None)
+
+    def component(self, instance: str) -> Component:
+        """Return a component of this process.
+
+        Raises:
+            NotFound: There is none of that name.
+        """
+        component = self._components.get(instance)
+        if component is None:
+            raise NotFound(f"no component named {instance}")
+        return component
+
+    def _delete(self, message: Message) -> object:
+        component = self.component(message["instance"])
+        asked = self._deletions.setdefault(component.instance, [])
+        asked.append(message)
+        if len(asked) > 1:
+            return LATER
+        self._composites.part(component, lambda: self._release(component))
+        return LATER
+
+    def _release(self, component: Component) -> None:
+        waiting = 0
+
+        def rested() -> None:
+            nonlocal waiting
+            waiting -= 1
+            if not waiting:
+                self._deleted(component.instance)
+
+        waiting = release(component, self._is_resting, lambda: self.post(rested))
+        if not waiting:
+            self._deleted(component.instance)
+
+    def _is_resting(self, context: ExecutionContext) -> bool:
+        return self._pacers[context.owner, context.id].is_resting
+
+    def _deleted(self, instance: str) -> None:
+        try:
+            self._end(instance)
+        finally:
+            fault.point("holder.finalised")
+            self._send({"gone": instance})
+            for message in self._deletions.pop(instance):
+                self.answer(message, "")
+
+    def _end(self, instance: str) -> None:
+        component = self._components.pop(instance)
+        self._memory.pop(instance, None)
+        self._asked.forget(instance)
+        self._links.part(component)
+        for key in [key for key in self._pacers if key[0] == instance]:
+            self._pacers.pop(key).close(_DEACTIVATE_S)
+            slot = self._slots.pop(key, None)
+            if slot is not None and self._heartbeats is not None:
+                self._heartbeats.release(slot)
+        with self._watched(instance, "on_finalize"):
+            component.finalize()
+        if self._checkpoint_writer is not None:
+            self._checkpoint_writer.strike(instance)
+        for message in self._takeovers.pop(instance, ()):
+            self.refuse(message, Refused(f"{instance} was deleted"))
+
+    def _remember(self, message: Message) -> None:
+        instance = message["instance"]
+        if instance in self._components:
+            self._memory[instance] = message["kept"]
+            self._keep(instance, encode(facts_of(self._components[instance])))
+
+    def _send_metrics(self, _message: Message) -> object:
+        from rtkit.container.metrics import metrics_of
+
+        def worked(context: ExecutionContext) -> Work:
+            return work.get((context.owner, context.id), Work())
+
+        work = {key: pacer.work() for key, pacer in self._pacers.items()}
+        self._send({"metrics": metrics_of(self._components.values(), worked)})
+        return LATER
+
+    def _holding(self) -> Message:
+        components = [
+            {**encode(facts_of(component)), **self._memory.get(instance, {})}
+            for instance, component in self._components.items()
+        ]
+        return {
+            "components": components,
+            "wires": [encode(wire) for wire in self._links.wires],
+            "asked": self._asked.told(self._components),
+        }
+
+    # configuration and state
+
+    def _set(self, message: Message) -> object:
+        component = self.component(message["instance"])
+        configuration = component.configuration
+        if message["set_id"] == configuration.active_set:
+            _check_composite(component, message["set_id"], message["values"])
+        configuration.set(message["set_id"], message["values"])
+        if message["set_id"] != configuration.active_set:
+            self.tell(component)
+            return ""
+        configuration.activate(message["set_id"])
+        return self._take_over(component, message)
+
+    def _activate_set(self, message: Message) -> object:
+        component = self.component(message["instance"])
+        _check_composite(component, message["set_id"], {})
+        component.configuration.activate(message["set_id"])
+        return self._take_over(component, message)
+
+    def _set_back(self, message: Message) -> None:
+        """Undo what was asked for by somebody who has given up; what was set since stays."""
+        component, set_id = self.component(message["instance"]), message["set_id"]
+        configuration = component.configuration
+        present, meant = configuration.sets.get(set_id, {}), message["values"]
+        before = message["before"].items()
+        configuration.set(set_id, {k: v for k, v in before if present.get(k) == meant.get(k)})
+        configuration.activate(message["active_set"])
+        self._take_over(component, message)
+
+    def _take_over(self, component: Component, message: Message) -> object:
+        """Answer when the component sees its new configuration."""
+        context = next((c for c in component.participations if c.is_running), None)
+        self._takeovers.setdefault(component.instance, []).append(message)
+        if context is None:
+            component.configuration.update()
+            self.tell(component)
+        else:
+            try:
+                context.wake()
+            except Refused:
+                self._takeovers[component.instance].remove(message)
+                raise
+        return LATER
+
+
+def _check_composite(component: Component, set_id: str, values: Mapping[str, str]) -> None:
+    """Refuse settings that name members or ports that are not there, before they are stored."""
+    if is_composite(component):
+        present = {**component.configuration.sets.get(set_id, {}), **values}
+        component.check(present.get("members", ""), present.get("exported_ports", ""))

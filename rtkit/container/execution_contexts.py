@@ -1,0 +1,164 @@
+"""What a holder does with execution contexts: transitions, rates, ticks, participants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from rtkit.component.base import Component
+from rtkit.component.composites_index import is_composite
+from rtkit.component.context import ExecutionContext, always
+from rtkit.component.period import check_rate
+from rtkit.container.services_of_container import (
+    LATER,
+    ContainerServices,
+    Operations,
+    answer_code,
+    in_time,
+)
+from rtkit.deployment.message import Message
+from rtkit.errors import NotFound, Refused
+from rtkit.rtc.enums import LifeCycleState, ReturnCode, Transition
+
+
+class ExecutionContexts:
+    """The operations on the execution contexts of one process."""
+
+    def __init__(self, host: ContainerServices) -> None:
+        self._host = host
+        self.operations: Operations = {
+            "change_state": self._change_state,
+            "set_rate": self._set_rate,
+            "tick": self._tick,
+            "attach": self._attach,
+            "detach": self._detach,
+        }
+
+    def _change_state(self, message: Message) -> object:
+        component, context = self._of(message)
+        is_awaited = message.get("wait", True)
+
+        def done(code: ReturnCode, why: str) -> None:
+            if is_awaited:
+                self._later(message, code, _of_component(code, why, component))
+
+        is_wanted = partial(in_time, message) if is_awaited else always
+        context.request(component, Transition(message["transition"]), done, is_wanted)
+        return LATER if is_awaited else ""
+
+    def _set_rate(self, message: Message) -> None:
+        _, context = self._of(message)
+        if not context.is_periodic:
+            raise Refused(
+                f"execution context {context.id} of {context.owner} has no rate:"
+                f" its kind is {context.kind}"
+            )
+        context.set_rate(check_rate(message["rate"]))
+        for each in context.participants:
+            self._host.tell(each)
+
+    def _tick(self, message: Message) -> object:
+        component, context = self._of(message)
+        context.request_tick(
+            lambda code, why: self._later(message, code, _of_component(code, why, component)),
+            partial(in_time, message),
+        )
+        return LATER
+
+    def _attach(self, message: Message) -> object:
+        context, participant = self._shared(message)
+        if participant in context.participants:
+            raise Refused(
+                f"{participant.instance} takes part in execution context {context.id}"
+                f" of {context.owner} already"
+            )
+        self._between_cycles(message, context, lambda: context.add_component(participant))
+        return LATER
+
+    def _detach(self, message: Message) -> object:
+        context, participant = self._shared(message)
+        if participant not in context.participants:
+            raise NotFound(
+                f"{participant.instance} takes no part in execution context {context.id}"
+                f" of {context.owner}"
+            )
+        owner = self._host.component(message["instance"])
+        if participant.composite is not None and is_composite(owner):
+            raise Refused(
+                f"{participant.instance} is a member of {participant.composite.instance};"
+                " take it out of there"
+            )
+        self._between_cycles(message, context, lambda: context.remove_component(participant))
+        return LATER
+
+    def _of(self, message: Message) -> tuple[Component, ExecutionContext]:
+        component = self._host.component(message["instance"])
+        id = message["context"]
+        try:
+            return component, component.participation(id)
+        except NotFound:
+            raise NotFound(f"no execution context {id} on {component.instance}") from None
+
+    def _shared(self, message: Message) -> tuple[ExecutionContext, Component]:
+        owner = self._host.component(message["instance"])
+        participant = self._host.component(message["participant"])
+        context = owner.contexts.get(message["context"])
+        if context is None:
+            raise NotFound(f"no execution context {message['context']} on {owner.instance}")
+        if participant is owner:
+            raise Refused(f"{owner.instance} owns execution context {context.id}")
+        return context, participant
+
+    def _between_cycles(
+        self, message: Message, context: ExecutionContext, change: Callable[[], ReturnCode]
+    ) -> None:
+        """Change who takes part, on the thread that ticks, and answer."""
+        why = f"precondition not met (execution context {context.id} of {context.owner})"
+
+        def work() -> None:
+            if in_time(message):
+                self._later(message, change(), why)
+
+        context.submit(work)
+
+    def _later(self, message: Message, code: ReturnCode, why: str) -> None:
+        self._host.post(lambda: answer_code(self._host, message, code, why))
+
+
+def _of_component(code: ReturnCode, why: str, component: Component) -> str:
+    """Return why a component refused, with its name; what was done needs none."""
+    return why if code is ReturnCode.OK else f"{why}: {component.instance}"
+
+
+def release(
+    component: Component,
+    is_resting: Callable[[ExecutionContext], bool],
+    rested: Callable[[], object],
+) -> int:
+    """Have every context deactivate a component, and let it go if it is not its own.
+
+    Args:
+        component: The one that is to end.
+        is_resting: Whether a context of its own has no thread at work, nor a reason for one.
+        rested: Called by each context that had something to do, on its own thread.
+
+    Returns:
+        How many those are.
+    """
+    count = 0
+    for context in component.participations:
+        if context.owner != component.instance:
+            context.submit(partial(_let_go, context, component, rested))
+        elif is_resting(context) and context.state_of(component) is not LifeCycleState.ACTIVE:
+            continue  # which saves a thread
+        elif context.is_running:
+            context.request(component, Transition.DEACTIVATE, lambda _code, _why: rested())
+        else:
+            continue
+        count += 1
+    return count
+
+
+def _let_go(context: ExecutionContext, component: Component, rested: Callable[[], object]) -> None:
+    context.remove_component(component)
+    rested()

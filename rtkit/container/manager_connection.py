@@ -1,0 +1,182 @@
+"""The line of a slave, or a guest, to its manager: it hears, tells, and outlives the manager.
+
+When the manager is gone the process runs on, waits for the next one and tells it what it holds.
+What there is to report meanwhile is dropped: the next manager gets the whole state at once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import threading
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Protocol
+
+from rtkit import fault
+from rtkit.container.control_channel import ControlChannel
+from rtkit.deployment.message import Message
+from rtkit.errors import Malformed
+from rtkit.link import unix
+from rtkit.logs.late import late
+
+PROTOCOL = 3
+"""Version of the messages between manager and slaves."""
+
+_SEEK_S = 0.1
+"""How often the next manager is looked for [s]."""
+
+_LEISURE_S = 30.0
+"""How long nothing is heard until there is leisure for other things [s]."""
+
+_log = late(__name__)
+
+
+class MessageHandler(Protocol):
+    """What a contact passes messages to: the holder."""
+
+    def put(self, message: Message) -> None:
+        """Take a message of the manager."""
+
+    def tell_all(self, tell: Callable[[Message], object]) -> None:
+        """Call `tell` with everything that is held."""
+
+
+class Ending(Protocol):
+    """What tells a contact that its process is to end."""
+
+    def fileno(self) -> int:
+        """Return the descriptor that turns readable, for selectors."""
+
+    def has_come(self) -> bool:
+        """Whether the end was asked for; what made the descriptor readable is read."""
+
+
+class ManagerConnection:
+    """The line of the process `name` to whatever manager listens at `path`, until `ending`.
+
+    `at_leisure` is called every now and then while nothing is to be done.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        name: str,
+        ending: Ending,
+        *,
+        is_guest: bool = False,
+        at_leisure: Callable[[], object] | None = None,
+    ) -> None:
+        self._at_leisure = at_leisure
+        self._path = path
+        self._name = name
+        self._is_guest = is_guest
+        self._channel: ControlChannel | None = None
+        self._ending = ending
+        self._is_over = False
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether there is no manager at present."""
+        return self._channel is None
+
+    def greet(self, key: int, manager: str) -> None:
+        """Report for the first time, to the manager that had this slave forked.
+
+        Keys of another one may be the same: `manager` tells them apart.
+
+        Raises:
+            OSError: It does not listen any more.
+        """
+        channel = _connect(self._path)
+        channel.send({"hello": key, "of": manager, **self._identity()})
+        self._channel = channel
+
+    def visit(
+        self, tell_all: Callable[[Callable[[Message], object]], object], timeout_s: float
+    ) -> None:
+        """Come as a guest, with all that is held.
+
+        Raises:
+            OSError: No manager listens, or what is held is not told in time.
+        """
+        channel = _connect(self._path)
+        told = threading.Event()
+
+        def introduce(held: Message) -> None:
+            self._introduce(channel, held)
+            told.set()
+
+        tell_all(introduce)
+        if not told.wait(timeout_s):
+            raise TimeoutError(f"not ready within {timeout_s:g} s")
+
+    def send(self, message: Message) -> None:
+        """Report to the manager, if there is one."""
+        channel = self._channel
+        if channel is not None:
+            with contextlib.suppress(OSError):  # `listen` notices that it is gone
+                channel.send(message)
+
+    def listen(self, container: MessageHandler) -> None:
+        """Pass on what managers say, one after the other; return when the end was asked for."""
+        channel = self._channel
+        while channel is not None:
+            while self._hear(channel, container):
+                pass
+            channel.close()
+            channel = None if self._is_over else self._seek(container)
+
+    def _hear(self, channel: ControlChannel, container: MessageHandler) -> bool:
+        """Hand the next messages to the holder; False at the end, or when the manager is gone."""
+        sources: list[Any] = [channel, self._ending]
+        wait_s = None if self._at_leisure is None else _LEISURE_S
+        ready: list[object] = select.select(sources, [], [], wait_s)[0]
+        if not ready and self._at_leisure is not None:
+            self._at_leisure()
+        if self._ending in ready and self._shall_end():
+            return False
+        if channel not in ready:
+            return True
+        try:
+            messages = channel.receive()
+        except (Malformed, OSError) as error:
+            _log().warning("the line to the manager is broken: %s", error)
+            messages = None
+        for message in messages or ():
+            container.put(message)
+        if messages is None:
+            self._channel = None
+        return messages is not None
+
+    def _seek(self, container: MessageHandler) -> ControlChannel | None:
+        """Wait for the next manager and tell it everything; None when the end came instead."""
+        _log().warning("the manager is gone; waiting for the next one")
+        fault.point("slave.alone")
+        while True:
+            with contextlib.suppress(OSError):
+                channel = _connect(self._path)
+                fault.point("slave.connected")
+                container.tell_all(partial(self._introduce, channel))
+                return channel
+            if select.select([self._ending], [], [], _SEEK_S)[0] and self._shall_end():
+                return None
+
+    def _introduce(self, channel: ControlChannel, held: Message) -> None:
+        with contextlib.suppress(OSError):
+            who = {"found": self._name, "guest": self._is_guest}
+            channel.send({**who, **self._identity(), **held})
+            self._channel = channel
+            fault.point("slave.introduced")
+
+    def _identity(self) -> dict[str, Any]:
+        return {"pid": os.getpid(), "protocol": PROTOCOL}
+
+    def _shall_end(self) -> bool:
+        self._is_over |= self._ending.has_come()
+        return self._is_over
+
+
+def _connect(path: str) -> ControlChannel:
+    return ControlChannel(unix.connect(path))

@@ -1,0 +1,143 @@
+"""The thread that drives one execution context, only while it has work.
+
+A periodic one is driven at absolute deadlines, another one when it has reason to tick. A context
+whose components are all at rest costs no thread at all.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from rtkit.component.context import ExecutionContext
+from rtkit.component.contexts import CPU_AFFINITY
+from rtkit.component.period import Period
+from rtkit.component.waiting import grant_by
+from rtkit.container import processors
+from rtkit.link.threads import start_thread
+
+
+class Work(NamedTuple):
+    """What a context has done: its cycles, the time that they took, the longest of late [ns]."""
+
+    ticks: int = 0
+    busy_ns: int = 0
+    longest_ns: int = 0
+
+
+class Pacer:
+    """Drives one execution context.
+
+    Args:
+        context: The one that is driven.
+        name: What its thread is called.
+        grant: Grants the callback that is under way more time [ns].
+    """
+
+    def __init__(
+        self, context: ExecutionContext, name: str, grant: Callable[[int], object] | None = None
+    ) -> None:
+        self._context = context
+        self._name = name
+        self._grant = grant
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._alarm = threading.Event()
+        self._is_closed = False
+        self._ticks = 0
+        self._busy_ns = 0
+        self._longest_ns = 0
+        context.wake = self.wake
+
+    def wake(self) -> None:
+        """Have pending requests served at once, by the thread or by a new one.
+
+        Raises:
+            Refused: None can be had; the next `wake` tries again.
+        """
+        self._alarm.set()
+        with self._lock:
+            if self._thread is None and not self._is_closed:
+                self._thread = start_thread(self._run, self._name)
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether nothing is done, and nothing was asked for."""
+        with self._lock:
+            return self._thread is None and not self._alarm.is_set()
+
+    def work(self) -> Work:
+        """Return what was done so far; the longest cycle is that since the last call."""
+        longest_ns, self._longest_ns = self._longest_ns, 0
+        return Work(self._ticks, self._busy_ns, longest_ns)
+
+    def stop(self) -> None:
+        """Have the thread end after its present tick, and none begin."""
+        with self._lock:
+            self._is_closed = True
+        self._alarm.set()
+
+    def close(self, timeout_s: float) -> bool:
+        """Let the thread end after its present tick; False if it does not within `timeout_s`."""
+        self.stop()
+        thread = self._thread
+        if thread is None or thread is threading.current_thread():
+            return True
+        thread.join(timeout_s)
+        return not thread.is_alive()
+
+    def _run(self) -> None:
+        grant_by(self._grant)
+        processors.begin(self._context.properties.get(CPU_AFFINITY, ""))
+        try:
+            if self._context.is_periodic:
+                self._run_at_rate()
+            else:
+                self._run_when_due()
+        finally:
+            processors.end()
+            grant_by(None)
+
+    def _run_when_due(self) -> None:
+        context, alarm = self._context, self._alarm
+        while not self._rest():
+            alarm.clear()
+            began_ns = time.monotonic_ns()
+            context.tick()
+            self._count(time.monotonic_ns() - began_ns)
+            if not context.is_due and not context.is_idle:
+                alarm.wait()
+
+    def _run_at_rate(self) -> None:
+        context, alarm = self._context, self._alarm
+        period = Period(context.rate, time.monotonic_ns())
+        while not self._rest():
+            alarm.clear()
+            context.serve_requests()
+            if context.rate != period.rate:
+                period.change_rate(context.rate, time.monotonic_ns())
+            began_ns = time.monotonic_ns()
+            if began_ns >= period.deadline_ns:
+                context.tick()
+                ended_ns = time.monotonic_ns()
+                self._count(ended_ns - began_ns)
+                period.advance(ended_ns)
+            delay = period.wait_s(time.monotonic_ns())
+            if delay:
+                alarm.wait(delay)
+
+    def _count(self, spent_ns: int) -> None:
+        self._ticks += 1
+        self._busy_ns += spent_ns
+        if spent_ns > self._longest_ns:
+            self._longest_ns = spent_ns
+
+    def _rest(self) -> bool:
+        """End the thread when nothing is to be done; a later `wake` makes another."""
+        with self._lock:
+            if self._is_closed or (self._context.is_idle and not self._alarm.is_set()):
+                self._thread = None
+                return True
+            return False

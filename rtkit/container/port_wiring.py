@@ -1,0 +1,310 @@
+"""Joins ports: directly inside a process, by a stream between two.
+
+The component cannot tell which it is. Threads exist only for publishers of their own rate.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+from rtkit.component.buffer import Sink, Source, make_ring
+from rtkit.component.carried import passage
+from rtkit.component.codec import codec_for, encoder_for
+from rtkit.component.options import (
+    NUMBERED,
+    ConnectorOptions,
+    FullPolicy,
+    PortStatus,
+    PushPolicy,
+    parse_options,
+)
+from rtkit.component.period import Period
+from rtkit.component.port import InPort, OutPort
+from rtkit.component.publisher import select
+from rtkit.component.waiting import waiting
+from rtkit.errors import Malformed
+from rtkit.link import keys
+from rtkit.link.ends import CallerEnd, Fetcher, Inlet, Outlet
+from rtkit.link.streams import Streams
+from rtkit.link.threads import start_thread
+from rtkit.logs.late import late
+from rtkit.rtc.profiles import ConnectorProfile
+
+MATCH_S = 5.0
+"""How long a sender looks for its receiver [s]."""
+
+_log = late(__name__)
+
+
+class _End(Protocol):
+    def close(self) -> None: ...
+
+
+class PortWiring:
+    """The connector ends that one process holds."""
+
+    def __init__(self, host: str, streams: Streams) -> None:
+        self._host = host
+        self._streams = streams
+        streams.report = lambda text: _log().warning("%s", text)
+        self._ends: dict[str, list[_End]] = {}
+
+    def join(self, wire: ConnectorProfile, out: OutPort[Any], into: InPort[Any]) -> None:
+        """Connect two ports of this process; values that nobody can change are handed over."""
+        options = parse_options(wire.properties)
+        change = passage(
+            out.data_type, into.data_type_for(wire), is_big_endian=options.is_big_endian
+        )
+        if options.dataflow == "pull":
+            source = out.open_pull(wire)
+            with _undone(lambda: out.detach(wire.connector_id)):
+                into.open_pull(wire, _changed(source, change))
+            return
+        id = wire.connector_id
+        if _is_wrapped(options):
+            sink = _present_sink(into, wire)
+            with _undone(lambda: into.close(id)):
+                self._attach(wire, out, _changing(sink, change, id), options)
+            return
+        sink = into.open(wire, lambda sink: out.replace(id, _changing(sink, change, id)))
+        with _undone(lambda: into.close(id)):
+            out.attach(id, _changing(sink, change, id))
+        into.renew(id)
+
+    def receive(self, wire: ConnectorProfile, into: InPort[Any]) -> str:
+        """Open the receiving end of a stream and return its endpoint."""
+        sink = _present_sink(into, wire)
+        decode = codec_for(into.data_type_for(wire)).decode
+
+        deliver = _changing(sink, decode, wire.connector_id)
+        with _undone(lambda: into.close(wire.connector_id)):
+            endpoint, inlet = self._streams.receive(self._key(wire), deliver)
+        self.keep(wire, inlet)
+        return endpoint
+
+    def serve(self, wire: ConnectorProfile, out: OutPort[Any]) -> str:
+        """Open the end of a pull connector that is asked, and return its endpoint."""
+        options = parse_options(wire.properties)
+        encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
+        next_value = _changed(out.open_pull(wire), encode)
+        with _undone(lambda: out.detach(wire.connector_id)):
+            endpoint, inlet = self._streams.answer(self._key(wire), next_value)
+        self.keep(wire, inlet)
+        return endpoint
+
+    def find_receiver(self, wire: ConnectorProfile, endpoint: str) -> Outlet:
+        """Reach for the receiving end; on a thread of its own, because it may be stopped."""
+        options = parse_options(wire.properties)
+        policies = (options.inport.full_policy, options.outport.full_policy)
+        return self._streams.send(
+            endpoint,
+            self._key(wire),
+            MATCH_S,
+            is_blocking=FullPolicy.BLOCK in policies,
+            is_numbered=wire.properties.get(NUMBERED, "").upper() == "YES",
+        )
+
+    def send(self, wire: ConnectorProfile, out: OutPort[Any], outlet: Outlet) -> None:
+        """Have a port send to the receiving end that was found."""
+        options = parse_options(wire.properties)
+        encode = encoder_for(out.data_type, is_big_endian=options.is_big_endian)
+        put = outlet.put
+
+        def write(value: Any) -> PortStatus | None:
+            return None if put(encode(value)) else PortStatus.CONNECTION_LOST
+
+        self._attach(wire, out, write, options, is_encoding=True)
+        self.keep(wire, outlet)
+
+    def find_source(self, wire: ConnectorProfile, endpoint: str) -> Fetcher:
+        """Reach for the end of a pull connector that is asked; on a thread of its own."""
+        return self._streams.ask(endpoint, self._key(wire), MATCH_S)
+
+    def fetch(self, wire: ConnectorProfile, into: InPort[Any], fetcher: Fetcher) -> None:
+        """Have a port ask the end that was found."""
+        options = parse_options(wire.properties)
+        decode = codec_for(into.data_type_for(wire)).decode
+        bound_s = options.inport.read_timeout + options.outport.read_timeout
+
+        def fetch() -> bytes | None:
+            with waiting(bound_s):
+                return fetcher.fetch(bound_s)
+
+        into.open_pull(wire, _changed(fetch, decode))
+        self.keep(wire, fetcher)
+
+    def serve_calls(
+        self, wire: ConnectorProfile, end: int, reply_to: Callable[[bytes], bytes]
+    ) -> str:
+        """Open the end of a service connector that is called, and return its endpoint."""
+        endpoint, called = self._streams.serve(f"{self._key(wire)}/{end}", reply_to)
+        self.keep(wire, called)
+        return endpoint
+
+    def find_provider(self, wire: ConnectorProfile, end: int, endpoint: str) -> CallerEnd:
+        """Reach for the end of a service connector that is called; on a thread of its own."""
+        return self._streams.caller(endpoint, f"{self._key(wire)}/{end}", MATCH_S)
+
+    def flush(self, timeout_s: float) -> bool:
+        """Wait until all that was sent has arrived; False when that cannot be said in time."""
+        until = time.monotonic() + timeout_s
+        outlets = [end for end in self._all_ends() if isinstance(end, Outlet)]
+        return all(outlet.flush(max(0.0, until - time.monotonic())) for outlet in outlets)
+
+    def lost(self, timeout_s: float) -> int:
+        """Return how many values were sent to this process on numbered streams and not received.
+
+        Senders are asked what they have sent, for so long at most [s].
+        """
+        until = time.monotonic() + timeout_s
+        inlets = [end for end in self._all_ends() if isinstance(end, Inlet)]
+        for inlet in inlets:
+            inlet.settle(max(0.0, until - time.monotonic()))
+        return sum(inlet.lost for inlet in inlets)
+
+    def _all_ends(self) -> list[_End]:
+        return [end for ends in list(self._ends.values()) for end in ends]
+
+    def cut(self, connector_id: str) -> None:
+        """Close what this process holds of a connector."""
+        for end in self._ends.pop(connector_id, ()):
+            end.close()
+
+    def close(self) -> None:
+        """Close everything."""
+        for connector_id in list(self._ends):
+            self.cut(connector_id)
+        self._streams.close()
+
+    def _attach(
+        self,
+        wire: ConnectorProfile,
+        out: OutPort[Any],
+        sink: Sink[Any],
+        options: ConnectorOptions,
+        *,
+        is_encoding: bool = False,
+    ) -> None:
+        if options.subscription == "periodic":
+            publisher = _Publisher(wire.connector_id, sink, options)
+            with _undone(publisher.close):
+                out.attach(wire.connector_id, publisher.write)
+            self.keep(wire, publisher)
+        elif _is_wrapped(options):
+            out.attach(wire.connector_id, _every(sink, options.skip_count + 1))
+        else:
+            out.attach(wire.connector_id, sink, is_encoding=is_encoding)
+
+    def keep(self, wire: ConnectorProfile, end: _End) -> None:
+        """Have an end closed when its connector is cut."""
+        self._ends.setdefault(wire.connector_id, []).append(end)
+
+    def _key(self, wire: ConnectorProfile) -> str:
+        return keys.data(self._host, wire.connector_id)
+
+
+@contextmanager
+def _undone(undo: Callable[[], object]) -> Iterator[None]:
+    """Take back what was done before, when what is done inside fails."""
+    try:
+        yield
+    except Exception:
+        undo()
+        raise
+
+
+def _is_wrapped(options: ConnectorOptions) -> bool:
+    """Whether something stands between a port and the sink that it writes to."""
+    skips = options.push_policy is PushPolicy.SKIP and options.skip_count > 0
+    return skips or options.subscription == "periodic"
+
+
+def _changing(sink: Sink[Any], change: Callable[[Any], Any] | None, name: str) -> Sink[Any]:
+    """Return a sink that gives on what `change` makes of a value, if it is a value of the reader's.
+
+    No writer is told of the others: it wrote a value of its own type.
+    """
+    if change is None:
+        return sink
+
+    def write(value: Any) -> PortStatus | None:
+        try:
+            changed = change(value)
+        except Malformed as error:
+            _log().warning("%s: value dropped: %s", name, error)
+            return None
+        return sink(changed)
+
+    return write
+
+
+def _changed(source: Source[Any], change: Callable[[Any], Any] | None) -> Source[Any]:
+    """Return a source of what `change` makes of each value."""
+    if change is None:
+        return source
+
+    def take() -> Any:
+        value = source()
+        return None if value is None else change(value)
+
+    return take
+
+
+def _present_sink(into: InPort[Any], wire: ConnectorProfile) -> Sink[Any]:
+    """Open a connector; return what gives a value to the sink that the port names at present."""
+    sinks: list[Sink[Any]] = []
+
+    def renew(sink: Sink[Any]) -> None:
+        sinks[:] = [sink]
+
+    renew(into.open(wire, renew))
+    into.renew(wire.connector_id)
+    return lambda value: sinks[0](value)
+
+
+def _every(sink: Sink[Any], group: int) -> Sink[Any]:
+    """Return a sink that lets the last of each `group` values through."""
+    count = 0
+
+    def write(value: Any) -> Any:
+        nonlocal count
+        count += 1
+        return sink(value) if count % group == 0 else None
+
+    return write
+
+
+class _Publisher:
+    """Sends from a buffer at a rate of its own (subscription type ``periodic``)."""
+
+    def __init__(self, name: str, sink: Sink[Any], options: ConnectorOptions) -> None:
+        self._name = name
+        self._ring: Any = make_ring(options.outport)
+        self._sink = sink
+        self._options = options
+        self._closed = threading.Event()
+        self.write: Sink[Any] = self._ring.write
+        start_thread(self._run, f"publish {name}")
+
+    def close(self) -> None:
+        """Send nothing more."""
+        self._closed.set()
+        self._ring.close()
+
+    def _run(self) -> None:
+        options = self._options
+        period = Period(options.push_rate, time.monotonic_ns())
+        while not self._closed.wait(period.wait_s(time.monotonic_ns())):
+            for value in select(options.push_policy, self._ring, options.skip_count):
+                self._send(value)
+            period.advance(time.monotonic_ns())
+
+    def _send(self, value: Any) -> None:
+        try:
+            self._sink(value)
+        except Malformed as error:
+            _log().warning("%s: value not sent: %s", self._name, error)

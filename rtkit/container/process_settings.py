@@ -1,0 +1,81 @@
+"""What properties mean for a process and its components: logs, processors, where modules are."""
+
+from __future__ import annotations
+
+import logging
+import os
+
+from rtkit.container.layers import layered
+from rtkit.container.processors import check, use
+from rtkit.deployment.message import Message
+from rtkit.errors import Refused
+from rtkit.logs.logfile import LogFile, LogTarget, Lossy, Terminal
+from rtkit.logs.logs import begin_component, level_of
+from rtkit.logs.records import Readable
+from rtkit.modules.loader import Loader
+from rtkit.rtc.create import CreateString
+from rtkit.rtc.profiles import TypeProfile
+from rtkit.settings.properties import Settings
+from rtkit.settings.values import processors
+
+_STREAMS = {"stdout": 1, "stderr": 2}
+
+
+def configure(message: Message, loader: Loader) -> None:
+    """Make a process what its manager says (see `rtkit.manager.core.configuring.message`).
+
+    Raises:
+        Refused: A processor is not there.
+    """
+    if message["processors"]:
+        use(processors(message["processors"]))
+    set_log_level(message["log_level"])
+    loader.configure(
+        message["load_path"],
+        is_absolute_allowed=message["is_absolute_allowed"],
+        is_search_allowed=message["is_search_allowed"],
+    )
+
+
+def complete(
+    message: Message, create: CreateString, type: TypeProfile, *, inherits: bool = True
+) -> CreateString:
+    """Return a create string with all properties; its component's log is as they say from now on.
+
+    Raises:
+        RtkitError: A property, or a file of them, cannot be read.
+    """
+    whole = layered(create, type, message, inherits=inherits)
+    check(whole.options)
+    begin_component(create.instance_name, whole.options, message.get("inherited") or {})
+    return whole
+
+
+def set_log_level(level: str) -> None:
+    """Log what is at least of this level, by its word; "" is nothing."""
+    root, number = logging.getLogger(), level_of(level or "SILENT")
+    if root.level != number:  # every logger would work out its own anew
+        root.setLevel(number)
+
+
+def add_log_files(settings: Settings, name: str) -> None:
+    """Log to the files of ``logger.file_name`` too.
+
+    Raises:
+        Refused: A file cannot be written.
+    """
+    is_coloured = settings.flag("logger.escape_sequence_enable")
+    formatter = Readable(name, settings.text("logger.date_format"), is_coloured=is_coloured)
+    for item in settings.items("logger.file_name"):
+        path = item.replace("%p", str(os.getpid()))
+        descriptor = _STREAMS.get(path.lower())
+        target: LogTarget
+        if descriptor is not None:
+            target = Terminal(os.dup(descriptor))
+        else:
+            target = LogFile(path)
+            try:
+                target.write(b"")
+            except OSError as error:
+                raise Refused(f"cannot write log file {path}: {error.strerror}") from error
+        logging.getLogger().addHandler(Lossy(target, formatter))

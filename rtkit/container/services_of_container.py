@@ -1,0 +1,61 @@
+"""What the operations of a holder need of it; the holder itself knows only their names."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from time import monotonic
+from typing import Any, Protocol
+
+from rtkit.component.base import Component
+from rtkit.deployment.message import Message
+from rtkit.errors import Refused, RtkitError
+from rtkit.rtc.enums import ReturnCode
+
+LATER = object()
+"""What an operation returns that answers later."""
+
+Operations = Mapping[str, Callable[[Message], Any]]
+
+
+class ContainerServices(Protocol):
+    """The holder of a process, as its operations see it; all on the holder's thread but `post`."""
+
+    def post(self, work: Callable[[], object]) -> None:
+        """Have something done on the holder's thread, from any thread."""
+
+    def component(self, instance: str) -> Component:
+        """Return a component of this process.
+
+        Raises:
+            NotFound: There is none of that name.
+        """
+
+    def tell(self, component: Component) -> None:
+        """Report the facts of a component."""
+
+    def answer(self, message: Message, value: Any) -> None:
+        """Answer a message."""
+
+    def refuse(self, message: Message, error: RtkitError, code: ReturnCode | None = None) -> None:
+        """Answer a message with an error."""
+
+
+def in_time(message: Message) -> bool:
+    """Whether the one who sent a message still waits for its answer.
+
+    Asked before work is begun that had to wait: processes of a host share the monotonic clock.
+    """
+    until: float = message.get("until", math.inf)
+    return monotonic() <= until
+
+
+def answer_code(host: ContainerServices, message: Message, code: ReturnCode, why: str) -> None:
+    """Answer a message with a return code; any but OK is a refusal.
+
+    Of what was done, `why` tells what failed on the way.
+    """
+    if code is ReturnCode.OK:
+        host.answer(message, why)
+    else:
+        host.refuse(message, Refused(why), code)

@@ -1,0 +1,119 @@
+"""A slave: one process of components, told what to do by its manager over a private socket.
+
+It outlives its manager (see `rtkit.container.manager_connection`) and ends when one tells it to.
+"""
+
+from __future__ import annotations
+
+import _thread
+import contextlib
+import faulthandler
+import os
+import signal
+from collections.abc import Callable
+from typing import Any
+
+from rtkit import fault
+from rtkit.container.component_factory import ComponentFactory
+from rtkit.container.container import ComponentContainer
+from rtkit.container.heartbeats import Heartbeats, heartbeats_path
+from rtkit.container.manager_connection import ManagerConnection
+from rtkit.container.orphans import MARK, Adopted, end_children
+from rtkit.container.port_wiring import PortWiring
+from rtkit.container.slave_checkpoint import CheckpointWriter, checkpoint_path
+from rtkit.container.stacks import ASK, STACK_SIGNAL, open_stacks, write_stacks
+from rtkit.container.subreaper import become_subreaper
+from rtkit.container.termination import Term
+from rtkit.deployment.message import Message
+from rtkit.link.streams import Streams
+from rtkit.logs.logs import Log, hand_over
+from rtkit.modules.loader import Loader
+
+LAST_S = 5
+"""Grace that components have to finalise after a TERM, if nobody sends a KILL before [s]."""
+
+
+class Slave:
+    """A slave that is not born yet: what does not depend on which one it is to be.
+
+    The zygote has one, and every fork is a copy of it: what is made here costs time once, and
+    memory once for all of them.
+
+    Args:
+        settings: ``manager``, ``control`` and ``data`` (socket paths), ``host``, ``load_path``.
+        log: Of the zygote, which becomes that of the slave.
+    """
+
+    def __init__(self, settings: Any, log: Log) -> None:
+        self._settings = settings
+        self._log = log
+        self._connection: ManagerConnection
+        self._stacks: int
+        wires = PortWiring(settings["host"], Streams(settings["data"]))
+        self._container = ComponentContainer(
+            self._send, wires, ComponentFactory(Loader(list(settings["load_path"])))
+        )
+
+    def live(self, key: int, name: str) -> None:
+        """Hold components until a TERM arrives; called once, after the fork.
+
+        Args:
+            key: Under which the manager knows this process.
+            name: Name of the slave.
+        """
+        with hand_over(self._log, self._settings["manager"], name):
+            self._hold(key, name)
+
+    def _hold(self, key: int, name: str) -> None:
+        pid, data = os.getpid(), self._settings["data"]
+        os.environ[MARK] = str(pid)
+        fault.point("slave.begun")
+        _name_process(f"rtkit {name}")
+        self._connection = connection = ManagerConnection(
+            self._settings["control"], name, Term(), at_leisure=Adopted().look
+        )
+        self._container.show_heartbeats(Heartbeats(heartbeats_path(data, pid)))
+        self._container.write_down(CheckpointWriter(checkpoint_path(data, pid), name))
+        self._stacks = open_stacks(data, pid)
+        faulthandler.register(STACK_SIGNAL, self._stacks, all_threads=True)
+        fault.point("slave.greeting")
+        connection.greet(key, self._settings["born_of"])
+        os.setsid()  # until now it was to end with its zygote
+        become_subreaper()
+        fault.point("slave.greeted")
+        # One of `threading` touches 50 kB more, and waits until the other thread had its turn.
+        _thread.start_new_thread(self._listen, ())
+        self._container.run()
+        fault.point("slave.holds_nothing")
+        end_children()
+
+    def put(self, message: Message) -> None:
+        """Take a message of the manager, on the thread that hears it."""
+        if message.get("op") == ASK:
+            with contextlib.suppress(OSError):  # a component has closed the file
+                write_stacks(self._stacks)
+        else:
+            self._container.put(message)
+
+    def tell_all(self, tell: Callable[[Message], object]) -> None:
+        """Call `tell` with everything that is held."""
+        self._container.tell_all(tell)
+
+    def _send(self, message: Message) -> None:
+        self._connection.send(message)
+
+    def _listen(self) -> None:
+        try:
+            self._connection.listen(self)
+        finally:
+            fault.point("slave.told_to_end")
+            self._container.close()
+            signal.alarm(LAST_S)  # ends the process, also one in which a component hangs
+
+
+def _name_process(name: str) -> None:
+    descriptor = os.open("/proc/self/comm", os.O_WRONLY)
+    try:
+        os.write(descriptor, name.encode("utf-8", "replace"))
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,67 @@
+"""Remembers what users asked of the components of a process, for the next manager.
+
+A manager may be killed when it has had something done and has not recorded it yet, or before it
+has done all that a component needs: only the process that holds the component knows both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rtkit.deployment.message import Message
+
+_FIELDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "set": (("set_id",), ("values",)),
+    "activate_set": ((), ("set_id",)),
+    "change_state": (("context",), ("transition",)),
+    "set_rate": (("context",), ("rate",)),
+    "set_structure": ((), ("states",)),
+    "set_events": ((), ("events",)),
+    "attach": (("context", "participant"), ()),
+    "detach": (("context", "participant"), ()),
+}
+"""Operations that say how a component shall be: what tells two requests of a kind apart, and what
+else they say."""
+
+
+class UserRequests:
+    """The requests that were carried out since each component was made, the last of each kind."""
+
+    def __init__(self) -> None:
+        self._requests: dict[str, dict[tuple[str, ...], dict[str, Any]]] = {}
+
+    def note(self, message: Message) -> None:
+        """Note an operation that was done, if it says how a component shall be."""
+        op = message["op"]
+        if op == "set_back":
+            self._take_back(message)
+        if op not in _FIELDS:
+            return
+        names, others = _FIELDS[op]
+        key = ("attach" if op == "detach" else op, *(message[name] for name in names))
+        requests = self._requests.setdefault(message["instance"], {})
+        request = {"op": op, **{name: message[name] for name in (*names, *others)}}
+        if op == "set" and key in requests:
+            request["values"] = {**requests[key]["values"], **message["values"]}
+        requests[key] = request
+
+    def _take_back(self, message: Message) -> None:
+        """Drop values that were asked for by somebody who has given up."""
+        request = self._requests.get(message["instance"], {}).get(("set", message["set_id"]))
+        if request is not None:
+            values, meant = request["values"], message["values"]
+            left = {key: value for key, value in values.items() if meant.get(key) != value}
+            request["values"] = left
+
+    def forget(self, instance: str) -> None:
+        """Drop what was asked of a component that has ended, or of others about it."""
+        self._requests.pop(instance, None)
+        for requests in self._requests.values():
+            for key, request in list(requests.items()):
+                if request.get("participant") == instance:
+                    del requests[key]
+
+    def told(self, instances: Iterable[str]) -> dict[str, list[Message]]:
+        """Return the requests by component, for each of these components."""
+        return {each: list(self._requests.get(each, {}).values()) for each in instances}

@@ -1,0 +1,102 @@
+"""What components and processes do, in figures: counted from their beginning, told once a second.
+
+They are counts, so that who misses some loses nothing but detail: rates are differences.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass, field
+from rtkit.rtc.serde import decode
+
+FIGURES = "figures"
+"""The line on which figures are told."""
+
+PERIOD_S = 1.0
+"""How often [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class ContextMetrics:
+    """A component in one of its execution contexts.
+
+    Attributes:
+        has_work: Whether a cycle calls it: it is Active and has something to execute.
+        is_running: Whether the context is.
+        ticks: Cycles of the context.
+        busy_s: Time that they took together [s].
+        longest_s: Time of the longest one since the last figures [s].
+    """
+
+    id: str
+    has_work: bool
+    is_running: bool
+    ticks: int
+    busy_s: float
+    longest_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentMetrics:
+    """A component.
+
+    Attributes:
+        written: Values written to each out port.
+        read: Values read from each in port.
+    """
+
+    instance: str
+    contexts: tuple[ContextMetrics, ...] = ()
+    written: Mapping[str, int] = field(default_factory=dict)
+    read: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class ProcessMetrics:
+    """A process.
+
+    Attributes:
+        answered: Whether it told its components' figures; else there are none.
+        cpu_s: Processor time that it used [s]; None where the kernel does not tell.
+        memory_bytes: Memory that it occupies; None likewise.
+    """
+
+    pid: int
+    name: str
+    answered: bool
+    components: tuple[ComponentMetrics, ...] = ()
+    cpu_s: float | None = None
+    memory_bytes: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Metrics:
+    """All that a manager has, at one moment.
+
+    Attributes:
+        run: Which life of the manager this is told in.
+        number: Counts the figures of that life.
+        time: When they were told [s since 1970].
+        at_s: The same, monotonic [s]; for differences.
+    """
+
+    run: str
+    number: int
+    processes: tuple[ProcessMetrics, ...]
+    time: float = 0.0
+    at_s: float = 0.0
+
+
+def metrics_from_text(text: str) -> Metrics:
+    """Rebuild figures.
+
+    Raises:
+        Malformed: The text is none.
+    """
+    try:
+        return decode(Metrics, json.loads(text))
+    except (ValueError, RecursionError) as error:
+        raise Malformed(f"not figures: {error}") from error

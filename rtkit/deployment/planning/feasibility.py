@@ -1,0 +1,84 @@
+"""What is known beforehand of components that are to be made: whether they can be, their ports."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rtkit.deployment.live import LiveIndex
+from rtkit.deployment.system import WantedComponent, WantedSystem
+from rtkit.fast_dataclass import dataclass, field
+from rtkit.rtc.create import FRESH_SLAVE, CreateString, parse_create
+from rtkit.rtc.profiles import PortProfile
+
+if TYPE_CHECKING:
+    from rtkit.component.constraint_check import Declared
+
+Making = tuple[str, str]
+"""Module, ``PATH:INIT`` or nothing, and create string."""
+
+
+@dataclass(frozen=True, slots=True)
+class Feasibility:
+    """What is known of components before they are made.
+
+    Attributes:
+        lacks: By instance name, why it cannot be made: its module or its type is not found.
+        ports: By instance name the ports that it will have, where a profile of its type tells.
+        parameters: By instance name what parameters it will have, where a profile of its type
+            tells.
+        code: CRC-32 of files of modules, as they are.
+        described: Of which all ports and parameters are known so.
+    """
+
+    lacks: Mapping[str, str] = field(default_factory=dict)
+    ports: Mapping[str, tuple[PortProfile, ...]] = field(default_factory=dict)
+    parameters: Mapping[str, Mapping[str, Declared]] = field(default_factory=dict)
+    described: frozenset[str] = frozenset()
+    code: Mapping[str, str] = field(default_factory=dict)
+
+
+NOTHING_KNOWN = Feasibility()
+
+
+def place_name(manager: str, process: str) -> str:
+    """Return a place as the model calls it; empty and the manager's own name are the manager."""
+    if process in ("", manager):
+        return f"{manager}:inproc"
+    return f"{manager}:slave" if process == FRESH_SLAVE else f"{manager}:slave/{process}"
+
+
+def create_text(component: WantedComponent, live: LiveIndex) -> str:
+    """Return the create string of a component: what is wanted, else what made what lives."""
+    entry = live.entry(component.instance)
+    if component.create or entry is None or entry.is_stand_in:
+        return component.create
+    return entry.create
+
+
+def is_place_open(create: CreateString) -> bool:
+    """Whether the manager chooses the process: by the address that is told, or by the members."""
+    return not create.place and bool(create.address or create.options.get("members"))
+
+
+def makings(system: WantedSystem, live: LiveIndex) -> dict[str, Making]:
+    """Return what those components are made of that are not there, or not where they are wanted.
+
+    Stand-ins, which need nothing but what is in their profile, are left out.
+    """
+    found = {}
+    for component in system.components:
+        text = create_text(component, live)
+        if component.pattern is not None or not text:
+            continue
+        create = parse_create(text)
+        facts = live.at(component.instance)
+        manager = live.home(component.instance)
+        is_there = facts is not None and (
+            is_place_open(create)
+            or place_name(manager, facts.process) == place_name(manager, create.place)
+        )
+        if not is_there:
+            bare = str(create).partition("?")[0]
+            found[component.instance] = (component.module, bare)
+    return found

@@ -1,0 +1,499 @@
+"""From a wanted system and what lives to a model: what is, what may be, what is wished."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+
+from rtkit.component.check import refusal
+from rtkit.deployment.creation import is_loaded, split_module
+from rtkit.deployment.facts import ComponentFacts, Snapshot
+from rtkit.deployment.live import LiveIndex, absence, mismatch, states_of
+from rtkit.deployment.planning import manner
+from rtkit.deployment.planning.feasibility import (
+    NOTHING_KNOWN,
+    Feasibility,
+    create_text,
+    is_place_open,
+    place_name,
+)
+from rtkit.deployment.planning.manner import ComponentSetting
+from rtkit.deployment.planning.model import (
+    ABSENT,
+    ACTIVE,
+    ANY,
+    DEFAULT_COSTS,
+    DOWN,
+    ERROR,
+    INACTIVE,
+    LOADED,
+    NO,
+    OTHER,
+    UNKNOWN,
+    UP,
+    YES,
+    ComponentVariable,
+    ConnectionVariable,
+    Model,
+    ParameterVariable,
+    Wish,
+    is_granted,
+    key_of,
+)
+from rtkit.deployment.planning.stale import Stale
+from rtkit.deployment.planning.values import Values
+from rtkit.deployment.system import (
+    WantedComponent,
+    WantedConnector,
+    WantedSystem,
+    address,
+)
+from rtkit.deployment.wiring import is_same_wire, missing_end, parting
+from rtkit.errors import Impossible
+from rtkit.rtc.create import parse_create
+from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.profiles import ConnectorProfile, PortProfile, PortRef
+
+NO_STATES: Mapping[str, LifeCycleState | None] = {}
+
+
+@dataclass(frozen=True)
+class BuiltModel:
+    """A model of what lives and what is wanted.
+
+    Attributes:
+        notes: What of the wanted system is left out, because it cannot be.
+        unmet: Those of them without which a required component is not what is wanted.
+    """
+
+    model: Model
+    notes: tuple[str, ...]
+    unmet: tuple[str, ...] = ()
+
+
+def build_model(
+    system: WantedSystem,
+    live: LiveIndex,
+    state: LifeCycleState | None = LifeCycleState.ACTIVE,
+    costs: Mapping[str, float] = DEFAULT_COSTS,
+    began: Snapshot | None = None,
+    feasibility: Feasibility = NOTHING_KNOWN,
+    states: Mapping[str, LifeCycleState | None] = NO_STATES,
+    absent: Collection[str] = (),
+    *,
+    replaces: bool = False,
+    prunes: bool = False,
+    is_back: bool = False,
+) -> BuiltModel:
+    """Return a wanted system over what lives as a model.
+
+    Args:
+        system: What is wanted.
+        live: What lives.
+        state: Active or Inactive, in which every component is to be; None for as it is.
+        costs: Of commands.
+        began: What lived when it began; who moves keeps connections and values of then.
+        feasibility: What is known of components that do not live yet.
+        states: In which single components are to be, instead of `state`.
+        absent: Components that are not to be there, by name.
+        replaces: What cannot be changed in place is made again.
+        prunes: What is not in the wanted system is not to be there.
+        is_back: For the way back: what turned out to be another than wanted is taken in too.
+
+    Raises:
+        Impossible: Something else lives where a required component belongs, or one would have to
+            be made again, and that is not allowed.
+    """
+    began = began or live.snapshot
+    surveying = _Surveying(system, live, state, costs, began, feasibility, states, absent)
+    surveying.is_back = is_back
+    # What was otherwise before is to be so again, and what was not there is to go again.
+    surveying.replaces = replaces or is_back
+    surveying.prunes = prunes
+    return surveying.run()
+
+
+class _Surveying:
+    def __init__(
+        self,
+        system: WantedSystem,
+        live: LiveIndex,
+        state: LifeCycleState | None,
+        costs: Mapping[str, float],
+        began: Snapshot,
+        feasibility: Feasibility,
+        states: Mapping[str, LifeCycleState | None],
+        absent: Collection[str],
+    ) -> None:
+        self.is_back = False
+        self._feasibility = feasibility
+        self._states = states
+        self._absent = frozenset(absent)
+        self._began = began
+        self._joined = {wire.connector_id: wire for wire in began.connectors}
+        self._before = {facts.instance: facts for facts in began.components}
+        self._system = system
+        self._live_facts = live
+        self._snapshot = live.snapshot
+        self._state = state
+        self._costs = costs
+        self._units: dict[str, ComponentVariable] = {}
+        self._wires: dict[str, ConnectionVariable] = {}
+        self._keys: dict[str, ParameterVariable] = {}
+        self._live: dict[str, str] = {}
+        self._desired: dict[str, Wish] = {}
+        self._notes: list[str] = []
+        self._problems: list[str] = []
+        self._unmet: list[str] = []
+        self._named = {component.instance for component in system.components}
+        self._replaced: set[str] = set()
+        self._stale = Stale(live, self._named, feasibility.code)
+        self.replaces = self.prunes = False
+
+    def run(self) -> BuiltModel:
+        managers = self._live_facts.managers
+        for name, told in managers.items():
+            self._live[f"mgr:{name}"] = UP if told.pid else DOWN
+        for component in self._system.components:
+            self._component(component)
+        for wire in self._system.connectors:
+            self._connector(wire)
+        if self.prunes:
+            self._prune()
+        self._surplus([*self._snapshot.connectors, *self._began.connectors])
+        for component in self._system.components:
+            self._attachments(component)
+        if self._problems:
+            raise Impossible("; ".join(self._problems))
+        model = Model(
+            dict.fromkeys(managers),
+            self._units,
+            self._wires,
+            self._keys,
+            self._live,
+            self._desired,
+            self._costs,
+            slaves_need_modules=True,
+        )
+        return BuiltModel(model, tuple(self._notes), tuple(self._unmet))
+
+    # components
+
+    def _component(self, component: WantedComponent) -> None:
+        entry = self._live_facts.entry(component.instance)
+        facts = self._live_facts.at(component.instance)
+        wrong = mismatch(component, facts) if facts is not None else ""
+        if component.instance in self._absent:
+            if facts is not None and not wrong:
+                self._leaving(component, facts)
+            return
+        why_not = "" if facts is not None else self._why_not(component)
+        is_namesake = facts is not None and facts.instance == component.instance
+        if wrong and facts is not None and not (self.replaces and is_namesake and component.create):
+            if self.is_back and is_namesake:
+                self._leaving(component, facts)
+            hint = "; --replace makes it again" if is_namesake and component.create else ""
+            self._trouble(component, f"{wrong}{hint}")
+            return
+        if why_not and not component.is_required:
+            self._notes.append(why_not)
+            return
+        settings, reasons = self._manner(component, facts, wrong)
+        is_another = bool(wrong or (reasons and component.pattern is not None))
+        if is_another:
+            self._replaced.add(component.instance)
+        name = component.instance
+        create = create_text(component, self._live_facts)
+        made = parse_create(create) if create else None
+        options = made.options if made is not None else {}
+        members = tuple(m.strip() for m in options.get("members", "").split(",") if m.strip())
+        place = self._place(name, options.get("manager_name", ""))
+        lack = why_not or self._lack(component)
+        places = () if lack or not create else (place,)
+        why = lack or ("" if create else f"nothing tells how to make {component.path}")
+        mates = self._stale.mates(name)
+        self._units[name] = ComponentVariable(
+            name, self._module(component), places, why, members, mates
+        )
+        is_stated = bool(component.create) or entry is None
+        is_stated = is_stated and not (made is not None and is_place_open(made))
+        self._desired[f"cmp:{name}"] = self._place_wish(component, facts, place, is_stated)
+        if facts is not None:
+            self._live[f"cmp:{name}"] = self._place(name, facts.process)
+        # Of another one in its place nothing is kept.
+        self._parameters(component, None if is_another else facts)
+        self._take(component, settings)
+        if is_another and facts is not None:
+            self._note(facts)
+        self._activity(component, facts)
+
+    def _manner(
+        self, component: WantedComponent, facts: ComponentFacts | None, wrong: str
+    ) -> tuple[list[ComponentSetting], list[str]]:
+        """Return what a component is beside its parameters, and why it is made again."""
+        was = self._before.get(component.instance)
+        found = list(manner.settings(component, None if wrong else facts, was))
+        is_named = None if facts is None else self._live_facts.is_named(component)
+        had_name = was is None or bool(was.zombie) or component.name in was.names
+        if is_named is False or not had_name:
+            found.append(manner.name(component, is_named))
+        reasons = self._reasons(component, facts)
+        if facts is not None and not self.is_back:
+            if self.replaces and not wrong:
+                reasons += self._stale.reasons(facts)
+            self._notes += () if reasons else self._stale.notes(facts, component.path)
+        if self.replaces and (reasons or self._reasons(component, was)):
+            found.append(manner.making(component, facts, reasons))
+        elif reasons:
+            told = f"{component.path} cannot be changed in place: {'; '.join(reasons)}"
+            self._trouble(component, f"{told}; --replace makes it again")
+        return found, reasons if self.replaces else []
+
+    def _trouble(self, component: WantedComponent, why: str) -> None:
+        is_fatal = component.is_required and not self.is_back
+        (self._problems if is_fatal else self._notes).append(why)
+
+    def _reasons(self, component: WantedComponent, facts: ComponentFacts | None) -> list[str]:
+        """Return why a component would have to be made again."""
+        if facts is None or facts.zombie:
+            return []
+        wrong = mismatch(component, facts)
+        return [wrong] if wrong else list(manner.reasons(component, facts))
+
+    def _prune(self) -> None:
+        """Have components end that live and are not wanted; those of guests end by themselves."""
+        alive = {facts.instance for facts in self._snapshot.components if not facts.zombie}
+        both = {facts.instance: facts for facts in self._began.components}
+        both.update((facts.instance, facts) for facts in self._snapshot.components)
+        for name, facts in both.items():
+            if name in self._named or facts.zombie or self._live_facts.is_guest(facts):
+                continue
+            self._units[name] = ComponentVariable(name, members=facts.members)
+            self._desired[f"cmp:{name}"] = ABSENT
+            if name in alive:
+                self._live.update(self._as_it_lives(facts))
+            self._note(facts, is_alive=name in alive)
+
+    def _note(self, facts: ComponentFacts, *, is_alive: bool = True) -> None:
+        """Take in the configuration of a component that is to go: a way back restores it."""
+        for each in manner.kept(facts):
+            key = key_of(facts.instance, each.parameter)
+            self._keys.setdefault(key, each.key)
+            if is_alive and each.live is not None:
+                self._live.setdefault(f"cfg:{key}", each.live)
+
+    def _as_it_lives(self, facts: ComponentFacts) -> dict[str, str]:
+        states = {context.state for context in facts.contexts}
+        found = {f"cmp:{facts.instance}": self._place(facts.instance, facts.process)}
+        if LifeCycleState.ERROR in states:
+            found[f"act:{facts.instance}"] = ERROR
+        elif LifeCycleState.ACTIVE in states:
+            found[f"act:{facts.instance}"] = ACTIVE
+        return found
+
+    def _leaving(self, component: WantedComponent, facts: ComponentFacts) -> None:
+        """Take in a component that lives and is to be ended."""
+        name = component.instance
+        self._units[name] = ComponentVariable(name, self._module(component))
+        self._live[f"cmp:{name}"] = self._place(name, facts.process)
+        self._desired[f"cmp:{name}"] = ABSENT
+        self._live_state(component, facts)
+
+    def _why_not(self, component: WantedComponent) -> str:
+        """Return why a component that is not there cannot be made; empty when it can."""
+        live = self._live_facts
+        other = live.namesake(component.instance)
+        if other is not None and not other.zombie:
+            return absence(component, live)
+        if not create_text(component, live):
+            hint = "nothing tells how to make it; --stand-in generates it"
+            return f"{absence(component, live)} ({hint})"
+        if component.unknown_host:
+            host = component.unknown_host
+            hint = f"--map {host}=localhost makes it here"
+            return f"no such host: {host} (component {component.instance}); {hint}"
+        return self._lack(component)
+
+    def _lack(self, component: WantedComponent) -> str:
+        """Return why nothing could be made of a component's type; empty when it may be."""
+        lack = self._feasibility.lacks.get(component.instance, "")
+        return f"{component.path}: {lack}" if lack else ""
+
+    def _place_wish(
+        self, component: WantedComponent, facts: ComponentFacts | None, place: str, is_stated: bool
+    ) -> Wish:
+        if facts is None:
+            return place if is_stated and self._units[component.instance].places else ANY
+        manager = self._live_facts.home(component.instance)
+        now = place_name(manager, facts.process)
+        if not is_stated:
+            return ANY
+        lack = self._lack(component)
+        if lack and not component.is_required:
+            self._notes.append(f"{lack}; it stays where it is")
+            return now
+        is_any_slave = place == f"{manager}:slave" and now != f"{manager}:inproc"
+        return (now, place) if is_any_slave else place
+
+    def _place(self, name: str, process: str) -> str:
+        return place_name(self._live_facts.home(name), process)
+
+    def _module(self, component: WantedComponent) -> str:
+        """Return the module that a component needs, and note whether it is loaded."""
+        if not component.module or component.pattern is not None:
+            return ""
+        manager = self._live_facts.home(component.instance)
+        path, init = split_module(component.module)
+        loaded = self._live_facts.managers[manager].modules
+        if any(is_loaded(known, path, init) for known in loaded):
+            self._live[f"mod:{manager}/{component.module}"] = LOADED
+        return component.module
+
+    def _parameters(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
+        was = self._before.get(component.instance)
+        declared = self._feasibility.parameters.get(component.instance)
+        values = Values(component, facts, was, declared)
+        missing = [*values.missing, *manner.unlike(component, facts)]
+        self._notes += missing
+        for why in values.misfits:
+            self._trouble(component, why)
+        if component.is_required:
+            self._unmet += missing
+        self._take(component, values.settings)
+
+    def _take(self, component: WantedComponent, settings: Iterable[ComponentSetting]) -> None:
+        for each in settings:
+            key = key_of(component.instance, each.parameter)
+            self._keys[key] = each.key
+            self._desired[f"cfg:{key}"] = each.wanted
+            if each.live is not None:
+                self._live[f"cfg:{key}"] = each.live
+
+    def _activity(self, component: WantedComponent, facts: ComponentFacts | None) -> None:
+        variable = f"act:{component.instance}"
+        state = self._states.get(component.instance, self._state)
+        is_wished = state is not None and bool(component.contexts)
+        if facts is not None and is_wished and len(list(states_of(component, facts))) == 0:
+            self._notes.append(f"Component {component.path} has no execution context")
+            is_wished = False
+        if is_wished:
+            is_up = state is LifeCycleState.ACTIVE
+            self._desired[variable] = ACTIVE if is_up else INACTIVE
+        if facts is not None:
+            self._live_state(component, facts)
+
+    def _live_state(self, component: WantedComponent, facts: ComponentFacts) -> None:
+        variable = f"act:{component.instance}"
+        states = set(states_of(component, facts))
+        if LifeCycleState.ERROR in states:
+            self._live[variable] = ERROR
+        elif LifeCycleState.ACTIVE in states:
+            # In some contexts only: it counts as what has to be done with it.
+            is_partly = len(states) > 1 and self._desired.get(variable) == ACTIVE
+            self._live[variable] = INACTIVE if is_partly and self._is_settled(component) else ACTIVE
+
+    def _is_settled(self, component: WantedComponent) -> bool:
+        keys = (v for v in self._desired if v.startswith(f"cfg:{key_of(component.instance, '')}"))
+        return all(is_granted(self._desired[v], self._live.get(v, UNKNOWN)) for v in keys)
+
+    # connections
+
+    def _connector(self, wanted: WantedConnector) -> None:
+        wire, live = wanted.profile, self._live_facts
+        id = wire.connector_id
+        if any(end.instance not in self._units for end in wire.ports):
+            return  # that an end is left out is told already
+        known = live.wire(id)
+        names = [end.instance for end in wire.ports]
+        pending = [each for each in names if live.at(each) is None or each in self._replaced]
+        why = missing_end(self._system, live, wire, pending) or self._refused(wanted, pending)
+        why = parting(self._system, live, wire) or why
+        if why and not wanted.is_required and known is None:
+            self._notes.append(why)
+            return
+        ends = tuple(end.instance for end in wire.ports)
+        self._wires[id] = ConnectionVariable(ends, why, self._wire_text(id, wire.ports))
+        if self._absent.isdisjoint(ends):
+            self._desired[f"con:{id}"] = YES
+        for other in filter(None, (known, self._joined.get(id))):
+            # Who is joined by it now, or was, has to do with it.
+            for end in other.ports:
+                if end.instance not in self._units and not self._is_gone(end.instance):
+                    self._bystander(end.instance)
+        if known is not None:
+            self._live[f"con:{id}"] = YES if is_same_wire(known, wire) else OTHER
+
+    def _wire_text(self, id: str, ports: tuple[PortRef, ...]) -> str:
+        return f"{' to '.join(map(str, ports))} ({id})"
+
+    def _refused(self, wanted: WantedConnector, pending: list[str]) -> str:
+        """Return why two ports cannot be connected; empty when they can, or nobody knows yet."""
+        found = []
+        for end in wanted.profile.ports:
+            port = self._port(end, is_pending=end.instance in pending)
+            if port is None:
+                is_known = end.instance in pending and end.instance in self._feasibility.described
+                path = address(self._system, end)
+                return f"port missing: {path} (its type has none)" if is_known else ""
+            found.append(port)
+        why = refusal(found, wanted.profile.properties)
+        told = " to ".join(address(self._system, end) for end in wanted.profile.ports)
+        return f"{told}: {why}" if why else ""
+
+    def _port(self, end: PortRef, *, is_pending: bool) -> PortProfile | None:
+        """Return a port that lives, or as it will be when its component lives."""
+        facts = self._live_facts.at(end.instance)
+        if not is_pending:
+            return facts.port(end.port) if facts is not None else None
+        component = self._system.component(end.instance)
+        if component.pattern is not None:
+            return component.port(end.port)
+        known = self._feasibility.ports.get(end.instance, ())
+        return next((port for port in known if port.name == end.port), None)
+
+    def _surplus(self, wires: Iterable[ConnectorProfile]) -> None:
+        """Take in connections of wanted components that nobody names: who moves keeps them."""
+        for wire in wires:
+            id = wire.connector_id
+            names = [end.instance for end in wire.ports]
+            if id in self._wires or not any(name in self._units for name in names):
+                continue
+            if any(name not in self._units and self._is_gone(name) for name in names):
+                continue
+            for name in names:
+                if name not in self._units:
+                    self._bystander(name)
+            self._wires[id] = ConnectionVariable(tuple(names), "", self._wire_text(id, wire.ports))
+            is_kept = not self.prunes or any(self._units[name].why_not for name in names)
+            if self._absent.isdisjoint(names):
+                self._desired[f"con:{id}"] = YES if is_kept else NO
+            self._live[f"con:{id}"] = NO if self._live_facts.wire(id) is None else YES
+
+    def _is_gone(self, name: str) -> bool:
+        facts = self._live_facts.namesake(name)
+        return facts is None or bool(facts.zombie)
+
+    def _bystander(self, name: str) -> None:
+        facts = self._live_facts.namesake(name)
+        process = facts.process if facts is not None else ""
+        self._units[name] = ComponentVariable(name, why_not=f"{name} is not in the profile")
+        self._live[f"cmp:{name}"] = self._place(name, process)
+        self._desired[f"cmp:{name}"] = ANY
+
+    def _attachments(self, component: WantedComponent) -> None:
+        facts = self._live_facts.at(component.instance)
+        driven = {c.id: c.participants for c in facts.contexts} if facts is not None else {}
+        for context, guest in component.guests:
+            if guest not in self._units or component.instance not in self._units:
+                continue
+            id = attachment(component.instance, context, guest)
+            text = f"{guest} to execution context {context} of {component.instance}"
+            self._wires[id] = ConnectionVariable((component.instance, guest), "", text)
+            if self._absent.isdisjoint((component.instance, guest)):
+                self._desired[f"con:{id}"] = YES
+            self._live[f"con:{id}"] = YES if guest in driven.get(context, ()) else NO
+
+
+def attachment(owner: str, context: str, guest: str) -> str:
+    """Return how it is called here that a context of one component drives another."""
+    return f"{owner}\n{context}\n{guest}"

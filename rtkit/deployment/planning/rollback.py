@@ -1,0 +1,216 @@
+"""The way back: what lived before as what is wished now, less what turned out impossible."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.planning.model import (
+    ABSENT,
+    ERROR,
+    INACTIVE,
+    NO,
+    OTHER,
+    YES,
+    ConnectionVariable,
+    Model,
+    Wish,
+    manager_of,
+    owner_of,
+)
+from rtkit.fast_dataclass import replace
+
+
+class Rollback:
+    """The goal that everything is as it was; what cannot be is given up, and the rest goes on."""
+
+    def __init__(self, survey: Callable[[Snapshot], Model], before: Snapshot) -> None:
+        """Prepare the way back to what lived `before`; `survey` returns the model of a snapshot."""
+        self._survey = survey
+        self._before = before
+        self._was = survey(before)
+        self._joined = {
+            wire.connector_id: tuple(end.instance for end in wire.ports)
+            for wire in before.connectors
+        }
+        self._failures: Counter[str] = Counter()
+
+    def model(self, now: Snapshot) -> Model:
+        """Return what lives now with all that lived before as its wishes, but what is given up."""
+        whole = self._whole(now)
+        given_up = {v for name in self._failures for v in self._near(whole, name)}
+        return whole.wishing((v, wish) for v, wish in whole.desired.items() if v not in given_up)
+
+    def give_up(self, variables: Iterable[str]) -> None:
+        """Take back wishes that cannot be: the more of what is near, the more often it failed."""
+        self._failures.update(variables)
+
+    def unlike(self, now: Snapshot) -> Iterator[str]:
+        """Yield what is not as it was before."""
+        whole = self._whole(now)
+        for variable in whole.desired:
+            was, value = self._was.now(variable), whole.now(variable)
+            is_as_wished = whole.allows(variable, value)
+            if not is_as_wished or (was == ERROR and value != ERROR):
+                yield difference(whole, variable, was)
+        yield from _contexts_unlike(self._before, now)
+        names = {facts.instance for facts in now.components}
+        for facts in self._before.components:
+            if facts.zombie and facts.instance not in names:
+                yield f"{facts.instance} is not there (was a zombie)"
+
+    def gone(self, now: Snapshot) -> list[str]:
+        """Return the managers that have ended."""
+        ran = {each.manager for each in (self._before, *self._before.others) if each.pid}
+        return [m.manager for m in (now, *now.others) if not m.pid and m.manager in ran]
+
+    def _whole(self, now: Snapshot) -> Model:
+        model = rollback_goal(self._survey(now), self._was, self._joined)
+        return without(model, self._was, self.gone(now))
+
+    def _near(self, model: Model, variable: str) -> Iterator[str]:
+        """Yield the variables that are given up because of one that failed so often."""
+        yield variable
+        failures = self._failures[variable]
+        if failures == 1 and not variable.startswith("cmp:"):
+            return
+        units = set(_units_of(model, variable))
+        for _ in range(failures - 2):
+            units |= {each for name in units for each in _beside(model, name)}
+        for name in units:
+            yield from (f"cmp:{name}", f"act:{name}")
+            yield from (f"cfg:{key}" for key in model.keys_of[name])
+            wires = (f"con:{wire}" for wire in model.wires_of[name])
+            yield from (v for v in wires if failures > 1 or model.desired.get(v) == YES)
+
+
+def _units_of(model: Model, variable: str) -> Iterator[str]:
+    """Yield the components that a variable is about, as far as the model has them."""
+    kind, _, name = variable.partition(":")
+    if kind == "con":
+        yield from model.wires[name].ends
+    elif kind in ("mgr", "mod"):
+        manager, _, module = name.partition("/")
+        for unit in model.units.values():
+            places = (*unit.places, model.now(f"cmp:{unit.name}"))
+            is_there = any(manager_of(place) == manager for place in places)
+            if is_there and module in ("", unit.module):
+                yield unit.name
+    elif owner_of(name) in model.units:
+        yield owner_of(name)
+
+
+def _beside(model: Model, name: str) -> Iterator[str]:
+    """Yield the components that one is connected with, composed of, or part of."""
+    yield from (end for wire in model.wires_of[name] for end in model.wires[wire].ends)
+    yield from model.wholes_of[name]
+    yield from (each for each in model.units[name].members if each in model.units)
+
+
+def _contexts_unlike(before: Snapshot, now: Snapshot) -> Iterator[str]:
+    """Yield components that were Active in some of their contexts only, and now are in others.
+
+    A plan knows of each whether it is Active at all, so this is not led back, but told.
+    """
+    living = {facts.instance: facts for facts in now.components}
+    for facts in before.components:
+        was = {each.id: each.state for each in facts.contexts}
+        there = living.get(facts.instance)
+        if len(set(was.values())) < 2 or there is None:
+            continue
+        for each in there.contexts:
+            if was.get(each.id, each.state) is not each.state:
+                place = f"{facts.instance} is {each.state} in execution context {each.id}"
+                yield f"{place} (was {was[each.id]})"
+
+
+def difference(model: Model, variable: str, was: str) -> str:
+    """Return in words how a variable is, and how it was."""
+    kind, _, name = variable.partition(":")
+    value = model.now(variable)
+    if kind == "cfg":
+        text = model.keys[name].text.removeprefix("set ") or f"{name}="
+        return f"{text}{value} (was {was})"
+    if kind in ("act", "mgr"):
+        return f"{'manager ' * (kind == 'mgr')}{name} is {value} (was {was})"
+    if kind == "con":
+        name = f"connection {model.wires[name].text or name}"
+    elif kind == "mod":
+        manager, _, module = name.partition("/")
+        name = f"module {module} on {manager}"
+    if ABSENT in (value, was) or NO in (value, was):
+        return f"{name} is there" if was in (ABSENT, NO) else f"{name} is not there"
+    return f"{name} is another" if kind == "con" else f"{name} is at {value} (was at {was})"
+
+
+def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -> Model:
+    """Return the model of what lives now with all that lived before as its wishes.
+
+    What somebody else made meanwhile, and nobody knew of before, is left as it is.
+
+    Args:
+        now: What lives, and what was wished.
+        before: What lived before.
+        joined: The components that each connection joined before.
+    """
+    live, desired = dict(now.live), dict[str, Wish]()
+    units, wires = dict(now.units), dict(now.wires)
+    for name, unit in now.units.items():
+        if name not in before.units:
+            continue
+        place = before.now(f"cmp:{name}")
+        desired[f"cmp:{name}"] = place
+        if place == ABSENT:
+            continue
+        units[name] = replace(unit, places=(place,), why_not="")
+        was = before.now(f"act:{name}")
+        # Nothing leads into Error; at rest it is as near to it as can be.
+        desired[f"act:{name}"] = (ERROR, INACTIVE) if was == ERROR else was
+    keys = dict(now.keys)
+    for key, known in now.keys.items():
+        variable = f"cfg:{key}"
+        if variable in before.live:
+            desired[variable] = before.live[variable]
+            if known.is_fixed:  # what is made again is made as it was
+                keys[key] = replace(known, default=before.live[variable])
+    for name in now.wires:
+        if name not in before.wires:
+            continue
+        variable = f"con:{name}"
+        was = before.now(variable)
+        if was == OTHER:
+            # What was there under its name is what is wished now, and what is there the other.
+            live[variable] = {YES: OTHER, OTHER: YES}.get(now.now(variable), NO)
+            if not all(end in units for end in joined[name]):
+                continue
+            wires[name] = ConnectionVariable(joined[name], text=now.wires[name].text)
+        desired[variable] = NO if was == NO else YES
+    for variable in now.live:
+        if variable.startswith("mod:"):
+            desired[variable] = before.now(variable)
+    return replace(now, units=units, wires=wires, keys=keys, live=live, desired=desired)
+
+
+def without(model: Model, before: Model, managers: Collection[str]) -> Model:
+    """Return the same model with no wishes of what was in managers that have ended."""
+    if not managers:
+        return model
+    lost = {name for name in model.units if _home(before, model, name) in managers}
+
+    def is_lost(variable: str) -> bool:
+        kind, _, name = variable.partition(":")
+        if kind == "con":
+            return not lost.isdisjoint(model.wires[name].ends)
+        if kind in ("mgr", "mod"):
+            return name.partition("/")[0] in managers
+        return owner_of(name) in lost
+
+    return model.wishing((v, wish) for v, wish in model.desired.items() if not is_lost(v))
+
+
+def _home(before: Model, now: Model, name: str) -> str:
+    """Return the manager that a component was in, or is to be in."""
+    was = before.now(f"cmp:{name}") if name in before.units else ABSENT
+    places = [place for place in (was, now.now(f"cmp:{name}")) if place != ABSENT]
+    return manager_of([*places, *now.units[name].places, ""][0])

@@ -1,0 +1,55 @@
+"""What has been done about the ends and the health of a component, as users are told."""
+
+from __future__ import annotations
+
+from rtkit.fast_dataclass import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class RestartStatus:
+    """What its policy and its rules of health have led to; each text is empty where nothing has.
+
+    Attributes:
+        restarts: How often its policy made it again.
+        why: For which end its policy made it again the last time.
+        took_s: How long that took, from its end until it was as it had been [s].
+        returning: For which end it is to be made again, as long as it is not.
+        given_up: Why it is made again no more.
+        degraded: Which rule of health it breaks that says so.
+        rested: Which rule it broke for which it was deactivated.
+        halted: For which loss everything was deactivated, since it is critical.
+        due_s: When it is to be made again, on the monotonic clock of its host [s]; 0 for never.
+    """
+
+    restarts: int = 0
+    why: str = ""
+    took_s: float = 0.0
+    returning: str = ""
+    given_up: str = ""
+    degraded: str = ""
+    rested: str = ""
+    halted: str = ""
+    due_s: float = 0.0
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong with one that answers; empty for nothing."""
+        return f"degraded: {self.degraded}" if self.degraded else self.given_up
+
+    @property
+    def again(self) -> str:
+        """How often its policy made it again, and for what the last time; empty for never."""
+        times = "once" if self.restarts == 1 else f"{self.restarts} times"
+        return f"made again {times}, for {self.why}" if self.why else ""
+
+    @property
+    def stops(self) -> str:
+        """Why it, or for its sake everything, was deactivated; empty for nothing."""
+        told = [f"deactivated: {self.rested}"] if self.rested else []
+        told += [f"all was deactivated: {self.halted}"] if self.halted else []
+        return "; ".join(told)
+
+    @property
+    def history(self) -> str:
+        """What was done about it so far; empty for nothing."""
+        return "; ".join(filter(None, (self.again, self.stops)))

@@ -1,0 +1,113 @@
+"""What takes back the traces of a plan that failed, found by comparing before with now."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action
+from rtkit.deployment.extension import policy_in
+from rtkit.deployment.facts import Snapshot
+from rtkit.fast_dataclass import dataclass
+from rtkit.rtc.create import parse_create
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One thing that a plan made or changed, and the action that takes it back."""
+
+    what: str
+    undo: Action
+
+
+def traces(attempted: Iterable[Action], before: Snapshot, now: Snapshot) -> list[Trace]:
+    """Return what the attempted actions left behind, in the order in which it is to be undone."""
+    tried = tuple(attempted)
+    made = {
+        instance
+        for action in tried
+        if isinstance(action, act.Create)
+        if _is_new(instance := parse_create(action.create).instance_name, before, now)
+    }
+    found = [
+        *_connectors(tried, before, now, made),
+        *_settings(tried, before, now, made),
+        *(Trace(name, act.Delete(name)) for name in sorted(made)),
+        *_modules(tried, before, now),
+    ]
+    return found
+
+
+def _is_new(instance: str, before: Snapshot, now: Snapshot) -> bool:
+    was, is_now = before.component(instance), now.component(instance)
+    if is_now is None:
+        return False
+    return was is None or bool(was.zombie and not is_now.zombie)
+
+
+def _connectors(
+    tried: Iterable[Action], before: Snapshot, now: Snapshot, made: set[str]
+) -> Iterator[Trace]:
+    known = {wire.connector_id for wire in before.connectors}
+    wires = {wire.connector_id: wire for wire in now.connectors}
+    for action in tried:
+        if isinstance(action, act.Connect):
+            id = action.connector.connector_id
+            is_left = id in wires and id not in known
+            # Deleting a component takes its connections along.
+            if is_left and not made & {end.instance for end in wires[id].ports}:
+                yield Trace(f"connection {id}", act.Disconnect(id))
+
+
+def _settings(
+    tried: Iterable[Action], before: Snapshot, now: Snapshot, made: set[str]
+) -> Iterator[Trace]:
+    for action in tried:
+        if not isinstance(action, (act.SetParameters, act.ActivateSet, act.SetRate, act.SetPolicy)):
+            continue
+        instance = action.instance
+        was, is_now = before.component(instance), now.component(instance)
+        if was is None or is_now is None or instance in made or is_now.zombie:
+            continue
+        if isinstance(action, act.ActivateSet):
+            if was.active_set and was.active_set != is_now.active_set:
+                undo = act.ActivateSet(instance, was.active_set)
+                yield Trace(f"active set of {instance}", undo)
+            continue
+        if isinstance(action, act.SetRate):
+            rates = [c.rate for c in was.contexts if c.id == action.context]
+            for rate in rates:
+                undo_rate = act.SetRate(instance, action.context, rate)
+                yield Trace(f"rate of {instance}", undo_rate)
+            continue
+        if isinstance(action, act.SetPolicy):
+            yield Trace(f"policy of {instance}", act.SetPolicy(instance, policy_in(was.create)))
+            continue
+        old = _changed(action, was.sets.get(action.set_id, {}), is_now.sets.get(action.set_id, {}))
+        if old:
+            undo_set = act.SetParameters(instance, action.set_id, old)
+            yield Trace(f"parameters {', '.join(old)} of {instance}", undo_set)
+
+
+def _changed(
+    action: act.SetParameters, was: Mapping[str, str], is_now: Mapping[str, str]
+) -> dict[str, str]:
+    return {
+        name: was[name] for name in action.values if name in was and was[name] != is_now.get(name)
+    }
+
+
+def _modules(tried: Iterable[Action], before: Snapshot, now: Snapshot) -> Iterator[Trace]:
+    known, loaded = _loaded(before), _loaded(now)
+    for action in tried:
+        if not isinstance(action, act.Load):
+            continue
+        module = (action.manager or now.manager, action.path)
+        if module in loaded and module not in known:
+            yield Trace(f"module {action.path}", act.Unload(action.path, action.manager))
+
+
+def _loaded(snapshot: Snapshot) -> set[tuple[str, str]]:
+    """Return which manager has which module."""
+    managers = (snapshot, *snapshot.others)
+    return {(each.manager, module.path) for each in managers for module in each.modules}

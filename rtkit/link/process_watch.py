@@ -1,0 +1,33 @@
+"""Watches processes of this host by descriptors: an id that is used again is another one."""
+
+from __future__ import annotations
+
+import os
+import select
+
+
+class ProcessWatch:
+    """A process from now to its end."""
+
+    def __init__(self, pid: int) -> None:
+        """Begin to watch.
+
+        Raises:
+            OSError: There is none of that id, or no descriptor is left.
+        """
+        self._descriptor = os.pidfd_open(pid)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it has ended."""
+        return self.await_end(0.0)
+
+    def await_end(self, timeout_s: float) -> bool:
+        """Wait for its end, at most so long [s]; return whether it has ended."""
+        watching = select.poll()  # unlike select, it takes descriptors of any number
+        watching.register(self._descriptor, select.POLLIN)
+        return bool(watching.poll(timeout_s * 1000))
+
+    def close(self) -> None:
+        """Watch it no more."""
+        os.close(self._descriptor)

@@ -1,0 +1,161 @@
+"""The front door of a manager: a TCP port of this host for who knows the user's secret.
+
+It is a session of its own, in front of the one on the Unix socket, because one session cannot ask
+for a password on one of its doors only.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import socket
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import zenoh
+
+from rtkit.errors import Malformed, Unreachable
+from rtkit.link import keys
+from rtkit.link.secret import Secret
+from rtkit.link.zenoh import open_client, open_listener
+
+LOOPBACK = "127.0.0.1"
+_ROUTE_S = 5.0
+_AGAIN_S = 0.01
+_INTRODUCE_S = 1.0
+"""How long who connects has to prove that he knows the secret [s]."""
+_MOST = 500
+"""How many clients may be let in at a time, and how many may be about to prove that they may."""
+_SHARE = 8
+"""Which part of all descriptors each of those may take at most: slaves and the Unix socket need the
+rest."""
+
+
+class Identity(NamedTuple):
+    """Who a manager is: its host, its name there, and its id in direct addresses."""
+
+    host: str
+    manager: str
+    id: str
+
+
+def introduce(session: zenoh.Session, identity: Identity) -> Callable[[], object]:
+    """Have a manager's session say who it is; return what takes that back before it closes."""
+    key, text = keys.introduction(), json.dumps(identity)
+
+    def asked(query: zenoh.Query) -> None:
+        query.reply(key, text)
+        query.drop()  # type: ignore[no-untyped-call]
+
+    handler = zenoh.handlers.Callback(asked, indirect=False)
+    return session.declare_queryable(key, handler).undeclare
+
+
+def open_endpoint(port: int, inner_endpoint: str, secret_file: str) -> zenoh.Session:
+    """Open a port to those who know the secret; it leads to the session at `inner_endpoint`.
+
+    Raises:
+        Unreachable: The port is taken, or the door leads nowhere.
+    """
+    most = str(min(_MOST, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // _SHARE))
+    more = {
+        "connect/endpoints": json.dumps([inner_endpoint]),
+        "transport/auth/usrpwd/dictionary_file": json.dumps(secret_file),
+        "transport/unicast/accept_timeout": str(int(_INTRODUCE_S * 1000)),
+        "transport/unicast/accept_pending": most,
+        "transport/unicast/max_sessions": most,
+    }
+    session = open_listener(f"tcp/{LOOPBACK}:{port}", more=more)
+    try:
+        _await_route(session)
+    except Unreachable:
+        session.close()  # type: ignore[no-untyped-call]
+        raise
+    return session
+
+
+def free_port() -> int:
+    """Return a port that nobody has at present."""
+    with socket.socket() as probe:
+        probe.bind((LOOPBACK, 0))
+        return int(probe.getsockname()[1])
+
+
+def is_free(port: int) -> bool:
+    """Whether a port can be listened on."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((LOOPBACK, port))
+            probe.listen(1)
+        except OSError:
+            return False
+    return True
+
+
+def log_in(port: int, secret: Secret, timeout_s: float) -> zenoh.Session:
+    """Open a client session through a door.
+
+    Raises:
+        Unreachable: Nobody listens there, or not to this secret.
+    """
+    more = {
+        "transport/auth/usrpwd/user": json.dumps(secret.user),
+        "transport/auth/usrpwd/password": json.dumps(secret.password),
+    }
+    return open_client(f"tcp/{LOOPBACK}:{port}", timeout_s, more=more)
+
+
+def ask_identity(session: zenoh.Session, timeout_s: float) -> Identity:
+    """Ask who the manager behind a door is.
+
+    Raises:
+        Unreachable: None answers.
+    """
+    for reply in session.get(
+        keys.introduction(),
+        timeout=timeout_s,
+        handler=zenoh.handlers.FifoChannel(4),
+        consolidation=zenoh.ConsolidationMode.NONE,
+    ):
+        if reply.ok is not None:
+            return _identity(reply.ok.payload.to_string())
+    raise Unreachable("no manager of this realm answers there")
+
+
+def _identity(text: str) -> Identity:
+    try:
+        host, manager, id = json.loads(text)
+    except (ValueError, TypeError) as error:
+        raise Malformed(f"not who a manager is: {text[:80]!r}") from error
+    return Identity(str(host), str(manager), str(id))
+
+
+def _await_route(session: zenoh.Session) -> None:
+    """Return when a question at the door reaches the manager behind it."""
+    deadline = time.monotonic() + _ROUTE_S
+    querier = session.declare_querier(keys.introduction())
+    matched = threading.Event()
+
+    def changed(status: zenoh.MatchingStatus) -> None:
+        if status.matching:
+            matched.set()
+
+    listener = querier.declare_matching_listener(changed)
+    status: Any = querier.matching_status  # the stubs of zenoh 1.10 say bool, wrongly
+    if not status.matching:
+        matched.wait(_ROUTE_S)
+    listener.undeclare()  # type: ignore[no-untyped-call]
+    querier.undeclare()  # type: ignore[no-untyped-call]
+    while True:
+        try:
+            ask_identity(session, _ROUTE_S)
+        except Unreachable:
+            # It knows of the manager, but its tables are not computed; nothing tells when they are.
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(_AGAIN_S)
+        else:
+            return

@@ -1,0 +1,291 @@
+"""What shall exist: everything that was acknowledged, as rows for a store that survives.
+
+Facts are what processes say; wishes are what users asked for. A component that died is no fact any
+more and still a wish; what a user ended is neither.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from rtkit.deployment.facts import ComponentFacts
+from rtkit.deployment.states.followed import Followed
+from rtkit.errors import Malformed
+from rtkit.fast_dataclass import dataclass, field, replace
+from rtkit.manager.core.events import Row
+from rtkit.manager.core.restart_record import RestartRecord
+from rtkit.rtc.enums import LifeCycleState
+from rtkit.rtc.profiles import ConnectorProfile
+from rtkit.rtc.serde import decode, encode
+
+COMPONENT, WIRE, MODULE, SETTING, BEGUN, ZOMBIE, WATCHED, BOOT, ANSWERED, FOLLOWED, REACHED = (
+    "component",
+    "wire",
+    "module",
+    "setting",
+    "begun",
+    "zombie",
+    "watched",
+    "boot",
+    "answered",
+    "followed",
+    "reached",
+)
+"""The kinds of rows."""
+_URGENT = (ZOMBIE, WATCHED)
+"""Those of ends, which are kept though something that answers them is under way."""
+
+
+@dataclass(frozen=True, slots=True)
+class DesiredComponent:
+    """A component that shall exist.
+
+    Attributes:
+        create: Create string that makes it, with its instance name and its slave.
+        pattern: Of a stand-in, as JSON.
+        sets: What was set by users: set name to parameter name to text.
+        active: Ids of the execution contexts in which it shall be active.
+        rates: Rates that were set [Hz], by context.
+        attached: Components that its contexts drive besides, by context.
+        states: Table that its state machine was given, empty for its own.
+        events: Events that its machine's port was given, empty for its own.
+    """
+
+    create: str
+    names: tuple[str, ...] = ()
+    pattern: str = ""
+    sets: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    active_set: str = ""
+    active: tuple[str, ...] = ()
+    rates: Mapping[str, float] = field(default_factory=dict)
+    attached: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    states: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    events: Mapping[str, str] = field(default_factory=dict)
+
+
+class DesiredState:
+    """All wishes, in the order in which they came, and which rows of them are not yet kept.
+
+    Attributes:
+        begun: What of the manager's own start was done, as ``KEY: ITEM``.
+        zombies: Components whose end is for their user to see, as they were.
+        watched: What has been done about the ends of components, by instance.
+        revived: Components that are just being made again: that is no new wish.
+        boot: Which run of the machine this is; kept along with the rest.
+        answered: What batches came to that changed anything, the last ones, by id.
+        followed: By what systems are followed whose events lead them, as text, by name.
+        reached: What became of each of them.
+    """
+
+    def __init__(self) -> None:
+        self.components: dict[str, DesiredComponent] = {}
+        self.wires: dict[str, ConnectorProfile] = {}
+        self.modules: dict[str, str] = {}
+        self.settings: dict[str, str] = {}
+        self.begun: dict[str, str] = {}
+        self.zombies: dict[str, ComponentFacts] = {}
+        self.watched: dict[str, RestartRecord] = {}
+        self.revived: set[str] = set()
+        self.boot: dict[str, str] = {}
+        self.answered: dict[str, str] = {}
+        self.followed: dict[str, str] = {}
+        self.reached: dict[str, Followed] = {}
+        self._changed: dict[tuple[str, str], None] = {}
+        self._stored: set[tuple[str, str]] = set()
+        self._tables: Mapping[str, dict[str, Any]] = {
+            COMPONENT: self.components,
+            WIRE: self.wires,
+            MODULE: self.modules,
+            SETTING: self.settings,
+            BEGUN: self.begun,
+            ZOMBIE: self.zombies,
+            WATCHED: self.watched,
+            BOOT: self.boot,
+            ANSWERED: self.answered,
+            FOLLOWED: self.followed,
+            REACHED: self.reached,
+        }
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether there is something to be kept."""
+        return bool(self._changed)
+
+    def is_stored(self, kind: str, name: str) -> bool:
+        """Whether there is a row of that name on the disk, though perhaps with another value."""
+        return (kind, name) in self._stored
+
+    @property
+    def is_urgent(self) -> bool:
+        """Whether something is to be kept that cannot wait until nothing is under way."""
+        return any(kind in _URGENT for kind, _ in self._changed)
+
+    def changes(self, *, is_urgent: bool = False) -> tuple[Row, ...]:
+        """Return the rows that have changed, or of them the urgent ones.
+
+        They are taken for kept from now on.
+        """
+        changed = {key: None for key in self._changed if key[0] in _URGENT or not is_urgent}
+        for key in changed:
+            del self._changed[key]
+        if self.boot and not self.is_stored(BOOT, "id"):
+            changed[BOOT, "id"] = None
+        return tuple((kind, name, self._text(kind, name)) for kind, name in changed)
+
+    def is_kept(self, rows: Iterable[Row]) -> None:
+        """Note that rows are on the disk."""
+        for kind, name, text in rows:
+            (self._stored.discard if text is None else self._stored.add)((kind, name))
+
+    def not_kept(self, rows: Iterable[Row]) -> None:
+        """Have rows kept with the next ones, since it failed this time."""
+        self._changed = {**{(kind, name): None for kind, name, _ in rows}, **self._changed}
+
+    def keep_all(self) -> None:
+        """Have all rows kept again, since nothing is on the disk any more."""
+        self._changed.update(
+            {(kind, name): None for kind, table in self._tables.items() for name in table}
+        )
+
+    def read(self, rows: Iterable[Row]) -> list[str]:
+        """Take in what was kept; return what cannot be read, one line each."""
+        bad = []
+        for kind, name, text in rows:
+            self._stored.add((kind, name))
+            try:
+                self._tables[kind][name] = _READ[kind](json.loads(text or ""))
+            except (ValueError, LookupError, TypeError) as error:
+                bad.append(f"{kind} {name}: {error}")
+        return bad
+
+    def begin_life(self, boot: str) -> bool:
+        """Note which run of the machine this is; return whether all was kept in the same one."""
+        before = self.boot.get("id", boot)
+        self.boot["id"] = boot
+        if before != boot:
+            self._changed[BOOT, "id"] = None
+        return before == boot
+
+    def clear(self) -> None:
+        """Have no wish at all."""
+        for kind, table in self._tables.items():
+            for name in list(table):
+                self.drop(kind, name)
+
+    def _text(self, kind: str, name: str) -> str | None:
+        value = self._tables[kind].get(name)
+        if value is None:
+            return None
+        return json.dumps(value if isinstance(value, str) else encode(value), separators=(",", ":"))
+
+    def put(self, kind: str, name: str, value: object) -> None:
+        """Wish for something, under its name."""
+        if self._tables[kind].get(name) != value:
+            self._tables[kind][name] = value
+            self._changed[kind, name] = None
+
+    def drop(self, kind: str, name: str) -> None:
+        """Wish for something no longer."""
+        if self._tables[kind].pop(name, None) is not None:
+            self._changed[kind, name] = None
+
+    # components
+
+    def made(self, instance: str, create: str, names: tuple[str, ...], pattern: object) -> None:
+        """Note a component that was made; one that is made again keeps what was wished of it."""
+        self.drop(ZOMBIE, instance)
+        if instance in self.revived and instance in self.components:
+            return
+        self.forget(instance)
+        text = "" if pattern is None else json.dumps(encode(pattern), separators=(",", ":"))
+        self.put(COMPONENT, instance, DesiredComponent(create, names, text))
+
+    def adopt(self, facts: ComponentFacts, asked: DesiredComponent | None = None) -> None:
+        """Take for wished what lives and is known from nothing else but what was asked of it."""
+        if asked is None:
+            active = tuple(c.id for c in facts.contexts if c.state is LifeCycleState.ACTIVE)
+            asked = DesiredComponent("", (), "", facts.sets, facts.active_set, active)
+        self.put(COMPONENT, facts.instance, replace(asked, create=facts.create, names=facts.names))
+
+    def forget(self, instance: str) -> None:
+        """Wish a component no longer, nor what hangs on it."""
+        self.drop(COMPONENT, instance)
+        self.drop(ZOMBIE, instance)
+        self.drop(WATCHED, instance)
+        for connector_id, wire in list(self.wires.items()):
+            if any(end.instance == instance for end in wire.ports):
+                self.drop(WIRE, connector_id)
+        # Few drive others: looking into each would make many components cost their square.
+        drivers = [(owner, wish) for owner, wish in self.components.items() if wish.attached]
+        for owner, wish in drivers:
+            if any(instance in driven for driven in wish.attached.values()):
+                left = {c: tuple(p for p in ps if p != instance) for c, ps in wish.attached.items()}
+                self.change(owner, attached=left)
+
+    def lost(self, facts: ComponentFacts) -> None:
+        """Note that a component has died, and that its user is to see it."""
+        if facts.instance in self.components:
+            self.put(ZOMBIE, facts.instance, facts)
+
+    def found(self, instance: str) -> None:
+        """Note that a component lives that was taken for dead."""
+        self.drop(ZOMBIE, instance)
+
+    def watch(self, instance: str, **changes: Any) -> None:
+        """Note what was done about the ends of a component."""
+        self.put(WATCHED, instance, replace(self.watched.get(instance, RestartRecord()), **changes))
+
+    def named(self, instance: str, names: tuple[str, ...]) -> None:
+        """Note under which names a component is to be found."""
+        self.change(instance, names=names)
+
+    def wire(self, wire: ConnectorProfile) -> None:
+        """Wish for a connector."""
+        self.put(WIRE, wire.connector_id, wire)
+
+    def begin(self, what: str) -> None:
+        """Note that something of the manager's own start was done."""
+        self.put(BEGUN, what, "done")
+
+    def set(self, key: str, value: str) -> None:
+        """Note a property of the manager that was changed."""
+        self.put(SETTING, key, value)
+
+    def change(self, instance: str, **changes: Any) -> None:
+        """Wish for a component otherwise; one that is not wished for stays so."""
+        wish = self.components.get(instance)
+        if wish is not None:
+            self.put(COMPONENT, instance, replace(wish, **changes))
+
+
+def _word(data: object) -> str:
+    if not isinstance(data, str):
+        raise Malformed(f"no text: {data!r}")
+    return data
+
+
+_READ: Mapping[str, Callable[[Any], object]] = {
+    COMPONENT: lambda data: decode(DesiredComponent, data),
+    WIRE: lambda data: decode(ConnectorProfile, data),
+    ZOMBIE: lambda data: decode(ComponentFacts, data),
+    WATCHED: lambda data: decode(RestartRecord, data),
+    MODULE: _word,
+    SETTING: _word,
+    BEGUN: _word,
+    BOOT: _word,
+    ANSWERED: _word,
+    FOLLOWED: _word,
+    REACHED: lambda data: decode(Followed, data),
+}
+
+
+def module_row(path: str, init: str) -> str:
+    """Return under which name it is kept that a module is to be loaded."""
+    return f"{path}:{init}" if init else path
+
+
+def module_path(row: str, init: str) -> str:
+    """Return the path in such a name."""
+    return row.removesuffix(f":{init}") if init else row

@@ -1,0 +1,202 @@
+"""Answers when wishes are kept: what was acknowledged is on the disk, what cannot be is taken back.
+
+While the store cannot be written nothing new is begun; what ends or rests something is done all
+the same, since a robot must be stopped whatever its disk is like.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action, Result
+from rtkit.errors import Refused, RtkitError
+from rtkit.manager.core.desired import COMPONENT, MODULE, WIRE, module_path
+from rtkit.manager.core.effects import Procedure
+from rtkit.manager.core.events import Instruction, Row, StoreRows, WakeAt
+from rtkit.manager.core.procedures import procedure_for
+from rtkit.manager.core.state import ManagerState
+from rtkit.manager.core.tasks import Tasks, failed
+from rtkit.rtc.enums import Transition
+
+Tell = Callable[[list[Result]], object]
+_log = logging.getLogger(__name__)
+_UNDO_S = 10.0
+"""How long it may take to take back what cannot be kept [s]."""
+RETRY_S = 1.0
+"""How long after a write that failed the next one is tried [s]."""
+
+
+class _Done(NamedTuple):
+    """Actions that were done, whose results are told once that is on the disk."""
+
+    actions: Sequence[Action]
+    results: list[Result]
+    tell: Tell
+
+
+class _Flight(NamedTuple):
+    """Rows that are being written, and what is waiting for them."""
+
+    rows: tuple[Row, ...]
+    done: list[_Done]
+    heard: list[Callable[[str], object]]
+
+
+class DurableReplies:
+    """What is on its way to the store; `out` collects what the shell is to do."""
+
+    def __init__(self, state: ManagerState, out: list[Instruction], tasks: Tasks) -> None:
+        self._state = state
+        self._out = out
+        self._tasks = tasks
+        self._number = 0
+        self._flights: dict[int, _Flight] = {}
+        self._retry_at: float | None = None
+        self._is_stopping = False
+        self._is_forgetting = False
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing is on its way."""
+        return not self._flights
+
+    def finish(self, actions: Sequence[Action], results: list[Result], tell: Tell) -> None:
+        """Have results told when what they say is kept."""
+        if self._is_forgetting or not any(result.ok for result in results):
+            tell(results)
+        elif self._state.kept.has_changed:
+            self._keep().done.append(_Done(actions, results, tell))
+        elif self._flights:  # perhaps with what another batch was waiting for
+            self._flights[self._number].done.append(_Done(actions, results, tell))
+        else:
+            tell(results)
+
+    def admit(self, actions: Sequence[Action], go_on: Callable[[str], object]) -> None:
+        """Call `go_on` with why actions cannot be begun; with an empty text when they can."""
+        if self._state.unkept and not all(map(_is_ending, actions)):
+            self._keep().heard.append(go_on)
+        else:
+            go_on("")
+
+    def kept(self, number: int, why: str, *, is_lost: bool = False) -> None:
+        """Take the word of the store; if it is lost, have all kept in another one."""
+        flight = self._flights.pop(number)
+        if is_lost and not self._is_forgetting:
+            self._keep_anew(flight, why)
+            return
+        self._state.unkept, self._retry_at = why, None
+        if why:
+            self._state.kept.not_kept(flight.rows)
+        else:
+            self._state.kept.is_kept(flight.rows)
+        for heard in flight.heard:
+            heard(why)
+        for done in flight.done:
+            if why:
+                self._take_back(done, why)
+            else:
+                done.tell(done.results)
+
+    def run(self, now: float) -> None:
+        """Have kept what came of itself, once nothing is under way, and at once what is urgent.
+
+        After a failure all that is left is tried again after a while, until it succeeds.
+        """
+        kept = self._state.kept
+        if self._flights:
+            return
+        if self._state.unkept:
+            self._retry(now)
+        elif kept.has_changed and self._tasks.is_idle:
+            self._keep()
+        elif kept.is_urgent:
+            self._keep(is_urgent=True)
+
+    def _retry(self, now: float) -> None:
+        if self._retry_at is None:
+            self._retry_at = now + RETRY_S
+        if now >= self._retry_at:
+            self._keep()
+        else:
+            self._out.append(WakeAt(self._retry_at))
+
+    def stop(self, *, is_kept: bool) -> None:
+        """Take nothing back any more; unless wishes are kept, have nothing wished any more."""
+        self._is_stopping = True
+        if not is_kept:
+            self._is_forgetting = True
+            self._state.kept.clear()
+        if self._state.kept.has_changed:
+            self._keep()
+
+    def _keep(self, *, is_urgent: bool = False) -> _Flight:
+        self._number += 1
+        rows = self._state.kept.changes(is_urgent=is_urgent)
+        flight = self._flights[self._number] = _Flight(rows, [], [])
+        self._out.append(StoreRows(self._number, flight.rows))
+        return flight
+
+    def _keep_anew(self, flight: _Flight, why: str) -> None:
+        """Write all that is wished into a new store; who waited for the old one waits for that."""
+        self._state.remark = f"{why}; all is written anew"
+        _log.warning("%s", self._state.remark)
+        self._state.kept.keep_all()
+        again = self._keep()
+        again.done.extend(flight.done)
+        again.heard.extend(flight.heard)
+
+    def _take_back(self, done: _Done, why: str) -> None:
+        def tell(_result: Result) -> None:
+            done.tell(done.results)
+
+        self._tasks.begin(self._undo(done, why), _UNDO_S, tell)
+
+    def _undo(self, done: _Done, why: str) -> Procedure:
+        """Take back what was made and cannot be kept, the last first; tell what stays."""
+        for index in reversed(range(len(done.results))):
+            result, action = done.results[index], done.actions[index]
+            if not result.ok or isinstance(action, act.Tick):
+                continue
+            back = _opposite(self._state, action, result)
+            stays = "done all the same, but "
+            if back is not None and not self._is_stopping:
+                try:
+                    yield from procedure_for(back, self._state)
+                    stays = ""
+                except RtkitError as error:
+                    stays = f"done, not taken back ({error}), and "
+            done.results[index] = failed(Refused(stays + unkept(why)))
+        return Result()
+
+
+def unkept(why: str) -> str:
+    """Return what to tell of a change that is refused because it cannot be kept."""
+    return f"what is wished cannot be recorded: {why}"
+
+
+def _is_ending(action: Action) -> bool:
+    """Whether an action ends or rests something."""
+    if isinstance(action, act.ChangeState):
+        return action.transition is not Transition.ACTIVATE
+    return isinstance(action, (act.Delete, act.EndSlave, act.Unregister, act.Disconnect, act.Tick))
+
+
+def _opposite(state: ManagerState, action: Action, result: Result) -> Action | None:
+    """Return what takes back something that was made just now; None for what stays."""
+    is_stored = state.kept.is_stored
+    match action:
+        case act.Create() if not is_stored(COMPONENT, result.value):
+            return act.Delete(result.value)
+        case act.Connect(wire) if not is_stored(WIRE, wire.connector_id):
+            return act.Disconnect(wire.connector_id)
+        case act.Load(path) if not any(is_stored(MODULE, row) for row in _rows(state, path)):
+            return act.Unload(path)
+    return None
+
+
+def _rows(state: ManagerState, path: str) -> list[str]:
+    """Return the rows about a module, one for each init function."""
+    return [row for row, init in state.kept.modules.items() if module_path(row, init) == path]

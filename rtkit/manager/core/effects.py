@@ -1,0 +1,105 @@
+"""What a procedure may yield: the things that it wants done, or waits for.
+
+A procedure is a generator that does one action. `rtkit.manager.core.tasks` resumes it with what it
+waited for, or raises inside it the error that ended the wait.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import Any
+
+from rtkit.deployment.actions import Result
+from rtkit.deployment.message import Message
+from rtkit.fast_dataclass import dataclass
+from rtkit.manager.core.state import Process
+
+
+@dataclass(frozen=True, slots=True)
+class AcquireSlave:
+    """Wait for the slave of that name, started if it does not live; receives a `Process`.
+
+    One for the trial of a module is always started, and has no name that anybody could ask for.
+    """
+
+    name: str
+    trial_of: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """Send a message to a holder and wait for the value that it answers.
+
+    Attributes:
+        timeout_s: Bound on the wait; 0 means that of the batch [s].
+        is_lasting: The holder does it whenever it can, also when nobody waits for it any more:
+            what is to go has to go. Anything else that was not begun in time is not done.
+    """
+
+    process: Process
+    message: Message
+    timeout_s: float = 0.0
+    is_lasting: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class WaitForEnds:
+    """Wait until each of these slaves has ended, at most `timeout_s` [s]."""
+
+    slaves: tuple[Process, ...]
+    timeout_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sleep:
+    """Wait for `time_s` [s]."""
+
+    time_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class WaitUntil:
+    """Wait until something is so that other procedures bring about; `why` tells what it is not."""
+
+    is_so: Callable[[], bool]
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Send:
+    """Send a message to a holder that needs no answer; goes on at once."""
+
+    process: Process
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class SendSignal:
+    """Send a signal to a slave; goes on at once."""
+
+    process: Process
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Spawn:
+    """Begin a procedure whose outcome nobody waits for: cleaning up must not delay an answer."""
+
+    procedure: Procedure
+
+
+@dataclass(frozen=True, slots=True)
+class ReadClock:
+    """Ask for the time; receives monotonic seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gather:
+    """Do these procedures side by side and wait until each has ended; receives their results."""
+
+    procedures: tuple[Procedure, ...]
+
+
+Wait = AcquireSlave | Call | WaitForEnds | Sleep | WaitUntil | Gather
+Effect = Wait | Send | SendSignal | Spawn | ReadClock
+Procedure = Generator[Effect, Any, Result]

@@ -1,0 +1,111 @@
+"""Asks processes once a second for the figures of their components, while somebody wants them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from rtkit.deployment.metrics import FIGURES, PERIOD_S, ComponentMetrics, ProcessMetrics
+from rtkit.errors import Malformed
+from rtkit.manager.core.events import Instruction, Publish, SendToContainer
+from rtkit.manager.core.state import ManagerState, Process
+from rtkit.rtc.serde import decode, encode
+
+_PATIENCE_S = 0.25
+"""How long the answers of busy processes are waited for [s]."""
+
+
+class MetricsConsumer(Protocol):
+    """Who wants figures for himself."""
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether he wants any."""
+
+    def judge(self, answers: Mapping[int, Sequence[ComponentMetrics]], now: float) -> None:
+        """Take them, by process."""
+
+
+class MetricsCollector:
+    """The figures that were asked for and have come; `out` collects what the shell is to do."""
+
+    def __init__(
+        self,
+        state: ManagerState,
+        out: list[Instruction],
+        run_id: str,
+        judge: MetricsConsumer | None = None,
+    ) -> None:
+        self._state = state
+        self._out = out
+        self._run_id = run_id
+        self._judge = judge
+        self._is_heard = False
+        self._number = 0
+        self._ask_at = 0.0
+        self._tell_by: float | None = None
+        self._asked: set[int] = set()
+        self._unanswered: set[int] = set()
+        self._answers: dict[int, tuple[ComponentMetrics, ...]] = {}
+
+    def listen(self, is_heard: bool) -> None:
+        """Note that somebody wants figures now, or that nobody does any more."""
+        self._is_heard = is_heard
+        self._ask_at = 0.0
+        self._tell_by = None
+
+    def hear(self, process: Process, report: object) -> None:
+        """Take the figures of a process.
+
+        Raises:
+            Malformed: They cannot be read.
+        """
+        if not isinstance(report, list):
+            raise Malformed(f"{process.name} reports metrics that are none")
+        self._unanswered.discard(process.key)
+        self._asked.discard(process.key)
+        self._answers[process.key] = tuple(decode(ComponentMetrics, each) for each in report)
+
+    def run(self, now: float) -> float | None:
+        """Ask, or tell, when it is time; return when it is time for the next [s]."""
+        if not self._is_heard and not (self._judge is not None and self._judge.is_needed):
+            return None
+        if self._tell_by is not None and (not self._asked or now >= self._tell_by):
+            self._tell_by = None
+            if self._is_heard:
+                self._tell()
+            if self._judge is not None:
+                self._judge.judge(self._answers, now)
+        if self._tell_by is None and now >= self._ask_at:
+            late_s = now - self._ask_at
+            self._ask_at = now + PERIOD_S - (late_s if late_s < PERIOD_S else 0.0)
+            self._tell_by = now + _PATIENCE_S
+            self._ask()
+        return self._ask_at if self._tell_by is None else self._tell_by
+
+    def _ask(self) -> None:
+        self._answers.clear()
+        self._asked = {each.key for each in self._state.processes.values() if _answers(each)}
+        # Who has not answered yet is not asked again: what it is sent would only pile up.
+        for key in self._asked - self._unanswered:
+            self._out.append(SendToContainer(key, {"op": "metrics"}))
+        self._unanswered &= self._asked
+        self._unanswered |= self._asked
+
+    def _tell(self) -> None:
+        self._number += 1
+        processes = [
+            encode(self._metrics(each))
+            for each in self._state.processes.values()
+            if each.is_ready and not each.is_trial
+        ]
+        message = {"run": self._run_id, "number": self._number, "processes": processes}
+        self._out.append(Publish(FIGURES, message))
+
+    def _metrics(self, process: Process) -> ProcessMetrics:
+        answer = self._answers.get(process.key)
+        return ProcessMetrics(process.pid, process.name, answer is not None, answer or ())
+
+
+def _answers(process: Process) -> bool:
+    return process.state == "up" and not process.is_trial

@@ -1,0 +1,58 @@
+"""What an action says about what shall exist, once it was done."""
+
+from __future__ import annotations
+
+from rtkit.deployment import actions as act
+from rtkit.deployment.actions import Action
+from rtkit.manager.core.desired import MODULE, WIRE, DesiredComponent, DesiredState, module_row
+from rtkit.rtc.enums import Transition
+
+
+def note(kept: DesiredState, action: Action) -> None:
+    """Note an action that was done, but for those on whole components, which say more."""
+    match action:
+        case act.Load(path, init):
+            kept.put(MODULE, module_row(path, init), init)
+        case act.Connect(wire):
+            kept.wire(wire)
+        case act.Disconnect(connector_id):
+            kept.drop(WIRE, connector_id)
+        case act.ActivateSet(instance, set_id):
+            kept.change(instance, active_set=set_id)
+        case act.SetStructure(instance, states):
+            kept.change(instance, states=states)
+        case act.SetEventProfiles(instance, events):
+            kept.change(instance, events=events)
+        case act.Attach(owner) | act.Detach(owner):
+            _attach(kept, kept.components.get(owner, _NONE), action)
+        case act.SetParameters(instance) | act.ChangeState(instance) | act.SetRate(instance):
+            _set(kept, kept.components.get(instance, _NONE), action)
+
+
+_NONE = DesiredComponent("")
+
+
+def _set(
+    kept: DesiredState,
+    wish: DesiredComponent,
+    action: act.SetParameters | act.ChangeState | act.SetRate,
+) -> None:
+    match action:
+        case act.SetParameters(instance, set_id, values):
+            changed = {**wish.sets.get(set_id, {}), **values}
+            kept.change(instance, sets={**wish.sets, set_id: changed})
+        case act.SetRate(instance, context, rate):
+            kept.change(instance, rates={**wish.rates, context: rate})
+        case act.ChangeState(instance, context, Transition.ACTIVATE):
+            kept.change(instance, active=tuple(dict.fromkeys((*wish.active, context))))
+        case act.ChangeState(instance, context):
+            kept.change(instance, active=tuple(each for each in wish.active if each != context))
+
+
+def _attach(kept: DesiredState, wish: DesiredComponent, action: act.Attach | act.Detach) -> None:
+    driven = dict.fromkeys(wish.attached.get(action.context, ()))
+    if isinstance(action, act.Attach):
+        driven[action.participant] = None
+    else:
+        driven.pop(action.participant, None)
+    kept.change(action.owner, attached={**wish.attached, action.context: tuple(driven)})

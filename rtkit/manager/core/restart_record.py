@@ -1,0 +1,63 @@
+"""What a manager remembers of the restarts of a component, and the next one after it."""
+
+from __future__ import annotations
+
+from rtkit.deployment.restart_status import RestartStatus
+from rtkit.deployment.supervision import Ledger
+from rtkit.fast_dataclass import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class RestartRecord:
+    """What has been done so far about the ends of a component, and is to be done.
+
+    Attributes:
+        ledger: By what the law of restarts judges; its times are of this run of the machine.
+        restarts: How often its policy made it again.
+        why: For which end it was the last time.
+        took_s: How long that took [s].
+        pending: For which end it is to be made again; empty when it is not.
+        given_up: Why it is made again no more.
+        is_in_error: It is, and that was answered.
+        rested: Which rule it broke for which it was deactivated.
+        halted: For which loss everything was deactivated, since it is critical.
+    """
+
+    ledger: Ledger = field(default_factory=Ledger)
+    restarts: int = 0
+    why: str = ""
+    took_s: float = 0.0
+    pending: str = ""
+    given_up: str = ""
+    is_in_error: bool = False
+    rested: str = ""
+    halted: str = ""
+
+    @property
+    def record(self) -> RestartRecord:
+        """What is left of it when nothing that it did is held against it any more."""
+        return RestartRecord(restarts=self.restarts, why=self.why, took_s=self.took_s)
+
+    @property
+    def is_in_hand(self) -> bool:
+        """Whether it is to be made again, or was given up."""
+        return bool(self.pending or self.given_up)
+
+    @property
+    def due_s(self) -> float:
+        """When it is to be made again, monotonic [s]; 0 when it is not."""
+        return self.ledger.times[-1] if self.pending and self.ledger.times else 0.0
+
+    def told(self, degraded: str) -> RestartStatus:
+        """Return what is told of it, with the rule of health that it breaks."""
+        return RestartStatus(
+            self.restarts,
+            self.why,
+            self.took_s,
+            self.pending,
+            self.given_up,
+            degraded,
+            self.rested,
+            self.halted,
+            self.due_s,
+        )

@@ -1,0 +1,228 @@
+"""Follows the events of one system, from its last state on."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Sequence
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any, Protocol
+
+from rtkit.deployment.delta import TREE
+from rtkit.deployment.metrics import FIGURES
+from rtkit.deployment.states.followed import Followed
+from rtkit.deployment.states.spec import spec_from_text
+from rtkit.errors import RtkitError
+from rtkit.fast_dataclass import replace
+from rtkit.manager.following.own_site import Ended
+
+if TYPE_CHECKING:
+    from rtkit.deployment.lease import LeaseHolder
+    from rtkit.deployment.metrics import ComponentMetrics
+    from rtkit.deployment.site import Site
+    from rtkit.deployment.states.following import SystemTransition
+    from rtkit.deployment.states.leading import Leader
+
+    class Leased(Site, Protocol):
+        """A site from which others are kept off."""
+
+        @property
+        def is_over(self) -> bool:
+            """Whether nothing more is to be done."""
+            ...
+
+        def end(self) -> None:
+            """Have whatever is asked raise `Ended`."""
+            ...
+
+        def holder(self) -> LeaseHolder | None:
+            """Return who carries a plan out; None for nobody."""
+            ...
+
+        def pause(self, duration_s: float = ...) -> None:
+            """Wait so long [s], or a little before that is asked again."""
+            ...
+
+        def take_lease(self, waits: Callable[[str], object]) -> None:
+            """Keep others off, as soon as they have ended."""
+            ...
+
+        def give_lease(self) -> None:
+            """Keep nobody off any more."""
+            ...
+
+
+_log = logging.getLogger(__name__)
+_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 1.0
+"""The shortest and the longest time between two looks [s]: conditions are levels."""
+_PAUSES = 4
+"""So many times as long as a look took is the pause behind it: others want the manager too."""
+
+
+class FollowingWorker:
+    """One thread that follows one system.
+
+    Attributes:
+        told: What it has told of it.
+        needs_figures: Whether a condition is on what components do; known once it runs.
+    """
+
+    def __init__(
+        self,
+        text: str,
+        told: Followed,
+        site: Leased,
+        say: Callable[[Followed], object],
+        listen: Callable[[Sequence[str]], object],
+    ) -> None:
+        """Prepare to follow.
+
+        Args:
+            text: What a system is followed by (`rtkit.deployment.states.followed`).
+            told: Its last state and transition.
+            site: Where it lives.
+            say: Keeps and tells what has become of it; returns when that is kept.
+            listen: Has `changed` called with what is told on these lines, and no others.
+        """
+        self._text = text
+        self._site = site
+        self._say = say
+        self._listen = listen
+        self._changed = Event()
+        self._rolls_back = False
+        self._metrics: dict[str, ComponentMetrics] = {}
+        self.told = told
+        self.needs_metrics = False
+        self._thread = Thread(target=self.run, name="follower", daemon=True)
+
+    @property
+    def is_ended(self) -> bool:
+        """Whether it has run, and does so no more."""
+        return not self._thread.is_alive()
+
+    def begin(self) -> None:
+        """Run on a thread of its own."""
+        self._thread.start()
+
+    def end(self) -> None:
+        """Follow no more: what is under way is finished, and nothing else begun."""
+        self._site.end()
+        self._changed.set()
+
+    def join(self, timeout_s: float) -> None:
+        """Wait for its end, but no longer than so [s]."""
+        self._thread.join(timeout_s)
+
+    def changed(self, metrics: Any = None) -> None:
+        """Note that something has changed, perhaps with new figures; from any thread."""
+        if metrics is not None:
+            self._metrics = {
+                each.instance: each for process in metrics.processes for each in process.components
+            }
+        self._changed.set()
+
+    def run(self) -> None:
+        """Follow until told to end, or until a transition fails and nothing leads on."""
+        try:
+            self._follow()
+        except Ended:
+            return
+        except Exception as error:
+            kind = error.kind if isinstance(error, RtkitError) else "error"
+            why = str(error) if isinstance(error, RtkitError) else f"a bug in rtkit: {error!r}"
+            _log.error(
+                "%s is followed no more: %s", self.told.system, why, exc_info=kind == "error"
+            )
+            self._give_up(why, kind)
+        finally:
+            self._listen(())
+
+    def _give_up(self, why: str, kind: str) -> None:
+        try:
+            self._tell(why=why, kind=kind, is_over=True, is_led=False, waits="")
+        except (Ended, RtkitError) as error:
+            _log.error("that could not be kept: %s", error)
+
+    def _follow(self) -> None:
+        from rtkit.deployment.states.following import SystemTransition
+        from rtkit.deployment.states.leading import Leader
+
+        self._states, self._rolls_back = spec_from_text(self._text)
+        leader = Leader(self._states, self._reach, self._failed, time.monotonic)
+        conditions = self._states.machine.conditions.values()
+        self.needs_metrics = any(condition.needs_metrics for condition in conditions)
+        self._listen((TREE, FIGURES) if self.needs_metrics else (TREE,))
+        last = self.told
+        if last.is_led:
+            self._came(leader.lead(SystemTransition(last.before, last.event, last.state)))
+        elif last.state:
+            leader.follower.state = last.state
+        else:
+            while self._site.holder() is not None:
+                self._site.pause()
+            self._came(leader.begin(self._site.snapshot()))
+        while not self._site.is_over:
+            self._changed.clear()
+            if self._is_kept_off(leader):
+                continue
+            began_s = time.monotonic()
+            passage = leader.step(self._site.snapshot(), self._metrics)
+            if passage is not None:
+                self._came(passage)
+                continue
+            if self.told.waits:
+                self._tell(waits="")
+            took_s = time.monotonic() - began_s
+            self._changed.wait()
+            self._site.pause(min(max(_PAUSE_S, _PAUSES * took_s), _LONGEST_PAUSE_S))
+
+    def _is_kept_off(self, leader: Leader) -> bool:
+        """Whether somebody carries a plan out: what is so on his way is no state, nor an event."""
+        holder = self._site.holder()
+        if holder is None:
+            return False
+        if str(holder) != self.told.waits and leader.follower.due(
+            self._site.snapshot(), self._metrics
+        ):
+            self._tell(waits=str(holder))
+        self._site.pause()
+        return True
+
+    def _reach(self, passage: SystemTransition) -> None:
+        from rtkit.deployment.applying import Applier
+
+        goal = self._states.goal(passage.state)
+        self._site.take_lease(lambda whom: self._tell(waits=whom))
+        try:
+            before, event, state = passage
+            now = time.time()
+            self._tell(before=before, event=event, state=state, is_led=True, waits="", time=now)
+            snapshot = self._site.snapshot()
+            applier = Applier(self._site, goal, _log.warning, _log.info)
+            applier.run(goal.plan(snapshot), snapshot, rolls_back=self._rolls_back)
+        finally:
+            self._site.give_lease()
+
+    def _failed(self, why: str) -> None:
+        _log.warning("%s", why)
+        self._tell(why=why)
+
+    def _came(self, passage: SystemTransition) -> None:
+        from rtkit.deployment.states.machine import FAILED
+
+        before, event, state = passage
+        self._tell(
+            before=before,
+            event=event,
+            state=state,
+            count=self.told.count + 1,
+            time=time.time(),
+            is_led=False,
+            waits="",
+            why=self.told.why if event == FAILED else "",
+        )
+        _log.info("%s: %s", self.told.system, self.told)
+
+    def _tell(self, **changes: Any) -> None:
+        self.told = replace(self.told, **changes)
+        self._say(self.told)

@@ -1,1 +1,0 @@
-"""The store of wishes on disk, and the thread that writes it."""

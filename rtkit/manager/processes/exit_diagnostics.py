@@ -1,0 +1,116 @@
+"""What a process said before it ended: the line at which it crashed, the last lines it wrote.
+
+The stacks of a crash are copied to the log of the process, where `rtvlog` finds them.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import re
+from typing import NamedTuple
+
+from rtkit.component.current import current
+from rtkit.container.stacks import place_of
+from rtkit.link import places
+from rtkit.logs.logfile import LogFile, Lossy
+from rtkit.logs.outputs import is_of
+from rtkit.logs.records import JsonLines, printable
+
+_OUTPUT_BYTES = 256 * 1024
+_LOG_BYTES = 16 * 1024
+_LINES = 3
+_MAX_TEXT = 300
+_CRASH = re.compile(r"^Fatal Python error: ", re.MULTILINE)
+_CULPRIT = re.compile(r"^Current thread 0x([0-9a-f]+)", re.MULTILINE)
+_TOLD = ("WARN", "ERROR", "FATAL")
+_PRINTED = ("stdout", "stderr")
+
+
+class ExitDiagnostics(NamedTuple):
+    """Why a process may have ended.
+
+    Attributes:
+        place: ``file.py:12 in name`` of a crash; empty when there was none, or it is not known.
+        text: The last lines that it printed, or that it logged as worth a warning; one line.
+        thread: Identity of the thread that crashed; 0 when that is not known.
+        stacks: What the interpreter told of a crash, as it wrote it; empty when there was none.
+    """
+
+    place: str = ""
+    text: str = ""
+    thread: int = 0
+    stacks: str = ""
+
+    def reason(self, end: str) -> str:
+        """Return how it ended, ``signal 11``, with the place."""
+        return f"{end} at {self.place}" if self.place else end
+
+
+def exit_diagnostics(manager: str, slave: str, pid: int) -> ExitDiagnostics:
+    """Return what a slave that ended had to say; nothing if that cannot be known."""
+    output = _end(places.output_file(manager, slave), _OUTPUT_BYTES, keeps_head=True)
+    if not is_of(output, pid):
+        return ExitDiagnostics()
+    crash = _CRASH.search(output)
+    before, after = (output[: crash.start()], output[crash.start() :]) if crash else (output, "")
+    culprit = _CULPRIT.search(after)
+    thread = int(culprit[1], 16) if culprit else 0
+    place = place_of(after, thread, must_be_own=True) if culprit else ""
+    said = before.splitlines()[1:]
+    if not any(map(str.strip, said)) and not place:
+        said = _logged(places.log_file(manager, slave), pid)
+    return ExitDiagnostics(place, _short(said), thread, after.strip())
+
+
+def log_crash(manager: str, slave: str, pid: int, words: ExitDiagnostics, instance: str) -> None:
+    """Add a crash to the log of the slave that it ended, under the name of a component if known.
+
+    Args:
+        manager: Name of the manager.
+        slave: Name of the slave, which writes no more.
+        pid: Of the slave.
+        words: Its last.
+        instance: The component whose code crashed; empty when that is not known.
+    """
+    what, _, stacks = words.stacks.partition("\n")
+    at = f" at {words.place}" if words.place else ""
+    record = logging.LogRecord("rtkit", logging.CRITICAL, "", 0, f"{what}{at}", (), None)
+    record.process, record.stack_info = pid, stacks.strip()
+    before = current.set(instance)
+    target = Lossy(LogFile(places.log_file(manager, slave)), JsonLines(slave))
+    target.handle(record)
+    target.close()
+    current.reset(before)
+
+
+def _short(lines: list[str]) -> str:
+    told = [" ".join(line.split()) for line in lines if line.strip()][-_LINES:]
+    text = printable("; ".join(told))
+    return text if len(text) <= _MAX_TEXT else "…" + text[1 - _MAX_TEXT :]
+
+
+def _logged(path: str, pid: int) -> list[str]:
+    lines = []
+    for line in _end(path, _LOG_BYTES).splitlines():
+        try:
+            record = json.loads(line)
+            is_told = record["level"] in _TOLD or record.get("logger") in _PRINTED
+            if record["pid"] == pid and is_told:
+                lines.append(str(record["message"]))
+        except (ValueError, LookupError, TypeError):
+            continue  # the first one is cut off
+    return lines
+
+
+def _end(path: str, size: int, *, keeps_head: bool = False) -> str:
+    """Return the end of a file, with its first line if that is wanted."""
+    try:
+        with open(path, "rb") as file:
+            head = file.readline(1024) if keeps_head else b""
+            left = os.fstat(file.fileno()).st_size - len(head)
+            file.seek(max(0, left - size), os.SEEK_CUR)
+            return (head + file.read(size)).decode("utf-8", "replace")
+    except OSError:
+        return ""

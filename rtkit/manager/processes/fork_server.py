@@ -1,0 +1,123 @@
+"""The manager's end of its zygote: started by exec, and again when it ended, with patience."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import select
+import signal
+import socket
+import sys
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from rtkit.container.control_channel import ControlChannel
+from rtkit.container.inherited import unmarked, withhold
+from rtkit.deployment.message import Message
+from rtkit.errors import Malformed
+from rtkit.manager.processes.backoff import Backoff
+from rtkit.manager.processes.zygote import reason
+
+_log = logging.getLogger(__name__)
+_ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+_DYING_MS = 100
+"""How long a process whose line ended may take to be a zombie."""
+
+
+class ForkServer:
+    """One zygote after the other; for `selectors` it is the socket to the present one.
+
+    Attributes:
+        pid: Of the present one, or of the last.
+        ends: How those ended that were reaped elsewhere, by pid.
+        start_at: When the next one is due, monotonic [s]; None while there is one.
+    """
+
+    def __init__(self, settings: Mapping[str, Any]) -> None:
+        self._settings = json.dumps(settings)
+        self._patience = Backoff()
+        self._channel: ControlChannel
+        self.pid = 0
+        self.ends: dict[int, str] = {}
+        self.start_at: float | None = None
+        self.start()
+
+    def fileno(self) -> int:
+        """Return the descriptor of the socket to the zygote."""
+        return self._channel.fileno()
+
+    def start(self) -> None:
+        """Start one."""
+        ours, theirs = socket.socketpair()
+        with theirs:
+            withhold()
+            theirs.set_inheritable(True)
+            module = ["-P", "-m", "rtkit.manager.processes.zygote"]
+            arguments = [sys.executable, *module, str(theirs.fileno()), self._settings]
+            environment = {**unmarked(os.environ), **_ONE_THREAD}  # it outlives the manager
+            self.pid = os.posix_spawn(sys.executable, arguments, environment)
+        ours.setblocking(False)
+        self._channel = ControlChannel(ours)
+        self._patience.begin(time.monotonic())
+        self.start_at = None
+
+    def send(self, message: Message) -> None:
+        """Ask it for something.
+
+        Raises:
+            OSError: It is just ending.
+        """
+        self._channel.send(message)
+
+    def receive(self) -> list[Message] | None:
+        """Return what it reports; None when it ended, or cannot be understood."""
+        if self.start_at is not None:
+            return None
+        try:
+            messages = self._channel.receive()
+            self._channel.flush()
+        except (Malformed, OSError) as error:
+            _log.error("the line to the zygote is broken: %s", error)
+            return None
+        return messages
+
+    def prove(self) -> None:
+        """Note that a slave of it said hello."""
+        self._patience.prove()
+
+    @property
+    def is_failing(self) -> bool:
+        """Whether those that were started lately did not live long."""
+        return self._patience.failures > 1
+
+    def release(self) -> str:
+        """Close the line to one that ended, and set the time of the next; return what happened."""
+        self._channel.close()
+        why = f"the zygote ended: {self._end()}"
+        wait_s = self._patience.end(time.monotonic())
+        self.start_at = time.monotonic() + wait_s
+        if self.is_failing:
+            moment = time.strftime("%H:%M:%S", time.localtime(time.time() + wait_s))
+            why += f", {self._patience.failures} times in succession; started again at {moment}"
+        return why
+
+    def close(self) -> None:
+        """Let it end, with its children."""
+        self._channel.close()
+
+    def _end(self) -> str:
+        """Return how it ended; one that only gave up its line is killed."""
+        if self.pid in self.ends:
+            return self.ends.pop(self.pid)
+        pidfd = os.pidfd_open(self.pid)
+        poll = select.poll()
+        poll.register(pidfd, select.POLLIN)
+        is_over = poll.poll(_DYING_MS)
+        if not is_over:
+            signal.pidfd_send_signal(pidfd, signal.SIGKILL)
+        os.close(pidfd)
+        report = os.waitid(os.P_PID, self.pid, os.WEXITED)
+        how = reason(report) if report is not None else "exit status unknown"
+        return how if is_over else "its line broke, and it was killed"

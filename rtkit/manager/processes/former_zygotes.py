@@ -1,0 +1,115 @@
+"""Zygotes of earlier managers: they are still the parents of the slaves that were left.
+
+Each listens at a path of its own until the next manager comes, then tells which children it has
+and what became of others. It is never asked to fork, and ends with its last child.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import glob
+import logging
+import os
+import select
+import signal
+
+from rtkit.container.control_channel import ControlChannel
+from rtkit.deployment.message import Message
+from rtkit.errors import Malformed
+from rtkit.link import unix
+
+_END_S = 1.0
+"""How long a zygote has to end after its last child [s]."""
+
+_log = logging.getLogger(__name__)
+
+
+class FormerZygotes:
+    """The lines to zygotes of earlier managers; `pattern` is their path with ``%p`` for the pid."""
+
+    def __init__(self, pattern: str) -> None:
+        self._pattern = pattern
+        self._children: dict[ControlChannel, set[int]] = {}
+        self._pids: dict[ControlChannel, int] = {}
+        self._missing: set[int] = set()
+        self._names: dict[int, str] = {}
+
+    @property
+    def missing(self) -> dict[int, str]:
+        """Children that have not yet said what they hold, with their names, if those are told."""
+        return {pid: self._names.get(pid, "") for pid in self._missing}
+
+    def has(self, pid: int) -> bool:
+        """Whether a zygote will tell the end of this process."""
+        return any(pid in children for children in self._children.values())
+
+    def find(self) -> list[ControlChannel]:
+        """Connect to those that listen now; their first message names their children."""
+        found = []
+        for path in glob.glob(glob.escape(self._pattern).replace("%p", "*")):
+            try:
+                channel = ControlChannel(unix.connect(path))
+            except OSError:
+                with contextlib.suppress(FileNotFoundError):
+                    os.unlink(path)  # killed: nobody is behind it
+                continue
+            self._children[channel] = set()
+            found.append(channel)
+        return found
+
+    def receive(self, channel: ControlChannel) -> list[Message] | None:
+        """Return what a zygote reports of processes; None when it ended."""
+        try:
+            messages = channel.receive()
+        except (Malformed, OSError) as error:
+            _log.warning("the line to an earlier zygote is broken: %s", error)
+            messages = None
+        if messages is None:
+            self._missing -= self._children.pop(channel, set())
+            self._pids.pop(channel, None)
+            channel.close()
+            return None
+        for message in messages:
+            if "children" in message:
+                self._children[channel].update(message["children"])
+                self._missing.update(message["children"])
+                self._pids[channel] = message["zygote"]
+                self._names |= {int(pid): name for pid, name in message.get("names", {}).items()}
+        return [message for message in messages if "children" not in message]
+
+    def found(self, pid: int) -> None:
+        """Note that a child said what it holds."""
+        self._missing.discard(pid)
+
+    def ended(self, pid: int) -> None:
+        """Note that a child ended."""
+        self._missing.discard(pid)
+        for children in self._children.values():
+            children.discard(pid)
+
+    def close(self) -> None:
+        """End children that never came back, and wait until the zygotes have ended too."""
+        for children in self._children.values():
+            for pid in children:
+                _end(pid, 0.0)
+        for channel in self._children:
+            channel.close()
+        for pid in self._pids.values():
+            _end(pid, _END_S)
+        self._children.clear()
+
+
+def _end(pid: int, grace_s: float) -> None:
+    """Kill a process that does not end by itself; a zygote that lives vouched for its pid."""
+    try:
+        pidfd = os.pidfd_open(pid)
+    except ProcessLookupError:
+        return
+    try:
+        if not select.select([pidfd], [], [], grace_s)[0]:
+            signal.pidfd_send_signal(pidfd, signal.SIGKILL)
+            select.select([pidfd], [], [], _END_S)
+    except ProcessLookupError:
+        return
+    finally:
+        os.close(pidfd)

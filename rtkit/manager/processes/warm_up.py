@@ -1,0 +1,130 @@
+"""The first moments of a slave, gone through in the zygote.
+
+What Python works out at first use is then there in every slave, costs no time in any, and memory
+once for all: coders of records, answers of abstract classes, byte code that is fitted to what it
+met. The latter takes a few times. Done between two requests, with the files and threads of a real
+slave, and without what would change this process: descriptors, signals, environment.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import sys
+import threading
+from typing import Any
+
+from rtkit.container.component_factory import ComponentFactory
+from rtkit.container.container import ComponentContainer
+from rtkit.container.control_channel import ControlChannel
+from rtkit.container.heartbeats import Heartbeats, heartbeats_path
+from rtkit.container.manager_connection import ManagerConnection
+from rtkit.container.port_wiring import PortWiring
+from rtkit.container.slave_checkpoint import CheckpointWriter, checkpoint_path
+from rtkit.deployment.message import Message
+from rtkit.link.streams import Streams
+from rtkit.logs.logs import Log, begin
+from rtkit.modules.loader import Loader
+from rtkit.modules.neighbours import disown
+
+_FOLDER = os.path.dirname(os.path.abspath(__file__))
+_LAST = 2
+_LINES: tuple[Message, ...] = (
+    {
+        "op": "create",
+        "create": "Extra?instance_name=Extra0&manager_name=rehearsal",
+        "modules": [["warm_up_component.py", "ExtraInit"]],
+        "inherited": {},
+        "call": 1,
+    },
+    {"op": "delete", "instance": "Extra0", "call": _LAST},
+)
+
+
+def warm_up(log: Log, settings: Any) -> None:
+    """Begin a log, greet, make a component, report it, end it.
+
+    Its files have the names that this process's own would have if it were a slave, so that they
+    are taken for what they are should it be killed here.
+
+    Args:
+        log: Of this process.
+        settings: Of slaves (see `rtkit.container.slave`).
+
+    Raises:
+        RuntimeError: Something failed that slaves do all the time.
+    """
+    pattern, pid = settings["data"], os.getpid()
+    place = pattern.replace("%p", str(pid))
+    paths = [place, heartbeats_path(pattern, pid), f"{place.removesuffix('.data')}.rehearsal"]
+    paths.append(checkpoint_path(pattern, pid))
+    modules, search_path = set(sys.modules), list(sys.path)
+    with contextlib.ExitStack() as stack, log.lent("rehearsal", paths[2]):
+        stack.callback(_remove, paths)
+        listener = stack.enter_context(socket.socket(socket.AF_UNIX))
+        listener.bind(place)
+        listener.listen(1)
+        begin()
+        _Stage(place, Heartbeats(paths[1]), CheckpointWriter(paths[3], "rehearsal")).play(listener)
+    disown(_FOLDER)
+    sys.path[:] = search_path
+    for name in set(sys.modules) - modules:
+        del sys.modules[name]
+
+
+def _remove(paths: list[str]) -> None:
+    for path in paths:
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(path)
+
+
+class _Stage:
+    """A holder on this thread and its line to a manager on another one, as in a slave."""
+
+    def __init__(
+        self, place: str, heartbeats: Heartbeats, checkpoint_writer: CheckpointWriter
+    ) -> None:
+        self._read, self._write = os.pipe()
+        self._connection = ManagerConnection(place, "rehearsal", self)
+        self._replies: list[Message] = []
+        wires = PortWiring("", Streams(place))
+        self._container = ComponentContainer(self._send, wires, ComponentFactory(Loader([_FOLDER])))
+        self._container.show_heartbeats(heartbeats)
+        self._container.write_down(checkpoint_writer)
+
+    def play(self, listener: socket.socket) -> None:
+        self._connection.greet(0, "")
+        connection, _ = listener.accept()
+        other = ControlChannel(connection)
+        for line in _LINES:
+            other.send(line)
+        control = threading.Thread(target=self._listen, name="control", daemon=True)
+        control.start()
+        self._container.run()
+        control.join()
+        other.close()
+        os.close(self._read)
+        os.close(self._write)
+        failed = [reply for reply in self._replies if "kind" in reply]
+        if failed or len(self._replies) != len(_LINES):
+            raise RuntimeError(f"rehearsal: {failed or self._replies}")
+
+    def fileno(self) -> int:
+        return self._read
+
+    def has_come(self) -> bool:
+        return bool(os.read(self._read, 1))
+
+    def _listen(self) -> None:
+        try:
+            self._connection.listen(self._container)
+        finally:
+            self._container.close()
+
+    def _send(self, message: Message) -> None:
+        self._connection.send(message)
+        if "reply" in message:
+            self._replies.append(message)
+            if message["reply"] == _LAST:
+                os.write(self._write, b"x")

@@ -1,0 +1,189 @@
+"""What a client may ask of a manager: its properties, and the ready-made views of its facts."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from time import monotonic
+from typing import Any, NamedTuple
+
+from rtkit.deployment.actions import Create
+from rtkit.deployment.batch import MAX_ID, Batch, batch_from_text, results_from_text
+from rtkit.deployment.extension import FOLLOW
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.lease import Lease
+from rtkit.deployment.listing import listing_of, listing_to_text
+from rtkit.deployment.part import part_of
+from rtkit.errors import NotFound, Refused, Unreachable
+from rtkit.fast_dataclass import replace
+from rtkit.link import keys
+from rtkit.link.process_watch import ProcessWatch
+from rtkit.link.running import managers
+from rtkit.manager.core import configuring, operations
+from rtkit.manager.core.events import (
+    BatchRequested,
+    Event,
+    OperationRequested,
+    SnapshotRequested,
+    StopRequested,
+)
+from rtkit.manager.core.state import ManagerState
+from rtkit.manager.loadable import loadable
+from rtkit.manager.reexec import open_report
+from rtkit.modules.finding import lacking
+from rtkit.modules.search import Search
+from rtkit.property.exchange import NOT_BEGUN, Reply, Request, failure
+from rtkit.rtc.serde import encode
+
+
+class RestartRequest(NamedTuple):
+    """Somebody wants the manager to start again, and perhaps to hear of it on a descriptor."""
+
+    report: int | None
+
+
+class ManagerQueryServer:
+    """Answers what needs no work and turns the rest into events.
+
+    Views are made once and kept until the facts change.
+
+    Attributes:
+        restart: Set when the manager is to start again after its end.
+        lease: Who carries a plan out.
+        follow: Is given wishes to follow a system, or not to.
+    """
+
+    def __init__(self, state: ManagerState) -> None:
+        self.restart: RestartRequest | None = None
+        self.lease = Lease(ProcessWatch)
+        self.follow: Callable[[Request], object] = lambda _request: None
+        self._state = state
+        self._views: dict[str, str] = {}
+
+    def forget_views(self) -> None:
+        """Make views anew when they are asked for next: facts have changed."""
+        self._views.clear()
+
+    def take(self, request: Request) -> Event | None:
+        """Answer a request, or return the event that leads to its answer.
+
+        Raises:
+            RtkitError: The request cannot be served.
+        """
+        if monotonic() > request.until:
+            raise Unreachable(NOT_BEGUN)
+        if request.is_extension and request.name == "picture":
+            return SnapshotRequested(request.answer)
+        if request.is_extension and request.name == "lease":
+            request.answer(Reply(self.lease.asked(request.payload)))
+            return None
+        if request.is_extension and request.name == "lacking" and request.payload is not None:
+            self._find(request)
+            return None
+        if request.is_extension:
+            request.answer(Reply(self._view(request.name)))
+            return None
+        if request.payload is None and request.name == "get_loadable_modules":
+            folders = configuring.load_paths(self._state)
+            _aside(request, lambda: loadable(folders))
+            return None
+        if request.payload is None:
+            request.answer(Reply(self._property(keys.unescape(request.name))))
+            return None
+        if request.name == "batch":
+            return BatchRequested(batch_from_text(request.payload), request.answer, request.until)
+        if request.name in ("stop", "shutdown"):
+            request.answer(Reply(str(self._state.pid)))
+            return StopRequested()
+        if request.name == "restart":
+            self.restart = RestartRequest(open_report(request.payload))
+            request.answer(Reply(str(self._state.pid)))
+            return StopRequested(is_kept=True)
+        if keys.unescape(request.name) == FOLLOW:
+            self.follow(request)
+            return None
+        return self._operation(keys.unescape(request.name), request)
+
+    def _find(self, request: Request) -> None:
+        """Answer what keeps components from being made."""
+        settings = self._state.settings
+        search = Search(
+            configuring.load_paths(self._state),
+            is_absolute_allowed=settings.flag("manager.modules.abs_path_allowed"),
+        )
+        loaded = tuple(self._state.modules.values())
+        may_search = settings.flag("manager.modules.search_auto")
+        question = request.payload or ""
+        _aside(request, lambda: lacking(question, loaded, search, is_search_allowed=may_search))
+
+    def _view(self, name: str) -> str:
+        kind, _, which = name.partition("/")
+        if kind == "part":
+            instances = keys.unescape(which).split(",")
+            return _compact(encode(part_of(self._snapshot(), instances)))
+        if name not in self._views:
+            if name == "listing":
+                text = listing_to_text(listing_of(self._snapshot()))
+            elif name == "snapshot":
+                text = _compact(encode(self._snapshot()))
+            else:
+                raise NotFound(f"no such view: {name}")
+            self._views[name] = text
+        return self._views[name]
+
+    def _snapshot(self) -> Snapshot:
+        return replace(self._state.snapshot(), properties=configuring.table(self._state))
+
+    def _property(self, name: str) -> str:
+        read = operations.READ.get(name)
+        value = read(self._state) if read else configuring.lookup(self._state, name)
+        if name in operations.DO:
+            raise Refused(f"{name} is an operation: set it to its argument")
+        if value is None:
+            raise NotFound(f"no such property: {name}")
+        if name == "get_slave_managers" and self._state.slaves:
+            gone = {each for each in self._state.slaves if ":" not in each} - set(managers())
+            value = "\n".join(each for each in value.splitlines() if each not in gone)
+        return value
+
+    def _operation(self, name: str, request: Request) -> Event:
+        argument = request.payload or ""
+        if name in operations.READ:
+            raise Refused(f"read-only property: {name}")
+        if name == "create_component" and request.id:
+            return _create_once(request)
+        if name in operations.DO:
+            return OperationRequested(name, argument, request.answer)
+        return OperationRequested("set_configuration", f"{name}:{argument}", request.answer)
+
+
+def _create_once(request: Request) -> BatchRequested:
+    """Return a creation as a batch, so that it is known by its id when it comes again."""
+
+    def answer(reply: Reply) -> None:
+        if not reply.error:
+            (result,) = results_from_text(reply.text)
+            reply = Reply(result.value) if result.ok else Reply(result.why, result.kind)
+        request.answer(reply)
+
+    made = (Create(request.payload or ""),)
+    batch = Batch(made, True, operations.TIMEOUT_S, request.id[:MAX_ID])
+    return BatchRequested(batch, answer, request.until)
+
+
+def _aside(request: Request, work: Callable[[], str]) -> None:
+    """Answer on a thread of its own: many files may have to be read."""
+    from threading import Thread
+
+    def run() -> None:
+        try:
+            reply = Reply(work())
+        except Exception as error:
+            reply = failure(error)
+        request.answer(reply)
+
+    Thread(target=run, name="scan", daemon=True).start()
+
+
+def _compact(data: Any) -> str:
+    return json.dumps(data, separators=(",", ":"))

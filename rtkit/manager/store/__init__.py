@@ -1,0 +1,1 @@
+"""The state store on disk, and the thread that writes it."""

@@ -1,0 +1,120 @@
+"""Writes wishes into the store on a thread of its own: a disk that is slow holds up nobody else."""
+
+from __future__ import annotations
+
+import logging
+import os
+import queue
+import threading
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from rtkit.manager.store.store import Row, Store
+
+Heard = Callable[[int, str, bool], object]
+"""Called with the number of what was to be kept, why it is not (empty when it is), and whether
+nothing is that was kept before: then all is to be kept again."""
+
+_log = logging.getLogger(__name__)
+
+
+class _Order(NamedTuple):
+    number: int
+    rows: Sequence[Row]
+
+
+class StoreWriter:
+    """The store at a path, written by one thread; what comes while it writes is one more commit.
+
+    Attributes:
+        heard: Who is told what was kept, on that thread.
+    """
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        self._inbox: queue.SimpleQueue[_Order | None] = queue.SimpleQueue()
+        self._thread: threading.Thread | None = None
+        self._store: Store | None = None
+        self._is_forgotten = False
+        self.heard: Heard = lambda _number, _why, _is_lost: None
+
+    def find(self) -> tuple[list[Row], str]:
+        """Return the rows of an earlier manager, and what is to be told of its store.
+
+        Raises:
+            Refused: Another process uses the file, a newer rtkit has written it, or it is a link.
+        """
+        # Mostly there is neither: then nothing is imported yet.
+        if not (os.path.lexists(self._path) or os.path.lexists(f"{self._path}-commits")):
+            return [], ""
+        found = self._opened().find()
+        return found.rows, found.told
+
+    def set_aside(self) -> str:
+        """Begin without what is there; return what to tell of it."""
+        return self._opened().set_aside("unrestored") if os.path.lexists(self._path) else ""
+
+    def begin(self) -> None:
+        """Be ready to write soon."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name="keeper", daemon=True)
+            self._thread.start()
+
+    def keep(self, number: int, rows: Sequence[Row]) -> None:
+        """Have rows written; `heard` is told when they are."""
+        self._inbox.put(_Order(number, rows))
+        self.begin()
+
+    def forget(self) -> None:
+        """Have the store removed at the end: nothing is wished any more."""
+        self._is_forgotten = True
+
+    def close(self) -> None:
+        """Write what is still to be written, and end."""
+        if self._thread is not None:
+            self._inbox.put(None)
+            self._thread.join()
+        if self._is_forgotten:
+            self._opened().forget()
+        elif self._store is not None:
+            self._store.close()
+
+    def _opened(self) -> Store:
+        if self._store is None:
+            from rtkit.manager.store.store import Store
+
+            self._store = Store(self._path)
+        return self._store
+
+    def _run(self) -> None:
+        from rtkit.manager.store.store import StoreFailed, StoreLost
+
+        store, is_over, lost, why = self._opened(), False, "", ""
+        try:
+            store.prepare()
+        except StoreLost as error:
+            lost = str(error)
+        except StoreFailed as error:
+            _log.warning("wishes cannot be recorded: %s", error)
+        while not is_over:
+            orders = [self._inbox.get()]
+            while not self._inbox.empty():
+                orders.append(self._inbox.get())
+            is_over = None in orders
+            whole = [order for order in orders if order is not None]
+            if not whole:
+                continue
+            failed_before, why, lost = why, lost, ""
+            is_lost = bool(why)
+            try:
+                if not is_lost:
+                    store.write([row for order in whole for row in order.rows])
+            except StoreLost as error:
+                why, is_lost = str(error), True
+            except StoreFailed as error:
+                why = str(error)
+                if why != failed_before:  # it is tried again each second
+                    _log.error("wishes cannot be recorded: %s", why)
+            for order in whole:
+                self.heard(order.number, why, is_lost)

@@ -1,0 +1,70 @@
+"""Request lines of the kind that most are, answered as bytes with as little as it takes.
+
+That is ``GET name`` or ``SET name value``, with nothing else to it, of a property that is kept
+here. Everything else goes the long way, `Service.handle`, which comes to the same.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rtkit.property.codes import PropertyError
+
+if TYPE_CHECKING:
+    from rtkit.property.messages import Requester
+    from rtkit.property.node import PropertyNode
+    from rtkit.property.service import Service
+
+_MOST_KNOWN = 4096
+"""Lines, and names of properties, that are known as bytes."""
+
+
+class FastPath:
+    """The short way to the properties of a service."""
+
+    def __init__(self, service: Service) -> None:
+        self._service = service
+        self._lines: dict[bytes, PropertyNode] = {}
+        self._names: dict[bytes, PropertyNode] = {}
+
+    def reply(self, line: bytes, caller: Requester) -> bytes | None:
+        """Return the reply to a whole request line, None if it has to go the long way."""
+        node = self._lines.get(line)
+        if node is None:
+            if line[:4] == b"SET ":
+                return self._set(line, caller)
+            node = self._found(self._lines, line, line[4:-1]) if line[:4] == b"GET " else None
+        if node is None or node.reader is not None or node.value is None:
+            return None
+        return (node.line or None) if caller.may("GET", node.name) else None
+
+    def _set(self, line: bytes, caller: Requester) -> bytes | None:
+        name, blank, raw = line[4:-1].partition(b" ")
+        node = self._names.get(name) or self._found(self._names, name, name)
+        if node is None or node.reader is not None or node.value is None or not blank:
+            return None
+        if node.writer is not None or node.function is not None or not raw.isascii():
+            return None
+        text = raw.decode("ascii")
+        if text[:1] == "{" or text[-1:] == "\r" or not caller.may("SET", node.name):
+            return None
+        try:
+            self._service.set_plain(node, text)
+        except PropertyError as error:
+            return f"! {error.code} {error}\n".encode("utf-8", "replace")
+        return b"=\n"
+
+    def _found(
+        self, known: dict[bytes, PropertyNode], key: bytes, name: bytes
+    ) -> PropertyNode | None:
+        node = self._service.registry.nodes.get(name.decode("latin-1"))
+        if node is not None:
+            if len(known) >= _MOST_KNOWN:
+                known.clear()
+            known[key] = node
+        return node
+
+    def forget(self) -> None:
+        """Look every name up anew: some have gone."""
+        self._lines.clear()
+        self._names.clear()

@@ -1,0 +1,159 @@
+"""The one queue between a property and whoever listens to it.
+
+By default it holds the latest value only. Nothing here knows of clocks or connections: time comes
+in as an argument [s, of a clock that never goes back]. Source: `property-service` reference,
+section 6.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import PropertyEvent, Requester
+from rtkit.property.values import Value, is_number, is_vector
+
+LONGEST_QUEUE = 10_000
+LONGEST_LEASE_S = 86_400.0
+
+
+class SubscriptionOptions(NamedTuple):
+    """How somebody wants to listen.
+
+    Attributes:
+        queue: Events that are kept while they cannot be sent; the oldest goes first.
+        every_s: Least time between two events [s].
+        deadband: Least change of a number, or of any in a vector.
+        is_all: Each SET is an event, not only each change.
+        has_initial: The present value is the first event.
+        lease_s: How long to listen unless asked again [s]; for ever when it is zero.
+        is_difference: Of a list of names only what came and went.
+    """
+
+    queue: int = 1
+    every_s: float = 0.0
+    deadband: float = 0.0
+    is_all: bool = False
+    has_initial: bool = True
+    lease_s: float = 0.0
+    is_difference: bool = False
+
+
+class Listener:
+    """One who listens to one property, or to a part of it."""
+
+    __slots__ = (
+        "_at", "_baseline", "_dropped", "_events", "_offered", "caller", "ends_at", "has_ended",
+        "name", "path", "wish",
+    )  # fmt: skip
+
+    def __init__(
+        self, name: str, path: tuple[str, ...], wish: SubscriptionOptions, caller: Requester
+    ) -> None:
+        self.name = name
+        self.path = path
+        self.wish = wish
+        self.caller = caller
+        self.ends_at: float | None = None
+        self.has_ended = False
+        self._events: deque[PropertyEvent] = deque()
+        self._dropped = 0
+        self._at = float("-inf")
+        self._offered: object = None
+        self._baseline: object = None
+
+    def renew(self, now: float) -> None:
+        """Begin the lease anew."""
+        self.ends_at = now + self.wish.lease_s if self.wish.lease_s else None
+
+    def offer(self, event: PropertyEvent, value: object, *, is_first: bool = False) -> bool:
+        """Take note of an event if it is one for this listener; return whether it is."""
+        wish = self.wish
+        if not is_first and not wish.is_all:
+            if event.payload == self._offered and not event.code:
+                return False
+            if wish.deadband and not event.code and self._is_within(value):
+                return False
+        self._offered, self._baseline = event.payload, value
+        if is_first and not wish.has_initial:
+            return False
+        if len(self._events) >= wish.queue:
+            self._events.popleft()
+            self._dropped += 1
+        self._events.append(event)
+        return True
+
+    def _is_within(self, value: object) -> bool:
+        """Whether numbers differ by less than the deadband from those last sent."""
+        before = self._baseline
+        pairs: list[tuple[Value, Value]] = []
+        if is_number(value) and is_number(before):
+            pairs = [(value, before)]  # type: ignore[list-item]
+        elif is_vector(value) and is_vector(before) and len(value) == len(before):  # type: ignore[arg-type]
+            pairs = list(zip(value, before, strict=True))  # type: ignore[call-overload]
+        return bool(pairs) and all(
+            abs(new - old) < self.wish.deadband  # type: ignore[operator]
+            for new, old in pairs
+        )
+
+    def take(self, now: float) -> PropertyEvent | None:
+        """Return the next event that is to be sent now, with the count of those left out."""
+        if not self._events or now < self._at + self.wish.every_s:
+            return None
+        self._at = now
+        event = self._events.popleft()
+        if self._dropped and self.wish.queue > 1:
+            event = event._replace(dropped=self._dropped)
+        self._dropped = 0
+        return event
+
+    def due(self) -> float | None:
+        """Return when there is something to send or to end, None when nothing is to come."""
+        times = [self._at + self.wish.every_s] if self._events else []
+        if self.ends_at is not None:
+            times.append(self.ends_at)
+        return min(times, default=None)
+
+    @property
+    def pending(self) -> int:
+        """How many events wait."""
+        return len(self._events)
+
+
+def options_of(parameters: dict[str, Value]) -> SubscriptionOptions:
+    """Read how somebody wants to listen from the parameters of the request.
+
+    Raises:
+        PropertyError: ``bad-parameter``.
+    """
+    given = dict(parameters)
+    queue = _number(given, "queue", 1)
+    if queue != int(queue) or not 1 <= queue <= LONGEST_QUEUE:
+        raise PropertyError("bad-parameter", f"queue is 1 to {LONGEST_QUEUE}")
+    lease = _number(given, "lease", 0)
+    if lease > LONGEST_LEASE_S:
+        raise PropertyError("bad-parameter", f"lease is at most {LONGEST_LEASE_S:g} s")
+    mode = str(given.pop("mode", "change"))
+    if mode not in ("change", "all", "diff"):
+        raise PropertyError("bad-parameter", "mode is change, all or diff")
+    initial = given.pop("initial", True)
+    wish = SubscriptionOptions(
+        int(queue),
+        _number(given, "every", 0),
+        _number(given, "deadband", 0),
+        mode == "all",
+        initial not in (0, False),
+        lease,
+        mode == "diff",
+    )
+    if given:
+        raise PropertyError("bad-parameter", f"not a parameter of listen: {min(given)}")
+    return wish
+
+
+def _number(given: dict[str, Value], key: str, default: float) -> float:
+    value = given.pop(key, default)
+    if not is_number(value) or not 0 <= value < float("inf"):  # type: ignore[operator]
+        raise PropertyError("bad-parameter", f"{key} is a number that is not negative")
+    return value  # type: ignore[return-value]

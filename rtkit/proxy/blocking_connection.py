@@ -1,0 +1,205 @@
+"""A connection of a proxy to an owner that only has calls which wait: threads make them."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from queue import SimpleQueue
+from time import monotonic
+
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.property.codes import code_of
+from rtkit.property.exchange import NOT_BEGUN
+from rtkit.property.messages import DONE, Answer, Payload
+from rtkit.proxy.loop_inbox import LoopInbox
+from rtkit.proxy.provider_connection import Answering, Gone, Hearing, with_id
+from rtkit.proxy.request_scheduler import RequestScheduler, ScheduledRequest
+from rtkit.proxy.waiting import Waiting
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.tree.properties import BoundedEnd
+
+_LATE = Answer(NOT_BEGUN, "timeout")
+_LOOK_S = 1.0
+"""How long an event is waited for, until is looked whether it is still wanted [s]."""
+
+_Call = Callable[[BoundedEnd | None], BoundedEnd | None]
+"""Made over a connection, which is made before if there is none; returns it."""
+_MOST_AT_ONCE = 8
+"""Connections for requests."""
+
+
+class BlockingConnection:
+    """Connections of which each waits for one thing.
+
+    Args:
+        end: For requests.
+        another: Makes one more, for requests that need not wait for others, or for listening.
+    """
+
+    def __init__(
+        self, host: PropertyEventLoop, end: BoundedEnd, another: Callable[[], BoundedEnd]
+    ) -> None:
+        self._host = host
+        self._end: BoundedEnd | None = end
+        self._another = another
+        self._calls: SimpleQueue[_Call | None] = SimpleQueue()
+        self._turns = RequestScheduler(_MOST_AT_ONCE)
+        self._workers = 0
+        self._idle = 0
+        self._waiting = Waiting()
+        self._listening: dict[str, threading.Event] = {}
+        self._is_open = True
+        self._gone: Gone = lambda why: None
+
+    def start(self, gone: Gone) -> None:
+        """See `Contact.start`."""
+        self._gone = gone
+
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
+        """See `Contact.ask`."""
+        if not self._is_open:
+            answer(Answer("the connection has ended", "no-service"))
+            return
+        number = self._waiting.expect(answer)
+
+        def work() -> None:
+            self._calls.put(call)
+
+        def call(end: BoundedEnd | None) -> BoundedEnd | None:
+            if monotonic() > until:
+                self._host.post(lambda: self._answered(number, turn, _LATE))
+                return end
+            try:
+                end = self._another() if end is None else end
+                reply = end.ask(with_id(target, id), payload, until)
+            except RtkitError as error:
+                reply, why = failure(error), str(error)
+                if isinstance(error, Unreachable) and reply.error != "timeout":
+                    self._host.post(lambda: self._fail(why))
+            self._host.post(lambda: self._answered(number, turn, reply))
+            return end
+
+        turn = ScheduledRequest(target, payload is not None, work)
+        self._turns.add(turn)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Have those requests made whose turn it is, on a thread each."""
+        for turn in self._turns.begin():
+            turn.work()
+            if self._idle:
+                self._idle -= 1
+                continue
+            self._workers += 1
+            end, self._end = self._end, None
+            threading.Thread(target=self._work, args=(end,), name="calls", daemon=True).start()
+
+    def has_room(self, name: str) -> bool:
+        """See `Contact.has_room`."""
+        return name not in self._listening
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """See `Contact.listen`."""
+        is_over = self._listening[name] = threading.Event()
+        target = f"{name}?{wish}" if wish else name
+        inbox = LoopInbox(self._host, wish, lambda event: None if is_over.is_set() else hear(event))
+
+        def answered(reply: Answer) -> None:
+            if reply.error:
+                self._listening.pop(name, None)
+            answer(reply)
+
+        def work() -> None:
+            try:
+                end = self._another()
+            except RtkitError as error:
+                reply = failure(error)
+                self._host.post(lambda: answered(reply))
+                return
+            try:
+                self._hear(end, target, is_over, inbox, answered)
+            finally:
+                end.close()
+
+        threading.Thread(target=work, name="listening", daemon=True).start()
+
+    def _hear(
+        self,
+        end: BoundedEnd,
+        target: str,
+        is_over: threading.Event,
+        inbox: LoopInbox,
+        answered: Answering,
+    ) -> None:
+        try:
+            end.listen(target)
+        except RtkitError as error:
+            reply = failure(error)
+            self._host.post(lambda: answered(reply))
+            return
+        self._host.post(lambda: answered(DONE))
+        try:
+            while not is_over.is_set():
+                event = end.event(_LOOK_S)
+                if event is not None:
+                    inbox.put(event)
+        except RtkitError as error:
+            why = str(error)
+            if not is_over.is_set():
+                self._host.post(lambda: self._fail(why))
+
+    def leave(self, name: str) -> None:
+        """See `Contact.leave`."""
+        is_over = self._listening.pop(name, None)
+        if is_over is not None:
+            is_over.set()
+
+    def check(self, now: float) -> None:
+        """See `Contact.check`: each call has a bound of its own."""
+
+    def close(self) -> None:
+        """See `Contact.close`."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        for _ in range(self._workers):
+            self._calls.put(None)
+        if self._end is not None:
+            self._end.close()
+        for is_over in self._listening.values():
+            is_over.set()
+        self._listening.clear()
+        self._waiting.end(Answer("the connection has ended", "no-service"))
+
+    def _work(self, end: BoundedEnd | None) -> None:
+        """Make calls, one after the other, over one connection, made when it is needed."""
+        while (call := self._calls.get()) is not None:
+            end = call(end)
+        if end is not None:
+            end.close()
+
+    def _answered(self, number: int, turn: ScheduledRequest, reply: Answer) -> None:
+        self._idle += 1
+        self._turns.end(turn)
+        self._waiting.answer(number, reply)
+        if self._is_open:
+            self._begin()
+
+    def _fail(self, why: str) -> None:
+        if self._is_open:
+            self.close()
+            self._gone(why)
+
+
+def failure(error: RtkitError) -> Answer:
+    """Return the answer that stands for a call that failed."""
+    is_late = isinstance(error, Unreachable) and str(error).startswith("no answer within")
+    return Answer(str(error), "timeout" if is_late else code_of(error))

@@ -1,0 +1,34 @@
+"""Silence of a far side that owes something: it is asked for a sign of life, then given up."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import monotonic
+
+ASKED_S = 5.0
+"""After which silence somebody who owes something is asked whether it lives [s]."""
+DEAD_S = 15.0
+"""After which silence the connection is given up [s]."""
+
+
+class Keepalive:
+    """How long nothing has been heard."""
+
+    def __init__(self) -> None:
+        self._since = monotonic()
+        self._is_asked = False
+
+    def end(self) -> None:
+        """Hear something, or owe nothing."""
+        self._since, self._is_asked = monotonic(), False
+
+    def check(
+        self, now: float, ask: Callable[[], object], give_up: Callable[[str, str], object]
+    ) -> None:
+        """Ask for a sign of life when it has lasted long; give up, saying why, when too long."""
+        silent_s = now - self._since
+        if silent_s > DEAD_S and self._is_asked:
+            give_up(f"no answer within {DEAD_S:g} s", "timeout")
+        elif silent_s > ASKED_S and not self._is_asked:
+            self._is_asked = True
+            ask()

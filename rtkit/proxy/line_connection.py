@@ -1,0 +1,205 @@
+"""A connection of a proxy to its owner that speaks the line protocol, on the loop of the host."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import select
+import socket
+from collections import deque
+from functools import partial
+
+from rtkit.link.deadline import with_deadline
+from rtkit.property.codes import PropertyError
+from rtkit.property.line import Replies, write_request
+from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.proxy.keepalive import Keepalive
+from rtkit.proxy.provider_connection import STATUS, Answering, Gone, Hearing, slot
+from rtkit.serving.event_loop import PropertyEventLoop
+
+_PIECE = 1 << 16
+_MOST_OUT = 1 << 24
+"""Bytes that wait to be sent, above which a request is turned away."""
+_MOST_LISTENINGS = 1000
+
+
+class LineConnection:
+    """One connection.
+
+    Args:
+        end: A connected socket, of somebody who knows already who asks.
+        service: Which one is meant; empty for that of the door.
+    """
+
+    def __init__(self, host: PropertyEventLoop, end: socket.socket, service: str = "") -> None:
+        self._host = host
+        self._end = end
+        self._prefix = f"{service}/" if service else ""
+        self._replies = Replies()
+        self._out = bytearray()
+        self._in_turn: deque[Answering] = deque()
+        self._by_id: dict[str, deque[Answering]] = {}
+        self._count = itertools.count(1)
+        self._hearing: dict[str, Hearing | None] = {}
+        self._silence = Keepalive()
+        self._is_stuck = False
+        self._is_open = True
+        self._gone: Gone = lambda why: None
+
+    # Contact
+
+    def start(self, gone: Gone) -> None:
+        """See `Contact.start`."""
+        self._gone = gone
+        self._end.settimeout(0)
+        self._host.register(self._end, self)
+
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
+        """See `Contact.ask`.
+
+        What could have to wait at the owner has an id, so that replies to others overtake its own.
+        """
+        if len(self._out) > _MOST_OUT:
+            answer(Answer("the owner takes nothing more", "busy"))
+            return
+        if not id and "?" in target:
+            id = f"~{next(self._count)}"
+        if not self._is_waited_for:
+            self._silence.end()
+        if id:
+            self._by_id.setdefault(id, deque()).append(answer)
+        else:
+            self._in_turn.append(answer)
+        target = self._prefix + target
+        if payload is not None:
+            target = with_deadline(target, until)
+        self._out += write_request(target, payload, id)
+        self._send()
+
+    def has_room(self, name: str) -> bool:
+        """See `Contact.has_room`: there is one listener of a property on each connection."""
+        return slot(name) not in self._hearing and len(self._hearing) < _MOST_LISTENINGS
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """See `Contact.listen`."""
+        key = slot(name)
+        self._hearing[key] = hear
+
+        def answered(reply: Answer) -> None:
+            if reply.error:
+                self._hearing.pop(key, None)
+            answer(reply)
+
+        self.ask(_listen(name, wish), "self", "", answered)
+
+    def leave(self, name: str) -> None:
+        """See `Contact.leave`; until the owner has heard it, its events are still to come."""
+        key = slot(name)
+        if key in self._hearing:
+            self._hearing[key] = None
+            self.ask(_listen(name, "remove"), "self", "", lambda _: self._hearing.pop(key, None))
+
+    def check(self, now: float) -> None:
+        """See `Contact.check`."""
+        if self._is_waited_for or self._hearing:
+            probe = partial(self.ask, STATUS, None, "", lambda _: None)
+            self._silence.check(now, probe, self._end_with)
+
+    def close(self) -> None:
+        """See `Contact.close`."""
+        self._close(Answer("the connection has ended", "no-service"))
+
+    # Tenant
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`."""
+        if mask & select.EPOLLOUT:
+            self._send()
+        if not self._is_open or not mask & ~select.EPOLLOUT:
+            return
+        try:
+            data = self._end.recv(_PIECE)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._end_with(f"the connection has ended: {error.strerror}")
+            return
+        if not data:
+            self._end_with("the connection has ended")
+            return
+        self._silence.end()
+        self._replies.feed(data)
+        try:
+            while self._is_open and (told := self._replies.next()) is not None:
+                self._take(told)
+        except PropertyError as error:
+            self._end_with(f"no line protocol: {error}")
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        return None
+
+    # Its own
+
+    @property
+    def _is_waited_for(self) -> bool:
+        return bool(self._in_turn or self._by_id)
+
+    def _take(self, told: tuple[str, Answer] | PropertyEvent) -> None:
+        if isinstance(told, PropertyEvent):
+            hear = self._hearing.get(slot(told.name))
+            if hear is not None:
+                hear(told)
+            return
+        id, reply = told
+        waiting = self._by_id.get(id) if id else self._in_turn
+        if not waiting:
+            raise PropertyError("syntax", "0 expected no reply")
+        answer = waiting.popleft()
+        if id and not waiting:
+            del self._by_id[id]
+        answer(reply)
+
+    def _send(self) -> None:
+        if not self._is_open:
+            return
+        try:
+            while self._out:
+                sent = self._end.send(memoryview(self._out)[:_MOST_OUT])
+                del self._out[:sent]
+        except BlockingIOError:
+            pass
+        except OSError:
+            return  # whatever it said before it hung up is read first, then the end
+        if bool(self._out) is not self._is_stuck:
+            self._is_stuck = bool(self._out)
+            self._host.await_room(self._end, reads=True, writes=self._is_stuck)
+
+    def _end_with(self, why: str, code: str = "no-service") -> None:
+        self._close(Answer(why, code))
+        self._gone(why)
+
+    def _close(self, reply: Answer) -> None:
+        if not self._is_open:
+            return
+        self._is_open = False
+        self._host.unregister(self._end, self)
+        self._end.close()
+        waiting = [*self._in_turn, *itertools.chain(*self._by_id.values())]
+        self._in_turn.clear()
+        self._by_id.clear()
+        self._hearing.clear()
+        for answer in waiting:
+            answer(reply)
+
+
+def _listen(name: str, wish: str) -> str:
+    """Return the target to which is said who listens."""
+    return f"{name}.listen".lstrip(".") + (f"?{wish}" if wish else "")

@@ -1,0 +1,404 @@
+"""Listening through a proxy: one listening at the owner serves all who wish the same.
+
+The queue of each of them is here, so a slow one costs what it may hold and delays nobody. Who comes
+later first hears what the others heard last, once the owner has confirmed that it is in force.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from rtkit.property.codes import PASSING, PropertyError
+from rtkit.property.messages import DONE, Answer, PropertyEvent, Requester
+from rtkit.property.naming import write_parameters
+from rtkit.property.reading import read
+from rtkit.property.subscription import (
+    LONGEST_LEASE_S,
+    LONGEST_QUEUE,
+    Listener,
+    SubscriptionOptions,
+)
+from rtkit.property.values import is_number
+from rtkit.proxy.provider_connection import Answering, ProviderConnection
+
+if TYPE_CHECKING:
+    from rtkit.proxy.uplink import Uplink
+
+_MOST_OF_CALLER = 1024
+_ALIKE = {"queue", "initial"}
+"""Wishes of which the events are the same for all who have them, whenever they began."""
+_AGAIN_S = 1.0
+"""After which time the owner is asked anew that was there but could not say yes or no [s]."""
+
+
+class RelayedOptions(NamedTuple):
+    """How somebody wants to listen, as far as a proxy understands it.
+
+    Attributes:
+        text: Parameters that the owner is asked with.
+        is_alike: Others may share the listening.
+    """
+
+    text: str
+    queue: int
+    lease_s: float
+    has_initial: bool
+    is_alike: bool
+
+
+def wished(parameters: dict[str, str | None]) -> RelayedOptions:
+    """Read a wish; what cannot be understood is left to the owner, with its refusal."""
+    given = dict(parameters)
+    lease = _number(given.get("lease"), 0.0)
+    if 0 <= lease <= LONGEST_LEASE_S:
+        given.pop("lease", None)
+    else:
+        lease = 0.0
+    queue = int(_number(given.get("queue"), 1.0))
+    initial = given.get("initial", "1")
+    return RelayedOptions(
+        write_parameters(given),
+        max(1, min(queue, LONGEST_QUEUE)),
+        lease,
+        initial not in ("0", "false"),
+        given.keys() <= _ALIKE,
+    )
+
+
+def _number(text: str | None, default: float) -> float:
+    if text is None:
+        return default
+    try:
+        value = read(text)
+    except PropertyError:
+        return -1.0
+    return float(value) if is_number(value) and abs(value) < 1e300 else -1.0  # type: ignore[arg-type]
+
+
+class RelayedListener(Listener):
+    """One who listens through the proxy: holds what the owner sent until it can be sent on."""
+
+    __slots__ = ("_lost", "_waiting", "text")
+
+    def __init__(self, name: str, wish: RelayedOptions, caller: Requester, now: float) -> None:
+        kept = SubscriptionOptions(queue=wish.queue, is_all=True, lease_s=wish.lease_s)
+        super().__init__(name, (), kept, caller)
+        self.text = wish.text
+        self._waiting: deque[PropertyEvent] = deque()
+        self._lost = 0
+        self.renew(now)
+
+    def pass_on(self, event: PropertyEvent) -> None:
+        """Take an event; the oldest one makes room."""
+        if len(self._waiting) >= self.wish.queue:
+            self._lost += 1 + self._waiting.popleft().dropped
+        self._waiting.append(event)
+
+    def take(self, now: float) -> PropertyEvent | None:
+        """See `Listener.take`."""
+        if not self._waiting:
+            return None
+        event = self._waiting.popleft()
+        if self._lost and self.wish.queue > 1:
+            event = event._replace(dropped=event.dropped + self._lost)
+        self._lost = 0
+        return event
+
+    def due(self) -> float | None:
+        """See `Listener.due`."""
+        return float("-inf") if self._waiting else self.ends_at
+
+    @property
+    def pending(self) -> int:
+        """How many events wait."""
+        return len(self._waiting)
+
+
+class RelayedSubscription:
+    """A listening at the owner, and those here whom it serves.
+
+    Attributes:
+        contact: At which the owner was asked; None while nothing is in force.
+        has_begun: The owner has said yes.
+        is_asked: The owner has not answered yet.
+        again_at: From when on it may be asked anew [s, monotonic].
+        last: What the owner sent last.
+    """
+
+    def __init__(self, name: str, wish: RelayedOptions) -> None:
+        self.name = name
+        self.wish = wish
+        self.connection: ProviderConnection | None = None
+        self.has_begun = False
+        self.is_asked = False
+        self.again_at = 0.0
+        self.last: PropertyEvent | None = None
+        self.relayed: list[RelayedListener] = []
+        self.waiting: list[tuple[RelayedListener, Answering]] = []
+        self.joining: list[RelayedListener] = []
+
+    @property
+    def is_used(self) -> bool:
+        """Whether anybody listens, or is about to."""
+        return bool(self.relayed or self.waiting or self.joining)
+
+
+class RelayedSubscriptions:
+    """All listening through one proxy.
+
+    Args:
+        outward: Gives the name by which events are known here.
+        clock: Seconds of a clock that never goes back.
+    """
+
+    def __init__(
+        self, uplink: Uplink, outward: Callable[[str], str], clock: Callable[[], float]
+    ) -> None:
+        self._uplink = uplink
+        self._outward = outward
+        self._clock = clock
+        self._alike: dict[tuple[str, str], RelayedSubscription] = {}
+        self._all: set[RelayedSubscription] = set()
+        self._of: dict[Requester, dict[str, tuple[RelayedListener, RelayedSubscription]]] = {}
+
+    # Asked for
+
+    def begin(
+        self, name: str, parameters: dict[str, str | None], caller: Requester, answer: Answering
+    ) -> None:
+        """Have a caller listen; who listens already gets the new wish and lease."""
+        wish = wished(parameters)
+        mine = self._of.get(caller, {})
+        known = mine.get(name)
+        if known is not None and known[0].text == wish.text:
+            known[0].wish = known[0].wish._replace(lease_s=wish.lease_s)
+            known[0].renew(self._clock())
+            answer(DONE)
+            return
+        if len(mine) >= _MOST_OF_CALLER:
+            answer(Answer(f"more than {_MOST_OF_CALLER} listeners", "denied"))
+            return
+        relayed = RelayedListener(name, wish, caller, self._clock())
+        listening = self._alike.get((name, wish.text)) if wish.is_alike else None
+        if listening is None:
+            listening = RelayedSubscription(name, wish)
+            self._all.add(listening)
+            if wish.is_alike:
+                self._alike[name, wish.text] = listening
+            listening.waiting.append((relayed, answer))
+            self._start(listening)
+        elif not listening.has_begun:
+            listening.waiting.append((relayed, answer))
+            if not listening.is_asked:
+                self._start(listening, is_again=True)
+        else:
+            self._join(listening, relayed, answer)
+
+    def remove(self, name: str, caller: Requester, answer: Answering) -> None:
+        """Take off a listener of a caller."""
+        known = self._of.get(caller, {}).get(name)
+        if known is None:
+            answer(Answer(f"not listened to: {self._outward(name)}", "unknown"))
+            return
+        self._end(*known)
+        answer(DONE)
+
+    def forget(self, caller: Requester) -> None:
+        """Have a caller hear nothing any more."""
+        for relayed, listening in list(self._of.pop(caller, {}).values()):
+            self._end(relayed, listening)
+        for listening in list(self._all):
+            listening.waiting = [each for each in listening.waiting if each[0].caller is not caller]
+            listening.joining = [each for each in listening.joining if each.caller is not caller]
+            self._leave_unused(listening)
+
+    def tick(self) -> None:
+        """End the leases that are over; ask anew for what has failed in passing."""
+        now = self._clock()
+        if self._uplink.is_up:
+            self._go_on(now)
+        over = [
+            each
+            for mine in self._of.values()
+            for each in mine.values()
+            if each[0].ends_at is not None and each[0].ends_at <= now
+        ]
+        for each in over:
+            self._end(*each)
+
+    # At the owner
+
+    def _start(self, listening: RelayedSubscription, *, is_again: bool = False) -> None:
+        listening.is_asked = True
+
+        def placed(connection: ProviderConnection | PropertyError) -> None:
+            if isinstance(connection, PropertyError):
+                self._answered(listening, Answer(str(connection), connection.code))
+                return
+            listening.connection = connection
+            connection.listen(
+                listening.name,
+                _with_initial(listening.wish.text) if is_again else listening.wish.text,
+                lambda event: self._heard(listening, connection, event),
+                lambda reply: self._answered(listening, reply),
+            )
+
+        self._uplink.place(listening.name, placed)
+
+    def _answered(self, listening: RelayedSubscription, reply: Answer) -> None:
+        """Take what the owner said to the wish to listen."""
+        listening.is_asked = False
+        if listening not in self._all:
+            return
+        waiting, listening.waiting = listening.waiting, []
+        if reply.error and listening.relayed and reply.error not in PASSING:
+            self._finish(listening, reply.error)
+        listening.has_begun = not reply.error
+        if reply.error:
+            listening.connection, listening.again_at = None, self._clock() + _AGAIN_S
+        for relayed, answer in waiting:
+            if not reply.error:
+                self._attach(listening, relayed, answer)
+            else:
+                answer(reply)
+        self._leave_unused(listening)
+
+    def _join(
+        self, listening: RelayedSubscription, relayed: RelayedListener, answer: Answering
+    ) -> None:
+        if not listening.wish.has_initial or listening.last is None:
+            self._attach(listening, relayed, answer)
+            return
+
+        def confirmed(reply: Answer) -> None:
+            if relayed not in listening.joining:
+                answer(Answer(f"no such property: {self._outward(listening.name)}", "unknown"))
+                return
+            listening.joining.remove(relayed)
+            if reply.error:
+                answer(reply)
+                self._leave_unused(listening)
+                return
+            last = listening.last
+            if last is not None and last.payload == reply.payload:
+                relayed.pass_on(last)
+            # Else the event that tells what the owner has answered is on its way.
+            self._attach(listening, relayed, answer)
+
+        listening.joining.append(relayed)
+        self._uplink.ask(listening.name or "properties", None, "", confirmed)
+
+    def _attach(
+        self, listening: RelayedSubscription, relayed: RelayedListener, answer: Answering
+    ) -> None:
+        caller = relayed.caller
+        try:
+            caller.listen(relayed)
+        except PropertyError as error:
+            answer(Answer(str(error), error.code))
+            return
+        mine = self._of.setdefault(caller, {})
+        before = mine.get(relayed.name)
+        mine[relayed.name] = (relayed, listening)
+        listening.relayed.append(relayed)
+        if before is not None:
+            self._drop(*before)
+        answer(DONE)
+        if relayed.pending:
+            caller.wake()
+
+    def _heard(
+        self, listening: RelayedSubscription, connection: ProviderConnection, event: PropertyEvent
+    ) -> None:
+        """Send on what the owner sent."""
+        if listening not in self._all or listening.connection is not connection:
+            return
+        event = event._replace(name=self._outward(event.name))
+        listening.last = event
+        for relayed, _ in listening.waiting:
+            relayed.pass_on(event)
+        for relayed in listening.relayed:
+            relayed.pass_on(event)
+            relayed.caller.wake()
+        if event.code:
+            self._end_all(listening)
+
+    # The connection
+
+    def went(self) -> None:
+        """Tell all who listen that what they know is stale: the owner cannot be reached."""
+        for listening in list(self._all):
+            if listening.connection is None:
+                continue  # it was told before
+            listening.connection, listening.has_begun = None, False
+            if listening.last is not None:
+                listening.last = listening.last._replace(quality="stale", dropped=0)
+                for relayed in listening.relayed:
+                    relayed.pass_on(listening.last)
+                    relayed.caller.wake()
+
+    def came(self) -> None:
+        """Go on listening."""
+        self._go_on(float("inf"))
+
+    def _go_on(self, now: float) -> None:
+        for listening in list(self._all):
+            if (
+                listening.connection is None
+                and not listening.is_asked
+                and listening.again_at <= now
+            ):
+                self._start(listening, is_again=True)
+
+    # Ends
+
+    def _finish(self, listening: RelayedSubscription, code: str) -> None:
+        """Tell that there is nothing to listen to any more."""
+        at = listening.last or PropertyEvent(self._outward(listening.name), "", 0.0, 0)
+        last = at._replace(payload="", quality="bad", dropped=0, code=code)
+        for relayed in listening.relayed:
+            relayed.pass_on(last)
+            relayed.caller.wake()
+        self._end_all(listening)
+
+    def _end_all(self, listening: RelayedSubscription) -> None:
+        """Forget a listening that the owner has ended; what waits is still sent."""
+        for relayed in listening.relayed:
+            relayed.has_ended = True
+            self._strike(relayed)
+        listening.relayed, listening.joining = [], []
+        self._leave_unused(listening)
+
+    def _end(self, relayed: RelayedListener, listening: RelayedSubscription) -> None:
+        self._strike(relayed)
+        self._drop(relayed, listening)
+
+    def _strike(self, relayed: RelayedListener) -> None:
+        mine = self._of.get(relayed.caller)
+        if mine is not None:
+            mine.pop(relayed.name, None)
+            if not mine:
+                del self._of[relayed.caller]
+
+    def _drop(self, relayed: RelayedListener, listening: RelayedSubscription) -> None:
+        relayed.has_ended = True
+        listening.relayed = [each for each in listening.relayed if each is not relayed]
+        relayed.caller.unlisten(relayed)
+        self._leave_unused(listening)
+
+    def _leave_unused(self, listening: RelayedSubscription) -> None:
+        if listening.is_used or listening not in self._all:
+            return
+        self._all.discard(listening)
+        key = (listening.name, listening.wish.text)
+        if self._alike.get(key) is listening:
+            del self._alike[key]
+        if listening.connection is not None:
+            listening.connection.leave(listening.name)
+
+
+def _with_initial(text: str) -> str:
+    """Return a wish with the first value in it: after a gap it is what was missed."""
+    return "&".join(each for each in text.split("&") if not each.startswith("initial"))

@@ -1,0 +1,217 @@
+"""A connection of a proxy to its owner over zenoh: queries, and a key for each listening."""
+
+from __future__ import annotations
+
+import math
+import threading
+import uuid
+from collections.abc import Callable
+from time import monotonic
+from typing import NamedTuple
+
+import zenoh
+
+from rtkit.errors import Unreachable
+from rtkit.link.deadline import deadline_to_bytes
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.proxy.loop_inbox import LoopInbox
+from rtkit.proxy.provider_connection import STATUS, Answering, Gone, Hearing, over, with_id
+from rtkit.proxy.waiting import Waiting
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.zenoh.properties import (
+    LEASE_S,
+    EventProgress,
+    answer_of,
+    for_subscriber,
+    heard,
+    selector_of,
+    subscriber_key,
+)
+
+_REQUEST_S = 3600.0
+"""How long an answer may take; that somebody lives is found out in another way [s]."""
+_LEAST_S = 1e-3
+_PROBE_S = 2.0
+_PROBE_EVERY_S = 1.0
+_NOBODY = "nobody answers for it"
+
+
+class _Ear(NamedTuple):
+    target: str
+    id: str
+    subscriber: zenoh.Subscriber[None]
+    renewed_at: list[float]
+    hear: Hearing
+
+
+class ZenohConnection:
+    """A session to the owner, used by nobody else.
+
+    Args:
+        service_key: Of the owner.
+    """
+
+    def __init__(self, host: PropertyEventLoop, session: zenoh.Session, service_key: str) -> None:
+        self._host = host
+        self._session = session
+        self._key = service_key
+        self._subscriptions: dict[str, _Ear] = {}
+        self._waiting = Waiting()
+        self._probed_at = monotonic()
+        self._is_probing = False
+        self._is_open = True
+        self._gone: Gone = lambda why: None
+
+    def start(self, gone: Gone) -> None:
+        """See `Contact.start`."""
+        self._gone = gone
+
+    def ask(
+        self,
+        target: str,
+        payload: Payload | None,
+        id: str,
+        answer: Answering,
+        until: float = math.inf,
+    ) -> None:
+        """See `Contact.ask`."""
+        wait_s = min(_REQUEST_S, max(until - monotonic(), _LEAST_S))
+        self._query(with_id(target, id), payload, "", wait_s, answer)
+
+    def has_room(self, name: str) -> bool:
+        """See `Contact.has_room`: each listening has a key of its own."""
+        return name not in self._subscriptions
+
+    def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
+        """See `Contact.listen`."""
+        id = uuid.uuid4().hex
+        inbox = LoopInbox(self._host, wish, lambda event: self._hear(id, hear, event))
+        handler = zenoh.handlers.Callback(_receiver(inbox), indirect=False)
+        subscriber = self._session.declare_subscriber(subscriber_key(self._key, id), handler)
+        target = f"{name}.listen".lstrip(".") + (f"?{wish}" if wish else "")
+        self._subscriptions[name] = _Ear(target, id, subscriber, [monotonic()], hear)
+
+        def answered(reply: Answer) -> None:
+            if reply.error:
+                self._take_off(name)
+            answer(reply)
+
+        self._query(target, "self", id, _REQUEST_S, answered)
+
+    def leave(self, name: str) -> None:
+        """See `Contact.leave`."""
+        subscription = self._take_off(name)
+        if subscription is not None:
+            target = f"{subscription.target.partition('?')[0]}?remove"
+            self._query(target, "self", subscription.id, _PROBE_S, lambda _: None)
+
+    def check(self, now: float) -> None:
+        """See `Contact.check`: ask for a sign of life, and renew what has a lease."""
+        for name, subscription in self._subscriptions.items():
+            if now - subscription.renewed_at[0] > LEASE_S / 3:
+                subscription.renewed_at[0] = now
+                self._query(
+                    subscription.target,
+                    "self",
+                    subscription.id,
+                    _PROBE_S,
+                    self._renewed(name, subscription),
+                )
+        if not self._is_probing and now - self._probed_at > _PROBE_EVERY_S:
+            self._is_probing, self._probed_at = True, now
+            self._query(STATUS, None, "", _PROBE_S, self._probed)
+
+    def close(self) -> None:
+        """See `Contact.close`."""
+        if self._is_open:
+            self._end(Answer("the connection has ended", "no-service"))
+            self._session.close()  # type: ignore[no-untyped-call]
+
+    # Its own
+
+    def _renewed(self, name: str, subscription: _Ear) -> Answering:
+        def renewed(reply: Answer) -> None:
+            last = over(name, reply)
+            if last is not None and self._subscriptions.get(name) is subscription:
+                self._take_off(name)
+                subscription.hear(last)
+
+        return renewed
+
+    def _probed(self, reply: Answer) -> None:
+        self._is_probing = False
+        if reply.error in ("timeout", "no-service") and self._is_open:
+            why = str(reply.payload)
+            self._end(Answer(why, reply.error))
+            # It waits for the far side, which is not there: not on the loop.
+            threading.Thread(target=self._session.close, name="closing", daemon=True).start()
+            self._gone(why)
+
+    def _query(
+        self,
+        target: str,
+        payload: Payload | None,
+        subscription: str,
+        timeout_s: float,
+        answer: Answering,
+    ) -> None:
+        """Ask; the answer comes on the loop."""
+        if not self._is_open:
+            answer(Answer("the connection has ended", "no-service"))
+            return
+        try:
+            selector = selector_of(self._key, target)
+        except PropertyError as error:
+            answer(Answer(str(error), error.code))
+            return
+        number = self._waiting.expect(answer)
+        replies: list[Answer] = []
+
+        def receive(reply: zenoh.Reply) -> None:
+            try:
+                replies.append(answer_of(reply, timeout_s))
+            except Unreachable as error:
+                replies.append(Answer(str(error), "timeout"))
+
+        def ended() -> None:
+            reply = replies[0] if replies else Answer(_NOBODY, "no-service")
+            self._host.post(lambda: self._waiting.answer(number, reply))
+
+        self._session.get(
+            for_subscriber(selector, subscription) if subscription else selector,
+            payload=payload,
+            attachment=None if payload is None or subscription else deadline_to_bytes(timeout_s),
+            timeout=timeout_s,
+            handler=zenoh.handlers.Callback(receive, ended, indirect=False),
+            consolidation=zenoh.ConsolidationMode.NONE,
+        )
+
+    def _hear(self, id: str, hear: Hearing, event: PropertyEvent) -> None:
+        if any(each.id == id for each in self._subscriptions.values()):
+            hear(event)
+
+    def _take_off(self, name: str) -> _Ear | None:
+        subscription = self._subscriptions.pop(name, None)
+        if subscription is not None:
+            subscription.subscriber.undeclare()  # type: ignore[no-untyped-call]
+        return subscription
+
+    def _end(self, reply: Answer) -> None:
+        self._is_open = False
+        for name in list(self._subscriptions):
+            self._take_off(name)
+        self._waiting.end(reply)
+
+
+def _receiver(inbox: LoopInbox) -> Callable[[zenoh.Sample], None]:
+    known = EventProgress()
+
+    def receive(sample: zenoh.Sample) -> None:
+        """Take what arrived; on a thread of the transport."""
+        event, at = heard(sample)
+        lost = None if at is None else known.lost(at)
+        if event is not None and lost is not None:  # else it was sent again
+            inbox.put(event, lost)
+
+    return receive

@@ -1,0 +1,95 @@
+"""Sockets that take clients: as many as there is room for, others are turned away with a word."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+from abc import ABC, abstractmethod
+from typing import Protocol
+
+from rtkit.errors import Unreachable
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.quota import EndpointQuota, QuotaClient
+
+LOOPBACK = "127.0.0.1"
+_BACKLOG = 128
+
+
+class AdmittedClient(QuotaClient, Protocol):
+    """A client that has been let in."""
+
+    @property
+    def is_open(self) -> bool:
+        """Until its socket is closed."""
+        ...
+
+
+class Acceptor(ABC):
+    """A socket at which clients knock; a tenant of its host.
+
+    Args:
+        end: Bound; it is listened at from now on.
+        endpoint: What it is called in rules.
+    """
+
+    def __init__(self, host: PropertyEventLoop, end: socket.socket, endpoint: str) -> None:
+        self._host = host
+        self._end = end
+        self._guests: list[AdmittedClient] = []
+        self._quota = EndpointQuota(host.policy, endpoint, lambda: self._guests)
+        end.setblocking(False)
+        end.listen(_BACKLOG)
+        host.register(end, self)
+
+    @abstractmethod
+    def enter(self, client: socket.socket) -> AdmittedClient | str:
+        """Let a client in, or tell what it is turned away with: code, blank, words."""
+
+    @abstractmethod
+    def reject(self, why: str) -> bytes:
+        """Return how a client is told why it is turned away."""
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`."""
+        try:
+            client, _ = self._end.accept()
+        except OSError:
+            return  # it has gone again, or there is no descriptor left: the next one may fit
+        self._forget()
+        most = self._quota.limits.connections
+        is_full = len(self._guests) >= most
+        entered = f"busy there are {most} connections" if is_full else self.enter(client)
+        if not isinstance(entered, str):
+            self._guests.append(entered)
+            return
+        with contextlib.suppress(OSError):  # whoever does not wait for the word goes without
+            client.setblocking(False)
+            client.send(self.reject(entered))
+        client.close()
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        return None
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`."""
+        self._forget()
+
+    def _forget(self) -> None:
+        self._guests = [each for each in self._guests if each.is_open]
+
+
+def bound_to(port: int) -> socket.socket:
+    """Return a socket at a port of this host, 0 for any.
+
+    Raises:
+        Unreachable: The port is taken.
+    """
+    end = socket.socket(socket.AF_INET, socket.SOCK_STREAM | socket.SOCK_CLOEXEC)
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        end.bind((LOOPBACK, port))
+    except OSError as error:
+        end.close()
+        raise Unreachable(f"cannot listen on port {port}: {error.strerror}") from error
+    return end

@@ -1,0 +1,281 @@
+"""The loop that owns the properties of a process: its sockets, what other threads ask, time.
+
+Whoever touches a service holds the lock of the host; user code runs on workers, beside the loop.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import select
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from rtkit.property.access import AccessPolicy
+from rtkit.property.codes import PropertyError
+from rtkit.serving.dedicated_worker import DedicatedWorkers, WorkerExit
+from rtkit.serving.provider import PropertyProvider
+from rtkit.serving.workers import Workers
+
+POLL_S = 0.02
+"""How often what is computed is read anew while somebody listens to it."""
+_HOUSEKEEPING_S = 0.25
+_LONGEST_WAIT_S = 3600.0
+
+
+class ByteStream(Protocol):
+    """What the loop can wait for, read and write: a socket, or a device."""
+
+    def fileno(self) -> int:
+        """Return its descriptor."""
+        ...
+
+    def setblocking(self, flag: bool, /) -> None:
+        """Wait in `recv` and `send`, or raise BlockingIOError."""
+        ...
+
+    def recv(self, size: int, /) -> bytes:
+        """Return what has come, nothing at its end."""
+        ...
+
+    def send(self, data: bytes | bytearray | memoryview, /) -> int:
+        """Send what there is room for; return how much that was."""
+        ...
+
+    def close(self) -> None:
+        """Be open no longer."""
+        ...
+
+
+class IOHandler(Protocol):
+    """Something with a socket that the loop serves."""
+
+    def ready(self, mask: int) -> bool | None:
+        """Hear that the socket can be read or written; return True if nothing is left to do."""
+        ...
+
+    def flush(self, now: float) -> float | None:
+        """Send what is due; return when something will be, None if nothing is to come."""
+        ...
+
+    def check(self, now: float) -> None:
+        """Look whether the far side takes too long."""
+        ...
+
+
+class PropertyEventLoop:
+    """Services of one process, and the one thread that owns them.
+
+    Attributes:
+        services: By name.
+        lock: To be held by who touches a service.
+        policy: What may be done through which door.
+        user_code: Calls what is not ours.
+    """
+
+    def __init__(self, policy: AccessPolicy | None = None) -> None:
+        self.policy = policy or AccessPolicy()
+        self.services: dict[str, PropertyProvider] = {}
+        self.lock = threading.Lock()
+        self.user_code = Workers(self.lock, self.post)
+        self._workers = DedicatedWorkers(self.lock)
+        self._epoll = select.epoll()
+        self._wake, self._waker = socket.socketpair()
+        for end in (self._wake, self._waker):
+            end.setblocking(False)
+        self._epoll.register(self._wake, select.EPOLLIN)
+        self._posted: deque[Callable[[], object]] = deque()
+        self._dirty: set[IOHandler] = set()
+        self._handlers: dict[int, IOHandler] = {}
+        self._sockets: dict[int, ByteStream] = {}
+        self._is_woken = False
+        self._is_ended = threading.Event()
+        self._housekeeping_at = 0.0
+        self._poll_at = 0.0
+        self._thread = threading.Thread(target=self.run, name="properties", daemon=True)
+        self._closers: list[Callable[[], object]] = []
+
+    def start(self) -> None:
+        """Begin to serve, on a thread of its own."""
+        self._thread.start()
+
+    def add(self, service: PropertyProvider) -> None:
+        """Serve a service.
+
+        Raises:
+            PropertyError: ``conflict``: there is one of that name.
+        """
+        if service.name in self.services:
+            raise PropertyError("conflict", f"exists: service {service.name}")
+        self.services[service.name] = service
+
+    def at_end(self, closer: Callable[[], object]) -> None:
+        """Have something called when the host closes; the last one first."""
+        self._closers.append(closer)
+
+    def post(self, work: Callable[[], object]) -> None:
+        """Have the loop do something, soon; from any thread."""
+        self._posted.append(work)
+        self.wake()
+
+    @property
+    def has_posted(self) -> bool:
+        """Whether something waits for the loop that was posted earlier."""
+        return bool(self._posted)
+
+    def wake(self) -> None:
+        """Have the loop look what there is to do; from any thread."""
+        if not self._is_woken:
+            self._is_woken = True
+            with contextlib.suppress(BlockingIOError, OSError):
+                self._waker.send(b"\0")
+
+    # Sockets
+
+    def register(self, end: ByteStream, handler: IOHandler) -> None:
+        """Serve a socket; on the loop's thread, or before it runs."""
+        number = end.fileno()
+        self._handlers[number] = handler
+        self._sockets[number] = end
+        self._epoll.register(number, select.EPOLLIN)
+
+    def await_room(self, end: ByteStream, *, reads: bool, writes: bool) -> None:
+        """Wait until a socket can be read, or be written to, or for neither of them."""
+        mask = (select.EPOLLIN if reads else 0) | (select.EPOLLOUT if writes else 0)
+        self._epoll.modify(end.fileno(), mask)
+
+    def unregister(self, end: ByteStream, handler: IOHandler) -> None:
+        """Serve a socket no longer."""
+        number = end.fileno()
+        if self._handlers.pop(number, None) is not None:
+            del self._sockets[number]
+            self._epoll.unregister(number)
+        self._dirty.discard(handler)
+
+    def attend(
+        self,
+        end: ByteStream,
+        answer: Callable[[bytes], bytes | None],
+        back: Callable[[WorkerExit], object],
+    ) -> None:
+        """Have a client served by a thread of its own, if one is free; on the loop's thread.
+
+        Args:
+            end: Its socket; of what is none, nothing changes.
+            answer: Returns the reply to what came, None if it takes more than a look.
+            back: Takes the client back; on the loop's thread.
+        """
+        if not isinstance(end, socket.socket):
+            return
+
+        def leave(left: WorkerExit) -> None:
+            self.post(lambda: take_back(left))
+
+        def take_back(left: WorkerExit) -> None:
+            end.setblocking(False)
+            self._epoll.register(end.fileno(), select.EPOLLIN)
+            back(left)
+
+        if self._workers.begin(end, answer, leave):
+            self._epoll.unregister(end.fileno())
+
+    def mark(self, handler: IOHandler) -> None:
+        """Note that a tenant has something to send; by who holds the lock."""
+        self._dirty.add(handler)
+        self.wake()
+
+    # The loop
+
+    def run(self) -> None:
+        """Serve until the host is closed."""
+        wait_s: float | None = 0.0
+        tidy_at = 0.0
+        own = self._wake.fileno()
+        poll, handlers, lock = self._epoll.poll, self._handlers, self.lock
+        while not self._is_ended.is_set():
+            ready = poll(wait_s)
+            with lock:
+                is_quiet = bool(ready)
+                for number, mask in ready:
+                    handler = handlers.get(number)
+                    if handler is not None:
+                        is_quiet = bool(handler.ready(mask)) and is_quiet
+                    elif number == own:
+                        is_quiet = False
+                        with contextlib.suppress(BlockingIOError):
+                            self._wake.recv(4096)
+                        # Only now: what wakes it before is not heard, but has been posted.
+                        self._is_woken = False
+                now = time.monotonic()
+                if is_quiet and not (self._dirty or self._posted) and now < tidy_at:
+                    # Requests that were answered at once, as most are: all else is as it was.
+                    wait_s = tidy_at - now
+                    continue
+                while self._posted:
+                    self._posted.popleft()()
+                wait_s = self._tidy(now)
+                tidy_at = now if wait_s is None else now + wait_s
+
+    def _tidy(self, now: float) -> float | None:
+        """Send, poll, end leases; return how long there is nothing to do [s]."""
+        times = []
+        if self._poll(now):
+            times.append(self._poll_at)
+        look_at = self.user_code.check(now)
+        if look_at is not None:
+            times.append(look_at)
+        if self._dirty:
+            times += self._flush(now)
+        if self._handlers or self.services:
+            if now >= self._housekeeping_at:
+                self._keep_house(now)
+            times.append(self._housekeeping_at)
+        return max(0.0, min(min(times) - now, _LONGEST_WAIT_S)) if times else None
+
+    def _flush(self, now: float) -> list[float]:
+        """Have tenants send what is due; return when something will be."""
+        times: list[float] = []
+        waiting, self._dirty = self._dirty, set()
+        for handler in waiting:
+            due = handler.flush(now)
+            if due is not None:
+                self._dirty.add(handler)
+                times.append(due)
+        return times
+
+    def _keep_house(self, now: float) -> None:
+        self._housekeeping_at = now + _HOUSEKEEPING_S
+        for handler in list(self._handlers.values()):
+            handler.check(now)
+        for service in self.services.values():
+            service.tick()
+
+    def _poll(self, now: float) -> bool:
+        """Read anew what is computed, when it is time to; return whether there is any."""
+        polled = [each for each in self.services.values() if each.is_polled]
+        if polled and now >= self._poll_at:
+            self._poll_at = now + POLL_S
+            for service in polled:
+                service.poll()
+        return bool(polled)
+
+    def close(self) -> None:
+        """Serve nothing any more, and forget all connections."""
+        if self._is_ended.is_set():
+            return
+        # The loop goes first: it must not meet what has been closed.
+        self._is_ended.set()
+        self._is_woken = False
+        self.wake()
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join()
+        self.user_code.close()
+        while self._closers:
+            self._closers.pop()()
+        self._workers.close()
+        for end in [*self._sockets.values(), self._wake, self._waker]:
+            end.close()
+        self._epoll.close()

@@ -1,0 +1,56 @@
+"""What doors and the loop need of a service: one that owns properties, or stands for who does."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from rtkit.property.messages import PropertyRequest, Requester
+
+
+class PropertyProvider(Protocol):
+    """Answers requests and tells changes; whoever calls it holds the lock of the host.
+
+    Attributes:
+        name: Under which it is found.
+        has_groups: Those who listen in the same way may share one listener.
+    """
+
+    name: str
+    has_groups: bool
+
+    @property
+    def is_polled(self) -> bool:
+        """Whether something that is listened to is to be read anew from time to time."""
+        ...
+
+    def quick(self, line: bytes, caller: Requester) -> bytes | None:
+        """Return the reply to a request line, None unless it takes only a look."""
+        ...
+
+    def is_plain(self, name: str) -> bool:
+        """Whether nothing of the user's is called when a property is got or set."""
+        ...
+
+    def is_text(self, name: str) -> bool:
+        """Whether a property is known to hold text that is no value."""
+        ...
+
+    def revision(self, name: str) -> int | None:
+        """Return the revision of a property, None if it is not known here."""
+        ...
+
+    def handle(self, ask: PropertyRequest) -> None:
+        """Answer a request, now or later; never raises for what is asked."""
+        ...
+
+    def forget(self, caller: Requester) -> None:
+        """Send nothing any more to who is gone."""
+        ...
+
+    def poll(self) -> None:
+        """Read anew what is to be."""
+        ...
+
+    def tick(self) -> None:
+        """End the leases that are over."""
+        ...

@@ -1,0 +1,293 @@
+"""Several managers of this host as one tree: everything is asked of who holds it."""
+
+from __future__ import annotations
+
+import os
+import select
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from itertools import groupby
+from typing import Any
+
+from rtkit.closing import Closing
+from rtkit.deployment.actions import Action, Result
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.multi_manager import down, homes_in, joined, manager_for, sent
+from rtkit.errors import RtkitError, Unreachable
+from rtkit.link.inproc import InprocLink
+from rtkit.rtc.profiles import ConnectorProfile
+from rtkit.tree.client import DEFAULT_TIMEOUT_S, Tree
+from rtkit.tree.subscription import Heard, ManagerSubscription
+
+Answer = Callable[[], tuple[Result, ...]]
+Start = Callable[[str], Tree]
+"""Starts a manager of that name, and connects to it."""
+
+
+class ManagerSet(Tree):
+    """Connections to several managers; each batch is split into one for each of them.
+
+    Attributes:
+        names: All managers that are meant, the first one first, also those that do not run.
+        homes: Where components belong; the others are where they live.
+    """
+
+    def __init__(
+        self,
+        names: Sequence[str],
+        trees: Mapping[str, Tree],
+        homes: Mapping[str, str],
+        start: Start | None = None,
+    ) -> None:
+        """Join connections.
+
+        Args:
+            names: All managers that are meant.
+            trees: The connections to those that run.
+            homes: Where components belong.
+            start: Starts a manager and connects to it; None where that is for others to do.
+        """
+        first = next(iter(trees.values()), None)
+        super().__init__(
+            first.link if first is not None else InprocLink(),  # where nobody answers
+            first.host if first is not None else os.uname().nodename,
+            names[0],
+            first.timeout_s if first is not None else DEFAULT_TIMEOUT_S,
+        )
+        self._start = start
+        self._started: dict[str, bool] = {}
+        self.names = tuple(names)
+        self._trees = dict(trees)
+        self.homes = dict(homes)
+        self._known: dict[str, str] = {}
+        self._wires: tuple[ConnectorProfile, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Fleet: managers {', '.join(self.names)} on {self.host}>"
+
+    @property
+    def trees(self) -> dict[str, Tree]:
+        """The connections to those that run, by their names."""
+        return self._trees
+
+    def close(self) -> None:
+        """End all connections."""
+        for tree in self.trees.values():
+            tree.close()
+
+    def at(self, manager: str) -> Tree:
+        """Return the connection to one of the managers.
+
+        Raises:
+            Unreachable: It does not run.
+        """
+        name = manager or self.manager
+        if name not in self.trees:
+            raise Unreachable(f"manager {name!r} is not running")
+        return self.trees[name]
+
+    def start(self, manager: str) -> None:
+        """Start one of the managers.
+
+        Raises:
+            Refused: It cannot be started, or that is for others to do.
+            Unreachable: It was not ready in time.
+        """
+        if self._start is None:
+            super().start(manager)
+            return
+        tree = self._start(manager)
+        if not self.trees:
+            self.link = tree.link
+        self.trees[manager] = tree
+        self.on_start(tree)
+        found = tree.snapshot()
+        self._started[manager] = not (found.components or found.modules)
+
+    def end_started(self) -> list[str]:
+        """End the managers that were started and held nothing then; return the others."""
+        from rtkit.tree import managers
+
+        left = []
+        for name, was_empty in self._started.items():
+            tree = self.trees.get(name)
+            if tree is None or tree.has_ended():
+                continue
+            if not was_empty or tree.snapshot().components:
+                left.append(name)
+                continue
+            del self.trees[name]
+            tree.close()
+            managers.stop(name, tree.timeout_s)
+        self._started.clear()
+        return left
+
+    def snapshot(self) -> Snapshot:
+        """Return what all of them know.
+
+        Raises:
+            Unreachable: One that was running does not answer in time.
+        """
+        return self._joined([self._look(name) for name in self.names])
+
+    def remains(self) -> Snapshot:
+        """Return what can still be seen after a failure: a manager that ended holds nothing.
+
+        Raises:
+            Unreachable: One that runs does not answer in time.
+        """
+        return self._joined([self._look(name, may_be_gone=True) for name in self.names])
+
+    def _look(self, name: str, *, may_be_gone: bool = False) -> Snapshot:
+        tree = self.trees.get(name)
+        if tree is None:
+            return down(self.host, name)
+        try:
+            return tree.snapshot()
+        except Unreachable:
+            if may_be_gone and tree.has_ended():
+                return down(self.host, name)
+            raise
+
+    def _joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
+        whole = self.joined(snapshots)
+        self._known.update(homes_in(whole))
+        self._wires = whole.connectors
+        return whole
+
+    def joined(self, snapshots: Sequence[Snapshot]) -> Snapshot:
+        """Return what several managers know as one."""
+        return joined(snapshots, self.homes)
+
+    def begin(
+        self,
+        actions: Sequence[Action],
+        *,
+        is_ordered: bool = True,
+        timeout_s: float | None = None,
+    ) -> Answer:
+        """Send each manager its part of a batch and return what awaits the results.
+
+        In order, a manager is sent its part when the one before has done what it was sent.
+        """
+        asked = [(self._manager_for(action), action) for action in actions]
+        if is_ordered:
+            parts = [(name, [a for _, a in part]) for name, part in groupby(asked, lambda x: x[0])]
+            return lambda: self._one_after_another(parts, timeout_s)
+        places: dict[str, list[int]] = {}
+        for place, (name, _) in enumerate(asked):
+            places.setdefault(name, []).append(place)
+        answers = {
+            name: self._begun(name, [actions[place] for place in each], False, timeout_s)
+            for name, each in places.items()
+        }
+        return lambda: _gathered(answers, places, len(actions))
+
+    def _manager_for(self, action: Action) -> str:
+        homes = {**self._known, **self.homes}
+        return manager_for(action, homes, self._wires, self.manager)
+
+    def _begun(
+        self, name: str, actions: Sequence[Action], is_ordered: bool, timeout_s: float | None
+    ) -> Answer:
+        try:
+            words = [sent(action, name) for action in actions]
+            return self.at(name).begin(words, is_ordered=is_ordered, timeout_s=timeout_s)
+        except RtkitError as error:
+            failure = error  # told when it is this manager's turn: the others are asked first
+
+            def fail() -> tuple[Result, ...]:
+                raise failure
+
+            return fail
+
+    def _one_after_another(
+        self, parts: Iterable[tuple[str, list[Action]]], timeout_s: float | None
+    ) -> tuple[Result, ...]:
+        results: list[Result] = []
+        for name, actions in parts:
+            found = self._begun(name, actions, True, timeout_s)()
+            results += found
+            if len(found) < len(actions) or not all(each.ok for each in found):
+                break
+        return tuple(results)
+
+
+def _gathered(
+    answers: Mapping[str, Answer], places: Mapping[str, list[int]], count: int
+) -> tuple[Result, ...]:
+    """Await all answers, also when one does not come; then raise why.
+
+    Raises:
+        Unreachable: A manager did not answer.
+    """
+    results = [Result()] * count
+    failure: RtkitError | None = None
+    for name, answer in answers.items():
+        try:
+            for place, result in zip(places[name], answer(), strict=True):
+                results[place] = result
+        except RtkitError as error:
+            failure = failure or error
+    if failure is not None:
+        raise failure
+    return tuple(results)
+
+
+class ManagerSetSubscription(Closing):
+    """Subscribes to each manager of a set, as `ManagerSubscription` does to one."""
+
+    def __init__(self, fleet: ManagerSet, *lines: Any) -> None:
+        self.tree = fleet
+        self._subscriptions: dict[str, ManagerSubscription] = {}
+        try:
+            for name, tree in fleet.trees.items():
+                self._subscriptions[name] = ManagerSubscription(tree, *lines)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Listen no more."""
+        for subscription in self._subscriptions.values():
+            subscription.close()
+
+    @property
+    def facts(self) -> Snapshot:
+        """What all managers know, as of what was taken last."""
+        fleet = self.tree
+        known = {name: subscription.facts for name, subscription in self._subscriptions.items()}
+        return fleet.joined([known.get(name) or down(fleet.host, name) for name in fleet.names])
+
+    @property
+    def sources(self) -> list[int]:
+        """Descriptors of which one is readable when there is something to `take`."""
+        return [
+            source
+            for subscription in self._subscriptions.values()
+            for source in subscription.sources
+        ]
+
+    def take(self) -> list[Heard]:
+        """Return what has come from all of them."""
+        return [
+            heard for subscription in self._subscriptions.values() for heard in subscription.take()
+        ]
+
+    def wait(self) -> list[Heard]:
+        """Wait until something has come, and take it."""
+        while True:
+            with suppress(InterruptedError):
+                select.select(self.sources, [], [])
+            taken = self.take()
+            if taken:
+                return taken
+
+
+def subscription_at(tree: Tree, *lines: Any) -> ManagerSubscription | ManagerSetSubscription:
+    """Return an ear at one manager, or at each of several."""
+    return (
+        ManagerSetSubscription(tree, *lines)
+        if isinstance(tree, ManagerSet)
+        else ManagerSubscription(tree, *lines)
+    )

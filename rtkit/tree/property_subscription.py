@@ -1,0 +1,85 @@
+"""Events of several properties, of several owners, in the order in which they come."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Sequence
+
+from rtkit.closing import Closing
+from rtkit.errors import RtkitError
+from rtkit.property.messages import PropertyEvent
+from rtkit.tree.properties import PropertyConnections, ProviderConnectionEnd, printed_error
+from rtkit.tree.wakeup import Wakeup
+
+_Heard = tuple[str, PropertyEvent | Exception]
+
+
+class PropertySubscription(Closing):
+    """Listens to all targets; refused when one of them is.
+
+    Its descriptor is readable when there is something to `take`.
+
+    Raises:
+        PropertyError: As commands tell it.
+    """
+
+    def __init__(
+        self, places: PropertyConnections, targets: Sequence[str], parameters: str
+    ) -> None:
+        self._come: deque[_Heard] = deque()
+        self._wakeup = Wakeup()
+        names: dict[int, dict[str, str]] = {}
+        ends: dict[int, ProviderConnectionEnd] = {}
+        try:
+            for typed in targets:
+                place, end = places.find(typed)
+                target = place.target(parameters)
+                try:
+                    end.listen(target)
+                except RtkitError as error:
+                    raise printed_error(typed, error) from error
+                name = target.partition("?")[0]
+                names.setdefault(id(end), {})[name] = typed
+                ends[id(end)] = end
+        except BaseException:
+            self.close()
+            raise
+        for key, end in ends.items():
+            arguments = (end, names[key], targets[0])
+            threading.Thread(target=self._hear, args=arguments, daemon=True).start()
+
+    def fileno(self) -> int:
+        """Return the descriptor."""
+        return self._wakeup.fileno()
+
+    def _hear(self, end: ProviderConnectionEnd, names: dict[str, str], first: str) -> None:
+        try:
+            while (event := end.event()) is not None:
+                self._note(names.get(event.name, event.name), event)
+        except RtkitError as error:
+            self._note(next(iter(names.values()), first), error)
+
+    def _note(self, typed: str, heard: PropertyEvent | Exception) -> None:
+        self._come.append((typed, heard))
+        self._wakeup.ring()
+
+    def take(self) -> tuple[str, PropertyEvent] | None:
+        """Return the next event with the target as it was typed, None if there is none now.
+
+        Raises:
+            PropertyError: An owner has gone.
+        """
+        if not self._come:
+            self._wakeup.hush()
+        # What came between the two has rung again.
+        if not self._come:
+            return None
+        typed, heard = self._come.popleft()
+        if isinstance(heard, Exception):
+            raise printed_error(typed, heard) from heard
+        return typed, heard
+
+    def close(self) -> None:
+        """Take no more."""
+        self._wakeup.close()

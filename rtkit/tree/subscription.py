@@ -1,0 +1,185 @@
+"""Listens to one manager: its news, and if wanted its figures, as they come.
+
+What comes is kept in one bounded queue until it is taken; who is too slow loses the oldest, learns
+how many those were, and knows all the same what the manager knows now.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from time import monotonic
+from typing import NamedTuple
+
+from rtkit.closing import Closing
+from rtkit.deployment.delta import (
+    TREE,
+    Delta,
+    FullSnapshot,
+    applied,
+    delta_between,
+    delta_from_text,
+)
+from rtkit.deployment.facts import Snapshot
+from rtkit.deployment.metrics import FIGURES, Metrics, metrics_from_text
+from rtkit.deployment.user_events import UserEvent, user_events
+from rtkit.errors import Unreachable
+from rtkit.tree.client import Tree
+from rtkit.tree.wakeup import Wakeup
+
+QUEUE = 4096
+"""How many news a listener may be behind."""
+
+_HEAR_S = 0.5
+_TRIES = 20
+
+
+class TreeChange(NamedTuple):
+    """Something changed.
+
+    Attributes:
+        time: When the manager told so [s since 1970].
+        lost: How many news were missed before; what they were is found by comparison.
+    """
+
+    time: float
+    user_events: tuple[UserEvent, ...]
+    lost: int = 0
+
+
+class SubscriptionEnded(NamedTuple):
+    """The manager is no more; nothing comes after that."""
+
+    why: str
+
+
+Heard = TreeChange | Metrics | SubscriptionEnded
+
+
+class ManagerSubscription(Closing):
+    """An ear at one manager; leave it as a context manager.
+
+    Attributes:
+        tree: The connection to it.
+        facts: What the manager knows, as of what was taken last.
+    """
+
+    def __init__(self, tree: Tree, lines: Iterable[str] = (TREE,)) -> None:
+        """Begin to listen.
+
+        Raises:
+            Unreachable: The manager does not answer, or what it tells does not arrive.
+        """
+        self.tree = tree
+        self._heard: deque[tuple[str, str]] = deque(maxlen=QUEUE)
+        self._wakeup = Wakeup()
+        self._process: int | None = None
+        self._is_over = False
+        self._ends: list[Callable[[], object]] = []
+        try:
+            for line in lines:
+                self._ends.append(tree.listen(line, self._take_in(line)))
+            picture = self._first_picture()
+            self._run, self._number = picture.run, picture.number
+            self.facts: Snapshot = picture.facts
+            with suppress(ProcessLookupError):
+                self._process = os.pidfd_open(self.facts.pid)
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Listen no more."""
+        while self._ends:
+            self._ends.pop()()
+        self._wakeup.close()
+        if self._process is not None:
+            os.close(self._process)
+        self._process = None
+
+    @property
+    def sources(self) -> list[int]:
+        """Descriptors of which one is readable when there is something to `take`."""
+        wakeup = self._wakeup.fileno()
+        return [wakeup] if self._process is None else [wakeup, self._process]
+
+    def wait(self, timeout_s: float | None = None) -> list[Heard]:
+        """Wait until something has come, and take it; empty when the time is up."""
+        until = None if timeout_s is None else monotonic() + timeout_s
+        while not self._is_over:
+            left_s = None if until is None else max(0.0, until - monotonic())
+            if not select.select(self.sources, [], [], left_s)[0]:
+                break
+            taken = self.take()
+            if taken:
+                return taken
+        return []
+
+    def take(self) -> list[Heard]:
+        """Return what has come, in order; `facts` are then what they are after all of it."""
+        self._wakeup.hush()
+        heard: list[Heard] = []
+        while self._heard and not self._is_over:
+            line, text = self._heard.popleft()
+            if line == FIGURES:
+                heard.append(metrics_from_text(text))
+            else:
+                heard += self._delta(delta_from_text(text))
+        if not self._is_over and self._is_gone():
+            heard.append(self._end("was killed"))
+        return heard
+
+    def _delta(self, delta: Delta) -> list[Heard]:
+        if delta.run == self._run and delta.number <= self._number:
+            return []
+        if delta.is_last:
+            return [self._end("ends")]
+        if (delta.run, delta.number) != (self._run, self._number + 1):
+            return self._catch_up(delta)
+        self._number = delta.number
+        told = tuple(user_events(self.facts, delta))
+        self.facts = applied(self.facts, delta)
+        return [TreeChange(delta.time, told)] if told else []
+
+    def _catch_up(self, delta: Delta) -> list[Heard]:
+        """Find out by a new picture what the news that were missed meant."""
+        lost = max(0, delta.number - self._number - 1) if delta.run == self._run else 0
+        try:
+            picture = self.tree.picture()
+        except Unreachable as error:
+            return [self._end(str(error))]
+        missed = delta_between(self.facts, picture.facts, picture.run, picture.number)
+        told = tuple(user_events(self.facts, missed))
+        self._run, self._number, self.facts = picture.run, picture.number, picture.facts
+        return [TreeChange(delta.time, told, lost)] if told or lost else []
+
+    def _end(self, why: str) -> SubscriptionEnded:
+        self._is_over = True
+        return SubscriptionEnded(f"manager {self.tree.manager!r} {why}")
+
+    def _is_gone(self) -> bool:
+        return self._process is not None and bool(select.select([self._process], [], [], 0)[0])
+
+    def _take_in(self, line: str) -> Callable[[str], object]:
+        def take_in(text: str) -> None:
+            self._heard.append((line, text))
+            self._wakeup.ring()
+
+        return take_in
+
+    def _first_picture(self) -> FullSnapshot:
+        """Take a picture, again until news of the manager are seen to arrive."""
+        for _ in range(_TRIES):
+            picture = self.tree.picture()
+            until = monotonic() + _HEAR_S
+            while not any(line == TREE for line, _ in self._heard):
+                if not select.select([self._wakeup], [], [], max(0.0, until - monotonic()))[0]:
+                    break
+                self._wakeup.hush()
+            else:
+                self._wakeup.ring()
+                return picture
+        raise Unreachable(f"what manager {self.tree.manager!r} tells does not arrive")

@@ -1,0 +1,379 @@
+"""A client of the HTTP door: asks over one connection, listens over one more for each property."""
+
+from __future__ import annotations
+
+import http.client
+import math
+import os
+import re
+import select
+import socket
+from base64 import b64decode
+from collections import deque
+from collections.abc import Iterator
+from http import HTTPStatus
+from time import monotonic
+from urllib.parse import quote
+
+from rtkit.closing import Closing
+from rtkit.errors import Malformed, Unreachable
+from rtkit.link.deadline import deadline_at
+from rtkit.link.secret import Secret
+from rtkit.property.codes import PropertyError
+from rtkit.property.line import read_event
+from rtkit.property.messages import Answer, Payload, PropertyEvent
+from rtkit.property.naming import parse_target
+from rtkit.wires.http import digest
+
+DEADLINE = "rtkit-deadline"
+"""Header of a SET: when it is given up, as `rtkit.link.deadline` writes it."""
+SILENT_S = 35.0
+"""How long a stream may be silent, heartbeats and all, until its door counts as gone [s]."""
+_ADDRESS = re.compile(r"http://([^/:@\s]+)(?::(\d{1,5}))?(?:/ps)?/?")
+_FREE = "/?&=()!*'$,;:@~%+"
+_ROOT = "/ps"
+_LONGEST_HEAD = 1 << 16
+_PIECE = 1 << 16
+
+
+class HttpClient(Closing):
+    """A way to the services behind an HTTP door.
+
+    Args:
+        service: The one that is asked; empty if targets name theirs.
+        timeout_s: Bound on each request [s].
+    """
+
+    def __init__(
+        self, host: str, port: int, secret: Secret, timeout_s: float, service: str = ""
+    ) -> None:
+        self._secret = secret
+        self._service = service
+        self._timeout_s = timeout_s
+        self._where = (host, port)
+        self._http = http.client.HTTPConnection(host, port, timeout=timeout_s)
+        self._nonce = ""
+        self._times = 0
+        self._own = os.urandom(8).hex()
+        self._streams: list[_Stream] = []
+        self._events: deque[PropertyEvent] = deque()
+
+    def ask(self, target: str, payload: Payload | None = None, until: float = math.inf) -> Answer:
+        """GET, or SET, and wait for the reply; nothing at all stands for the list of services.
+
+        A SET that has not begun at `until`, by the monotonic clock here [s], or within the
+        time-out, never does.
+
+        Raises:
+            Unreachable: No reply in time, or nobody listens there.
+        """
+        try:
+            uri = self._uri(target) if target or self._service else _ROOT
+        except PropertyError as error:
+            return Answer(str(error), error.code)  # no address can be made of it
+        method, body, headers = "GET", None, {}
+        if payload is not None:
+            is_bytes = isinstance(payload, bytes)
+            method, body = "PUT", payload if isinstance(payload, bytes) else _encoded(payload)
+            kind = "application/octet-stream" if is_bytes else "text/plain; charset=utf-8"
+            headers["Content-Type"] = kind
+            headers[DEADLINE] = deadline_at(min(until, monotonic() + self._timeout_s))
+            if not self._nonce:
+                self._exchange("GET", _ROOT, None, {})  # only to be told what to prove
+        for _ in range(3):
+            response, told = self._exchange(method, uri, body, headers)
+            if response.status != HTTPStatus.UNAUTHORIZED or not self._is_challenged(response):
+                return _answer(response, told)
+        return Answer("the door does not take the secret of this user", "denied")
+
+    def _exchange(
+        self, method: str, uri: str, body: bytes | None, headers: dict[str, str]
+    ) -> tuple[http.client.HTTPResponse, bytes]:
+        """Send a request and take its response.
+
+        It is never sent twice: it may have acted.
+        """
+        self._close_if_hung_up()
+        try:
+            self._http.request(method, uri, body, headers | self._proof(method, uri))
+            response = self._http.getresponse()
+            told = response.read()
+        except TimeoutError:
+            self._http.close()
+            raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
+        except (OSError, http.client.HTTPException) as error:
+            self._http.close()
+            raise Unreachable(self._gone(error)) from error
+        if response.status == HTTPStatus.UNAUTHORIZED:
+            self._is_challenged(response)
+        return response, told
+
+    def _close_if_hung_up(self) -> None:
+        """Begin anew where the door has closed the connection since the last answer."""
+        end = self._http.sock
+        if end is None:
+            return
+        poll = select.poll()
+        poll.register(end, select.POLLIN)
+        if poll.poll(0):
+            self._http.close()
+
+    def _gone(self, error: Exception) -> str:
+        host, port = self._where
+        what = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        return f"cannot reach http://{host}:{port}: {what}"
+
+    def _proof(self, method: str, uri: str) -> dict[str, str]:
+        if not self._nonce:
+            return {}
+        self._times += 1
+        return {"Authorization": digest.authorization(
+            self._secret, method, uri, self._nonce, self._times, self._own)}  # fmt: skip
+
+    def _is_challenged(self, response: http.client.HTTPResponse) -> bool:
+        return self._take_challenge(response.getheader("WWW-Authenticate", ""))
+
+    def _take_challenge(self, header: str) -> bool:
+        given = digest.fields(header)
+        self._nonce, self._times = given.get("nonce", ""), 0
+        return bool(self._nonce)
+
+    def _uri(self, target: str) -> str:
+        """Return the path of a target.
+
+        Raises:
+            PropertyError: As the service would answer.
+        """
+        parse_target(target)
+        service = f"{self._service}/" if self._service else ""
+        return f"{_ROOT}/" + quote(service + target, safe=_FREE)
+
+    # Listening
+
+    def listen(self, target: str) -> None:
+        """Begin to listen to ``P`` or ``P?queue=…``.
+
+        Raises:
+            PropertyError: As the service answers.
+            Unreachable: Nobody listens there.
+        """
+        uri = self._uri(target)
+        for _ in range(3):
+            if self._nonce:
+                stream = self._opened(uri)
+                if stream is not None:
+                    self._streams.append(stream)
+                    return
+            else:
+                self._exchange("GET", _ROOT, None, {})
+        raise PropertyError("denied", "the door does not take the secret of this user")
+
+    def _opened(self, uri: str) -> _Stream | None:
+        """Return a stream of events, None if its nonce was too old."""
+        host, port = self._where
+        proof = self._proof("GET", uri)
+        lines = [
+            f"GET {uri} HTTP/1.0",
+            f"Host: {host}:{port}",
+            "Accept: text/event-stream",
+            *(f"{key}: {value}" for key, value in proof.items()),
+        ]
+        try:
+            end = socket.create_connection(self._where, self._timeout_s)
+            end.sendall("\r\n".join([*lines, "", ""]).encode("latin-1"))
+        except OSError as error:
+            raise Unreachable(self._gone(error)) from error
+        stream = _Stream(end)
+        try:
+            status, headers = stream.head()
+            if status == HTTPStatus.OK:
+                end.setblocking(False)
+                return stream
+            body = stream.rest()
+        except TimeoutError:
+            end.close()
+            raise Unreachable(f"no answer within {self._timeout_s:g} s") from None
+        except OSError as error:
+            end.close()
+            raise Unreachable(self._gone(error)) from error
+        end.close()
+        if status == HTTPStatus.UNAUTHORIZED and self._take_challenge(headers):
+            return None
+        _read_error(body).value()
+        raise Unreachable(f"an odd answer, status {status}")
+
+    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
+        """Return the next event, None if none came in time; without a bound it waits for ever.
+
+        Raises:
+            Unreachable: A connection has ended.
+        """
+        deadline = None if timeout_s is None else monotonic() + timeout_s
+        while not self._events:
+            left = SILENT_S if deadline is None else max(0.0, deadline - monotonic())
+            self._receive(min(left, SILENT_S))
+            if not self._events and deadline is not None and monotonic() >= deadline:
+                return None
+        return self._events.popleft()
+
+    def _receive(self, wait_s: float) -> None:
+        poll = select.poll()
+        by_number = {each.end.fileno(): each for each in self._streams}
+        for number in by_number:
+            poll.register(number, select.POLLIN)
+        for each in self._streams:
+            if each.has_more:
+                wait_s = 0.0
+        ready = {number for number, _ in poll.poll(wait_s * 1000)}
+        now = monotonic()
+        for number, stream in by_number.items():
+            if number in ready:
+                stream.receive()
+            elif now - stream.heard_at > SILENT_S:
+                raise Unreachable("the connection has ended: nothing was heard of it")
+            self._events.extend(stream.events())
+            if stream.has_ended:
+                self._streams.remove(stream)
+                stream.end.close()
+                if not stream.was_last:
+                    raise Unreachable("the connection has ended")
+
+    def events(self) -> Iterator[PropertyEvent]:
+        """Yield events for ever."""
+        while (event := self.event()) is not None:
+            yield event
+
+    def close(self) -> None:
+        """End all connections."""
+        self._http.close()
+        for stream in self._streams:
+            stream.end.close()
+        self._streams.clear()
+
+
+class _Stream:
+    """A connection that carries events; what has come of the next one.
+
+    Attributes:
+        heard_at: When anything came last [s, monotonic].
+        has_ended: Nothing will come any more.
+        was_last: Because the property has gone.
+    """
+
+    def __init__(self, end: socket.socket) -> None:
+        self.end = end
+        self.heard_at = monotonic()
+        self.has_ended = False
+        self.was_last = False
+        self._data = bytearray()
+
+    @property
+    def has_more(self) -> bool:
+        """Whether a whole event is there."""
+        return b"\n\n" in self._data
+
+    def head(self) -> tuple[int, str]:
+        """Return the status and what challenges, of the response.
+
+        Raises:
+            OSError: There is none.
+        """
+        while b"\r\n\r\n" not in self._data:
+            data = self.end.recv(_PIECE)
+            if not data or len(self._data) > _LONGEST_HEAD:
+                raise OSError("the connection has ended")
+            self._data += data
+        head, _, rest = bytes(self._data).partition(b"\r\n\r\n")
+        self._data = bytearray(rest)
+        lines = head.decode("latin-1").split("\r\n")
+        words = lines[0].split(" ")
+        if len(words) < 2 or not words[1].isdigit():
+            raise OSError("it speaks no HTTP")
+        headers = dict(each.partition(":")[::2] for each in lines[1:])
+        lowered = {key.strip().lower(): value.strip() for key, value in headers.items()}
+        return int(words[1]), lowered.get("www-authenticate", "")
+
+    def rest(self) -> bytes:
+        """Return everything until the end."""
+        while len(self._data) <= _LONGEST_HEAD and (data := self.end.recv(_PIECE)):
+            self._data += data
+        return bytes(self._data)
+
+    def receive(self) -> None:
+        """Take what has come."""
+        try:
+            data = self.end.recv(_PIECE)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        self.has_ended = not data
+        self.heard_at = monotonic()
+        self._data += data
+
+    def events(self) -> Iterator[PropertyEvent]:
+        """Yield the events that are there."""
+        *blocks, rest = bytes(self._data).split(b"\n\n")
+        self._data = bytearray(rest)
+        for block in blocks:
+            event = _read_sse(block)
+            if event is not None:
+                self.was_last = bool(event.code)
+                yield event
+
+
+def _read_sse(block: bytes) -> PropertyEvent | None:
+    """Return an event, None for what is a heartbeat."""
+    fields: dict[bytes, list[bytes]] = {}
+    for line in block.split(b"\n"):
+        key, _, value = line.partition(b":")
+        fields.setdefault(key, []).append(value.removeprefix(b" "))
+    if b"data" not in fields:
+        return None
+    kind = fields.get(b"event", [b""])[0]
+    attributes, _, name = fields.get(b"id", [b""])[0].decode().partition(";name=")
+    raw = b"\n".join(fields[b"data"])
+    if kind == b"end":
+        return read_event(name, "", attributes)
+    if kind in (b"base64", b"base64-text"):
+        raw = b64decode(raw)
+    is_bytes = kind == b"base64"
+    return read_event(name, raw if is_bytes else raw.decode("utf-8", "replace"), attributes)
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode("utf-8", "surrogateescape")
+
+
+def _answer(response: http.client.HTTPResponse, body: bytes) -> Answer:
+    if response.status >= HTTPStatus.BAD_REQUEST:
+        return _read_error(body)
+    if response.getheader("Content-Type", "").startswith("application/octet-stream"):
+        return Answer(body)
+    return Answer(body.decode("utf-8", "surrogateescape"))
+
+
+def _read_error(body: bytes) -> Answer:
+    code, _, text = body.decode("utf-8", "replace").strip().partition(" ")
+    return Answer(text, code or "internal")
+
+
+def parse_address(text: str) -> tuple[str, int] | None:
+    """Return host and port of ``http://HOST:PORT``, None if it is no such thing."""
+    found = _ADDRESS.fullmatch(text)
+    return None if found is None else (found[1], int(found[2] or 80))
+
+
+def connect_http(address: str, timeout_s: float, service: str = "") -> HttpClient:
+    """Return a client of an HTTP door, with the user's secret; it connects when it asks.
+
+    Raises:
+        Malformed: It is no address.
+        Unreachable: There is no secret.
+    """
+    from rtkit.link import secret
+
+    where = parse_address(address)
+    if where is None:
+        raise Malformed(f"not an address http://HOST:PORT: {address}")
+    return HttpClient(*where, secret.read(), timeout_s, service)

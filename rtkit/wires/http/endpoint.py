@@ -1,0 +1,50 @@
+"""The HTTP door: a port of this host, for who knows the user's secret."""
+
+from __future__ import annotations
+
+import socket
+
+from rtkit.errors import Refused
+from rtkit.link import secret
+from rtkit.serving.acceptor import Acceptor, AdmittedClient, bound_to
+from rtkit.serving.event_loop import PropertyEventLoop
+
+
+class HttpEndpoint(Acceptor):
+    """A socket that takes clients of HTTP."""
+
+    def __init__(self, host: PropertyEventLoop, end: socket.socket) -> None:
+        from rtkit.wires.http.connection import HttpConnection
+        from rtkit.wires.http.guard import Guard
+
+        self._connection = HttpConnection
+        self._guard = Guard(secret.read())
+        super().__init__(host, end, "http")
+
+    def enter(self, client: socket.socket) -> AdmittedClient:
+        """See `Acceptor.enter`."""
+        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return self._connection(self._host, client, self._guard, self._quota)
+
+    def reject(self, why: str) -> bytes:
+        """See `Acceptor.farewell`."""
+        text = f"{why}\n"
+        head = "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 1\r\n"
+        return f"{head}Content-Length: {len(text)}\r\n\r\n{text}".encode()
+
+
+def open_http(host: PropertyEventLoop, port: int) -> int:
+    """Open a port of this host, 0 for any, to those who know the user's secret; return it.
+
+    Raises:
+        Refused: The package h11 is not there, or the secret cannot be made.
+        Unreachable: The port is taken.
+    """
+    try:
+        import h11  # noqa: F401
+    except ImportError:
+        raise Refused("HTTP needs the package h11: pip install 'rtkit[http]'") from None
+    secret.make()
+    end = bound_to(port)
+    HttpEndpoint(host, end)
+    return int(end.getsockname()[1])

@@ -1,0 +1,52 @@
+"""Events as ``text/event-stream`` carries them.
+
+The value is the data; what comes with it (revision, time, quality …) is the id, which a browser
+gives to the page as ``lastEventId`` and back to the door when it connects again. What the stream
+cannot carry is base64: bytes in an event of type ``base64``, texts with carriage returns in one of
+type ``base64-text``. The last event of a property that has been removed is of type ``end``.
+"""
+
+from __future__ import annotations
+
+from base64 import b64encode
+
+from rtkit.property.line import read_event, write_attributes
+from rtkit.property.messages import PropertyEvent
+
+
+def write_sse(event: PropertyEvent) -> bytes:
+    """Return an event as it is sent."""
+    head = f"id: {write_attributes(event)};name={event.name}\n".encode()
+    payload = event.payload
+    if event.code:
+        return b"%bevent: end\ndata: %b\n\n" % (head, event.code.encode())
+    if isinstance(payload, bytes) or "\r" in payload:
+        raw = payload if isinstance(payload, bytes) else payload.encode("utf-8", "surrogateescape")
+        kind = b"base64" if isinstance(payload, bytes) else b"base64-text"
+        return b"%bevent: %b\ndata: %b\n\n" % (head, kind, b64encode(raw))
+    raw = payload.encode("utf-8", "surrogateescape")
+    return b"%bdata: %b\n\n" % (head, raw.replace(b"\n", b"\ndata: "))
+
+
+class SseProgress:
+    """What who connects again has heard last, so that it is not told twice.
+
+    Args:
+        id: As `write_sse` made it; anything else has heard nothing.
+    """
+
+    def __init__(self, id: str) -> None:
+        from rtkit.property.codes import PropertyError
+
+        self._last: tuple[int, float, str] | None = None
+        if id:
+            try:
+                event = read_event("", "", id)
+            except PropertyError:
+                return  # another's id: everything is new
+            self._last = (event.revision, event.time, event.quality)
+
+    def is_new(self, event: PropertyEvent) -> bool:
+        """Whether an event is another than the one heard last; only the first one can be."""
+        last, self._last = self._last, None
+        return last != (event.revision, event.time, event.quality) or bool(event.code)

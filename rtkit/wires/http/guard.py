@@ -1,0 +1,121 @@
+"""Who may speak to the HTTP door: knows the secret, and is no page of another site.
+
+A page that somebody visits can have a browser send requests to this host. So the name under which
+the door is asked for must be one of this host's own (a name that was rebound to it is another), and
+whatever a browser says of where a request comes from must be the door itself.
+"""
+
+from __future__ import annotations
+
+import hmac
+import os
+import re
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from rtkit.link.secret import Secret
+from rtkit.wires.http import digest
+
+_NONCE_S = 300.0
+"""How long a nonce is good for [s]; who knows the secret gets the next one unasked."""
+_MOST_USES = 1 << 16
+_MOST_NONCES = 1 << 16
+_COUNT = re.compile(r"[0-9a-f]{8}")
+_HOST = re.compile(r"(localhost|127\.0\.0\.1)(:\d{1,5})?", re.IGNORECASE)
+_OWN_SITES = frozenset({"same-origin", "none"})
+
+
+class Verdict(NamedTuple):
+    """Who somebody is, or what to say instead.
+
+    Attributes:
+        identity: Empty for who has not shown it.
+        challenge: Then, what asks for it.
+    """
+
+    identity: str
+    challenge: str = ""
+
+
+def stranger(headers: Mapping[str, str]) -> str:
+    """Return why a request is one of another site's page, empty if it is none."""
+    host = headers.get("host", "")
+    if not _HOST.fullmatch(host):
+        return f"this is not the host {host[:80]!r}"
+    origin = headers.get("origin")
+    if origin is not None and origin.lower() != f"http://{host}".lower():
+        return f"from another site: {origin[:80]!r}"
+    if headers.get("sec-fetch-site", "none") not in _OWN_SITES:
+        return "from a page of another site"
+    return ""
+
+
+class Guard:
+    """Asks for proofs and checks them; each proof is good for one request."""
+
+    def __init__(self, secret: Secret) -> None:
+        self._secret = secret
+        self._key = os.urandom(32)
+        self._used: dict[str, set[int]] = {}
+
+    def check(self, method: str, uri: str, header: str | None, now: float) -> Verdict:
+        """Return who sends a request, from what it carries to show it."""
+        given = digest.fields(header) if header else {}
+        nonce, count = given.get("nonce", ""), given.get("nc", "")
+        if not self._is_proof(given, method, uri, nonce, count):
+            return Verdict("", digest.challenge(self._nonce(now)))
+        if not self._is_fresh(nonce, int(count, 16), now):
+            return Verdict("", digest.challenge(self._nonce(now), is_stale=True))
+        return Verdict(self._secret.user)
+
+    def _is_proof(
+        self, given: dict[str, str], method: str, uri: str, nonce: str, count: str
+    ) -> bool:
+        is_whole = (
+            given.get("username") == self._secret.user
+            and given.get("realm") == digest.REALM
+            and given.get("algorithm", "").upper() == "SHA-256"
+            and given.get("qop") == "auth"
+            and given.get("uri") == uri
+            and _COUNT.fullmatch(count) is not None
+        )
+        own = given.get("cnonce", "")
+        right = digest.response(self._secret, method, uri, nonce, count, own)
+        said = given.get("response", "").encode("utf-8", "replace")
+        return hmac.compare_digest(said, right.encode()) and is_whole
+
+    def _nonce(self, now: float) -> str:
+        stamp = f"{int(now * 1000):x}"
+        return f"{stamp}.{self._seal(stamp)}"
+
+    def _seal(self, stamp: str) -> str:
+        return hmac.new(self._key, stamp.encode("utf-8", "replace"), "sha256").hexdigest()
+
+    def _is_fresh(self, nonce: str, count: int, now: float) -> bool:
+        """Whether a nonce is one of ours, not old, and was not used with this count before."""
+        stamp, _, seal = nonce.partition(".")
+        if not hmac.compare_digest(seal.encode("utf-8", "replace"), self._seal(stamp).encode()):
+            return False
+        if now - int(stamp, 16) / 1000 > _NONCE_S:
+            self._used.pop(nonce, None)
+            return False
+        used = self._used.setdefault(nonce, set())
+        if count in used or len(used) >= _MOST_USES:
+            return False
+        used.add(count)
+        if len(self._used) > _MOST_NONCES:
+            self._forget(now)
+        return True
+
+    def _forget(self, now: float) -> None:
+        """Forget nonces that are old; if none is, no nonce that was given out is good any more."""
+        old = [each for each in self._used if now - _issued(each) > _NONCE_S]
+        for each in old:
+            del self._used[each]
+        if not old:
+            self._key = os.urandom(32)
+            self._used.clear()
+
+
+def _issued(nonce: str) -> float:
+    return int(nonce.partition(".")[0], 16) / 1000

@@ -1,0 +1,1 @@
+"""Properties over Ice: client, endpoint, and what both share."""

@@ -1,0 +1,187 @@
+"""Ice: addresses, what both ends of a connection set, and values as they travel.
+
+The interface is in ``property_service.ice``. Ice itself (the package zeroc-ice, GPL-2) is imported
+only here, by who needs it; it has no types.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Mapping
+from functools import cache
+from logging import getLogger
+from typing import Any, NamedTuple
+
+from rtkit.errors import Malformed, Refused
+from rtkit.property.messages import Payload, PropertyEvent
+
+DEADLINE = "deadline"
+"""Key of the context of a request: when it is given up, as `rtkit.link.deadline` writes it."""
+DOOR = "door"
+"""The object that is asked who one is."""
+LEASE_S = 10.0
+"""How long who listens is served that is not heard of again [s]."""
+LONGEST = 1 << 21
+"""Bytes of a message to a service; a larger one ends the connection."""
+_LONGEST_REPLY = 1 << 26
+_ADDRESS = re.compile(r"ice://([A-Za-z0-9_.\-]+):(\d{1,5})(?:/(.*))?")
+_PLACE = re.compile(r"\S+\.(?:cpp|h):\d+: ")
+_COMMON = {
+    "Ice.ThreadPool.Client.Size": 1,
+    "Ice.ThreadPool.Server.Size": 1,
+    "Ice.RetryIntervals": -1,  # a request is never sent twice: it may have acted
+    "Ice.Override.CloseTimeout": 500,
+    "Ice.Warn.Connections": 0,
+    "Ice.Warn.Dispatch": 0,
+}
+_OF_CLIENT = {
+    "Ice.MessageSizeMax": _LONGEST_REPLY >> 10,
+    "Ice.ACM.Client.Timeout": LEASE_S,
+    "Ice.ACM.Client.Close": 0,
+    "Ice.ACM.Client.Heartbeat": 3,
+}
+
+
+class IceAddress(NamedTuple):
+    """A door, and a service behind it."""
+
+    host: str
+    port: int
+    service: str = ""
+
+    def __str__(self) -> str:
+        return f"ice://{self.host}:{self.port}" + (f"/{self.service}" if self.service else "")
+
+
+def read_address(text: str) -> IceAddress:
+    """Read ``ice://HOST:PORT[/SERVICE]``.
+
+    Raises:
+        Malformed: It is something else.
+    """
+    found = _ADDRESS.fullmatch(text)
+    if found is None or int(found[2]) > 65535:
+        raise Malformed(f"not ice://HOST:PORT: {text}")
+    return IceAddress(found[1], int(found[2]), (found[3] or "").rstrip("/"))
+
+
+class Runtime(NamedTuple):
+    """What Ice brings: its module, and the one that it makes of the interface."""
+
+    ice: Any
+    slice: Any
+
+
+@cache
+def runtime() -> Runtime:
+    """Return Ice.
+
+    Raises:
+        Refused: It is not there.
+    """
+    try:
+        import Ice
+    except ImportError:
+        cure = "pip install 'rtkit[ice]', or python3-zeroc-ice of Debian"
+        raise Refused(f"Ice needs the package zeroc-ice: {cure}") from None
+    from importlib.resources import as_file, files
+
+    with as_file(files("rtkit.link") / "property_service.ice") as path:
+        Ice.loadSlice("", [str(path)])
+    return Runtime(Ice, sys.modules["PropertyService"])
+
+
+def communicator(settings: Mapping[str, float] = _OF_CLIENT) -> Any:
+    """Return a communicator of its own; nothing of the environment changes it."""
+    ice = runtime().ice
+    data = ice.InitializationData()
+    data.logger = _logger()
+    data.properties = ice.createProperties()
+    for key, value in {**_COMMON, **settings}.items():
+        data.properties.setProperty(key, f"{value:g}")
+    return ice.initialize(data)
+
+
+@cache
+def _logger() -> Any:
+    """Return what hears the complaints of Ice: a line each in our log, no place in its files."""
+
+    def complain(self: object, message: str) -> None:
+        line = " ".join(_PLACE.sub("", message).split())
+        getLogger("rtkit.properties").warning("Ice: %s", line)
+
+    def remark(self: object, *message: str) -> None:
+        """Say nothing of what is no complaint."""
+
+    methods = {"error": complain, "warning": complain, "print": remark, "trace": remark}
+    methods["getPrefix"] = lambda self: ""
+    methods["cloneWithPrefix"] = lambda self, prefix: self
+    return type("Log", (runtime().ice.Logger,), methods)()
+
+
+def identity_of(service: str) -> Any:
+    """Return the identity of a service."""
+    category, _, name = service.rpartition("/")
+    return runtime().ice.Identity(name, category)
+
+
+def name_of(identity: Any) -> str:
+    """Return the name of the service that an identity stands for."""
+    return f"{identity.category}/{identity.name}" if identity.category else str(identity.name)
+
+
+def write_payload(payload: Payload) -> Any:
+    """Return a payload as it travels; characters that are none travel as bytes."""
+    made = runtime().slice.Payload
+    if isinstance(payload, str):
+        try:
+            payload.encode()
+        except UnicodeEncodeError:
+            payload = payload.encode("utf-8", "surrogateescape")
+        else:
+            return made(payload, b"", False)
+    return made("", payload, True)
+
+
+def read_payload(told: Any) -> Payload:
+    """Return the payload that arrived."""
+    return bytes(told.data) if told.isBytes else str(told.text)
+
+
+def write_event(event: PropertyEvent) -> Any:
+    """Return an event as it travels."""
+    value = write_payload(event.payload)
+    return runtime().slice.Event(event.name, value, event.time, event.revision, event.quality,
+                                 event.dropped, event.code)  # fmt: skip
+
+
+def read_event(told: Any) -> PropertyEvent:
+    """Return the event that arrived."""
+    value = read_payload(told.value)
+    return PropertyEvent(
+        told.name, value, told.time, told.revision, told.quality, told.dropped, told.code
+    )
+
+
+def words_of(error: Any) -> str:
+    """Return in a few words why a call failed."""
+    ice = runtime().ice
+    if isinstance(error, ice.DNSException):
+        return f"no such host: {error.host}"
+    if isinstance(error, ice.TimeoutException):
+        return "no answer in time"
+    ended = (
+        ice.CloseConnectionException,
+        ice.CommunicatorDestroyedException,
+        ice.ConnectionLostException,
+        ice.ConnectionManuallyClosedException,
+    )
+    if isinstance(error, ended):
+        return "the connection has ended"
+    if isinstance(error, ice.SocketException):
+        return os.strerror(error.error)
+    if isinstance(error, ice.ProtocolException):
+        return "it speaks no Ice"
+    return f"Ice: {type(error).__name__}"

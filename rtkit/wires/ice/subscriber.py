@@ -1,0 +1,116 @@
+"""One that listens over Ice: a call at a time, with all that has come since the last one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rtkit.property.messages import PropertyEvent
+from rtkit.property.subscription import Listener
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.quota import EndpointQuota
+from rtkit.serving.subscribing_client import SubscribingClient
+from rtkit.wires.ice import protocol
+
+if TYPE_CHECKING:
+    from rtkit.wires.ice.served_client import ServedIceClient
+
+STUCK_S = 30.0
+"""How long events wait to be heard, and half a message or an answer to be carried [s]."""
+_ROOM_FOR_EVENTS = 1 << 18
+_MOST_EVENTS = 1000
+_MOST_FAILURES = 3
+
+
+class IceSubscriber(SubscribingClient):
+    """One that listens: what comes while it is being called waits here, bounded, for the next call.
+
+    Args:
+        key: The identity of who is called.
+        proxy: Of who is called.
+    """
+
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        guest: ServedIceClient,
+        key: str,
+        proxy: Any,
+        quota: EndpointQuota,
+    ) -> None:
+        super().__init__(quota, guest.identity)
+        self.key = key
+        self._host = host
+        self._guest = guest
+        bounded = proxy.ice_invocationTimeout(int(STUCK_S * 1000))
+        self._proxy = protocol.runtime().slice.ListenerPrx.uncheckedCast(bounded)
+        self._is_called = False
+        self._failures = 0
+
+    def listen(self, listener: Listener) -> None:
+        """See `Caller.listen`."""
+        self._quota.check_listeners(self._guest.listening)
+        self._listeners.append(listener)
+
+    def wake(self) -> None:
+        """See `Caller.wake`."""
+        self._host.mark(self)
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`; its connection is Ice's."""
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`; each call has a bound."""
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        if self._is_called:
+            return None
+        due: list[float] = []
+        events: list[PropertyEvent] = []
+        quota = _ROOM_FOR_EVENTS
+        for listener in list(self._listeners):
+            while quota > 0 and len(events) < _MOST_EVENTS:
+                event = listener.take(now)
+                if event is None:
+                    break
+                events.append(event)
+                quota -= len(event.payload)
+            if listener.has_ended and not listener.pending:
+                self._listeners.remove(listener)
+            elif listener.pending:
+                at = listener.due()
+                due += [] if at is None else [at]
+        if events:
+            self._call(events)
+            return None
+        if not self._listeners:
+            self._guest.drop(self)
+        return min(due, default=None)
+
+    def _call(self, events: list[PropertyEvent]) -> None:
+        self._is_called = True
+        try:
+            future = self._proxy.hearAsync([protocol.write_event(each) for each in events])
+        except protocol.runtime().ice.Exception as error:
+            self._heard(error)
+            return
+        future.add_done_callback(lambda done: self._host.post(lambda: self._heard(_error(done))))
+
+    def _heard(self, error: Exception | None) -> None:
+        runtime = protocol.runtime().ice
+        self._is_called = False
+        self._failures = 0 if error is None else self._failures + 1
+        if isinstance(error, runtime.InvocationTimeoutException):
+            self._guest.cut_off()
+        elif isinstance(error, runtime.RequestFailedException) or self._failures >= _MOST_FAILURES:
+            self._guest.drop(self)
+        else:
+            self._host.mark(self)
+
+
+def _error(future: Any) -> Exception | None:
+    try:
+        future.result()
+    except Exception as error:
+        return error
+    return None

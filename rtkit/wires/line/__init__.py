@@ -1,0 +1,1 @@
+"""The line protocol over unix sockets and TCP: client, endpoint, and what both share."""

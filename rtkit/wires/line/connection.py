@@ -1,0 +1,296 @@
+"""One client of the line protocol: its requests, the replies in their order, its events; bounded.
+
+Limits: a line, what waits to be sent, how long half a line may be, how long nothing is read.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+from collections.abc import Callable
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from rtkit.link import unix
+from rtkit.link.deadline import split_deadline
+from rtkit.property.exchange import NOT_BEGUN
+from rtkit.property.line import LineRequest, Requests, write_answer, write_event
+from rtkit.property.messages import Answer, PropertyEvent, PropertyRequest
+from rtkit.property.order import InOrder
+from rtkit.property.subscription import Listener
+from rtkit.serving.dedicated_worker import WorkerExit
+from rtkit.serving.rate_limit import too_fast
+from rtkit.serving.subscribing_client import SubscribingClient
+
+if TYPE_CHECKING:
+    from rtkit.serving.event_loop import ByteStream, PropertyEventLoop
+    from rtkit.serving.quota import EndpointQuota
+    from rtkit.wires.line.login import Login
+
+_PIECE = 1 << 16
+_FEW = 1 << 12
+"""Bytes that are enough for most requests: room for more costs time to make."""
+_HIGH = 1 << 18
+"""Bytes that wait to be sent, above which no further request is taken."""
+_ROOM_FOR_EVENTS = 1 << 15
+HALF_S = 30.0
+"""How long half a request, or a reply that nobody reads, is waited for [s]."""
+_MOST_WAITING = 4096
+"""Requests that are being worked on for one connection."""
+IN_A_ROW = 32
+"""Requests answered at once, between two looks at the client, for which it is given a thread."""
+
+
+class Connection(SubscribingClient):
+    """A client behind a socket, or something that behaves as one.
+
+    Args:
+        host: Whose loop serves it.
+        end: The socket.
+        service: The one that is meant where no other is named.
+        login: Asks who it is; None where the kernel has told.
+        room: How much there is room for, and what may be done.
+    """
+
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        end: ByteStream,
+        service: str,
+        identity: str,
+        login: Login | None,
+        quota: EndpointQuota,
+    ) -> None:
+        super().__init__(quota, identity)
+        self._pace = quota.pace()
+        self._host = host
+        self._end = end
+        self._service = service
+        self._login = login
+        self._longest = quota.limits.size
+        self._requests = Requests(self._longest)
+        self._out = bytearray()
+        self._order = InOrder(self._put)
+        self._is_working = False
+        self._is_half = False
+        self._is_read = True
+        self._is_stuck = False
+        self._moved_at = monotonic()
+        self._is_closing = False
+        self._has_left = False
+        self._in_a_row = 0
+        self.is_open = True
+        end.setblocking(False)
+        host.register(end, self)
+
+    # Caller
+
+    def wake(self) -> None:
+        """See `Caller.wake`."""
+        if self.is_open:
+            self._host.mark(self)
+
+    # Tenant
+
+    def ready(self, mask: int) -> bool:
+        """See `Tenant.ready`."""
+        if mask & select.EPOLLOUT:
+            self._send()
+        if mask & ~select.EPOLLOUT and self.is_open:
+            self._has_left |= bool(mask & select.EPOLLHUP)
+            try:
+                data = self._end.recv(_PIECE if self._is_half else _FEW)
+            except BlockingIOError:
+                return False
+            except OSError:
+                data = b""
+            if not data:
+                self.close()
+                return False
+            if self._is_answered(data):
+                return not self._out
+            self._moved_at = monotonic()
+            self._requests.feed(data)
+        if self.is_open:
+            self._work()
+        return False
+
+    def _is_answered(self, data: bytes) -> bool:
+        """Answer what nearly all requests are: one line, about a property that is kept here."""
+        if self._out or self._is_half or self._order.waiting or self._is_closing:
+            return False
+        reply = self._reply_at_once(data) if self.identity and self._pace is None else None
+        if reply is None:
+            self._in_a_row = 0
+            return False
+        try:
+            sent = self._end.send(reply)
+        except OSError:
+            sent = 0
+        if sent < len(reply) or self._listeners:
+            self._out += reply[sent:]
+            self._moved_at = monotonic()
+            self._send()
+            return True
+        self._in_a_row += 1
+        if self._in_a_row >= IN_A_ROW:
+            self._in_a_row = 0
+            self._host.attend(self._end, self._reply_at_once, self._take_back)
+        return True
+
+    def _reply_at_once(self, data: bytes) -> bytes | None:
+        """Return the reply to a request that takes only a look; None if this is another."""
+        if len(data) > self._longest or data.find(b"\n") != len(data) - 1:
+            return None
+        service = self._host.services.get(self._service)
+        return None if service is None else service.quick(data, self)
+
+    def _take_back(self, left: WorkerExit) -> None:
+        """Serve on after an attendant."""
+        self._moved_at = monotonic()
+        self._out += left.unsent
+        if left.data == b"":
+            self.close()
+            return
+        if left.data is not None:
+            self._requests.feed(left.data)
+        self._work()
+
+    def _work(self) -> None:
+        """Take the requests that are there, as long as replies are read."""
+        self._is_working = True
+        while self.is_open and not (self._is_closing or self._is_full()):
+            asked = self._requests.next()
+            if asked is None:
+                break
+            self._take(asked)
+        self._is_working = False
+        self._is_half = self._requests.waits
+        self._send()
+
+    def _is_full(self) -> bool:
+        return len(self._out) > _HIGH or self._order.waiting > _MOST_WAITING
+
+    def _take(self, asked: LineRequest) -> None:
+        id = asked.id
+        send = self._order.expect(has_id=bool(id))
+
+        def answer(reply: Answer) -> None:
+            send(write_answer(reply, id))
+
+        if asked.error is not None:
+            answer(Answer(str(asked.error), asked.error.code))
+            self._is_closing = asked.is_last
+        elif self._pace is not None and not self._pace.takes(monotonic()):
+            answer(Answer(too_fast(self._quota.limits.rate), "busy"))
+        else:
+            self._dispatch(asked, answer)
+
+    def _write(self, message: bytes) -> None:
+        """Have a reply or an event sent."""
+        self._out += message
+
+    def _put(self, reply: bytes) -> None:
+        self._write(reply)
+        if not self._is_working and self.is_open:
+            self._host.mark(self)
+
+    def _dispatch(self, asked: LineRequest, answer: Callable[[Answer], None]) -> None:
+        target, name = asked.target, self._service
+        path = target.partition("?")[0]
+        if "/" in path:
+            name, _, rest = path.rpartition("/")
+            target = rest + target[len(path) :]
+        if self._login is not None and (name == "door" or not self.identity):
+            told = self._login.take(self, name, target, asked.payload)
+            answer(told)
+            self._is_closing = self._login.is_refused
+            return
+        service = self._host.services.get(name)
+        if service is None:
+            answer(Answer(f"no such service: {name}", "no-service"))
+            return
+        if self._has_left and "timeout=" in target:
+            # The client waited as long as it said, and has told its user that nothing was done.
+            answer(Answer(NOT_BEGUN, "timeout"))
+            return
+        target, until = split_deadline(target)
+        if asked.payload is not None and monotonic() > until:
+            answer(Answer(NOT_BEGUN, "timeout"))
+            return
+        service.handle(PropertyRequest(target, asked.payload, answer, self, asked.id, until))
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        due: list[float] = []
+        for listener in list(self._listeners):
+            while len(self._out) < _ROOM_FOR_EVENTS:
+                event = listener.take(now)
+                if event is None:
+                    break
+                self._tell(listener, event)
+            if listener.has_ended and not listener.pending:
+                self._listeners.remove(listener)
+            elif listener.pending and len(self._out) < _ROOM_FOR_EVENTS:
+                at = listener.due()
+                due += [] if at is None else [at]
+        self._work()
+        return min(due, default=None) if self.is_open else None
+
+    def _tell(self, listener: Listener, event: PropertyEvent) -> None:
+        self._write(write_event(event))
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`."""
+        self._in_a_row = 0
+        is_half = self._requests.waits or bool(self._out)
+        login = self._login
+        if (is_half and now - self._moved_at > HALF_S) or (
+            login is not None and not self.identity and now > login.ends_at
+        ):
+            self.close()
+
+    def _send(self) -> None:
+        out = self._out
+        while out and self.is_open:
+            try:
+                sent = self._end.send(out if len(out) <= _HIGH else memoryview(out)[:_HIGH])
+            except BlockingIOError:
+                break
+            except OSError:
+                self.close()
+                return
+            self._moved_at = monotonic()
+            del out[:sent]
+        if not self.is_open:
+            return
+        if self._is_closing and not out:
+            self.close()
+            return
+        reads, is_stuck = not (self._is_closing or self._is_full()), bool(out)
+        if reads is not self._is_read or is_stuck is not self._is_stuck:
+            self._host.await_room(self._end, reads=reads, writes=is_stuck)
+            self._is_read, self._is_stuck = reads, is_stuck
+        if self._listeners and not out and self.has_pending:
+            self._host.mark(self)
+
+    def close(self) -> None:
+        """Forget the client and whatever it listens to."""
+        if not self.is_open:
+            return
+        self.is_open = False
+        self._host.unregister(self._end, self)
+        self._end.close()
+        for service in self._host.services.values():
+            service.forget(self)
+
+
+def peer(end: socket.socket) -> str:
+    """Return who is at the other end of a unix socket, as the kernel tells it; empty if another.
+
+    Raises:
+        OSError: The socket is gone.
+    """
+    uid = unix.user_of(end)
+    return f"uid-{uid}" if uid == os.getuid() else ""

@@ -1,0 +1,270 @@
+"""Values of a service as retained messages, with what is told of them as ``$``-attributes.
+
+In the style of Homie: ``$name``, ``$properties`` of the service; ``$datatype``, ``$unit``,
+``$format``, ``$settable`` of a property. What is removed is taken off the broker too.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Protocol
+
+from rtkit.property.codes import PASSING
+from rtkit.property.line import write_attributes
+from rtkit.property.messages import Answer, PropertyRequest, Requester
+from rtkit.property.naming import canonical
+from rtkit.property.reading import read
+from rtkit.property.subscription import Listener
+from rtkit.property.values import Element, Value
+from rtkit.property.writing import write
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.provider import PropertyProvider
+from rtkit.wires.mqtt.session import Message, topic_of
+
+MOST_PROPERTIES = 20_000
+_AGAIN_S = 1.0
+"""After which time it is begun anew while the owner is away [s]."""
+_OF_ONE = 1000
+_TYPES = {"number": "float", "integer": "integer", "boolean": "boolean"}
+
+
+class Publishing(Protocol):
+    """Publishes a message."""
+
+    def __call__(self, message: Message, *, is_kept: bool) -> None:
+        """Publish."""
+        ...
+
+
+class Feed:
+    """Keeps what a broker retains as it is at the service.
+
+    Args:
+        root: The topic of the service.
+        has_room: Whether another message can be published now.
+    """
+
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        service: PropertyProvider,
+        root: str,
+        publish: Publishing,
+        has_room: Callable[[], bool],
+    ) -> None:
+        self._host = host
+        self._service = service
+        self._root = root
+        self._publish = publish
+        self._has_room = has_room
+        self._listened: set[str] = set()
+        self._attributes: dict[str, dict[str, str]] = {}
+        self._subscriptions: list[_Ear] = []
+        self._is_due_for: list[_Ear] | None = None
+        self._ready: Callable[[], None] = lambda: None
+        self._is_listing = False
+        self._is_stale = False
+
+    def begin(self, ready: Callable[[], None]) -> None:
+        """Publish everything, then say so, then go on."""
+        self.end()
+        self._attributes = {name: {} for name in self._attributes}
+        self._listened.clear()
+        self._ready = ready
+        names = _Ear(self, self._names_changed)
+        self._subscriptions.append(names)
+        ask = PropertyRequest("properties.listen?mode=diff&queue=100", "self", self._begun, names)
+        self._service.handle(ask)
+
+    def end(self) -> None:
+        """Publish nothing any more."""
+        subscriptions, self._subscriptions = self._subscriptions, []
+        for subscription in subscriptions:
+            self._service.forget(subscription)
+
+    def resume(self) -> None:
+        """Go on publishing."""
+        for subscription in self._subscriptions:
+            subscription.wake()
+
+    def mark(self, subscription: _Ear) -> None:
+        """Note that something is to be published."""
+        self._host.mark(subscription)
+
+    def emit(self, subscription: _Ear, now: float) -> float | None:
+        """Publish what an ear has heard, as far as there is room."""
+        due: list[float] = []
+        for listener in list(subscription.listeners):
+            while self._has_room() and (event := listener.take(now)) is not None:
+                if subscription.heard is not None:
+                    subscription.heard()
+                elif event.code:
+                    self._listened.discard(event.name)
+                    self._put(topic_of(event.name), "")
+                else:
+                    more = (("event", f"{write_attributes(event)};name={event.name}"),)
+                    topic = f"{self._root}/{topic_of(event.name)}"
+                    self._publish(Message(topic, event.payload, more=more), is_kept=True)
+            if listener.has_ended and not listener.pending:
+                subscription.listeners.remove(listener)
+            elif listener.pending and self._has_room():
+                at = listener.due()
+                due += [] if at is None else [at]
+        return min(due, default=None)
+
+    # Its own
+
+    def _begun(self, answer: Answer) -> None:
+        if not answer.error:
+            return  # the names that there are come as an event
+        if answer.error not in PASSING:
+            self._names_changed()  # they cannot be listened to
+            return
+        self._later(lambda: self.begin(self._ready))
+
+    def _later(self, work: Callable[[], object]) -> None:
+        """Do something after a while, if this has not been ended or begun anew by then."""
+        if self._is_due_for is self._subscriptions:
+            return
+        subscriptions = self._is_due_for = self._subscriptions
+
+        def run() -> None:
+            if subscriptions is self._subscriptions and subscriptions:
+                self._is_due_for = None
+                work()
+
+        again = threading.Timer(_AGAIN_S, self._host.post, (run,))
+        again.daemon = True
+        again.start()
+
+    def _names_changed(self) -> None:
+        self._is_stale = True
+        if not self._is_listing:
+            self._is_listing, self._is_stale = True, False
+            ask = PropertyRequest("properties?all&meta", None, self._listed, Requester("mqtt"))
+            self._service.handle(ask)
+
+    def _listed(self, answer: Answer) -> None:
+        self._is_listing = False
+        if self._is_stale:
+            self._names_changed()
+            return
+        if not self._subscriptions:
+            return
+        if answer.error:
+            # The owner is away. Its names are told when it is back, but it may never have gone.
+            self._later(self._names_changed)
+            return
+        described = _described(str(answer.payload))
+        for name in [name for name in self._attributes if name not in described]:
+            self._listened.discard(name)
+            self._put(topic_of(name), "")
+            for key in self._attributes.pop(name):
+                self._put(f"{topic_of(name)}/{key}", "")
+        for name, meta in described.items():
+            self._describe(name, meta)
+        self._put("$name", self._service.name)
+        self._put("$properties", ",".join(described))
+        for name in described:
+            if name not in self._listened:
+                self._listen(name)
+        self._ready()
+
+    def _describe(self, name: str, meta: Element) -> None:
+        attributes = attributes_of(name, meta)
+        if self._attributes.get(name) != attributes:
+            self._attributes[name] = attributes
+            for key, text in attributes.items():
+                self._put(f"{topic_of(name)}/{key}", text)
+
+    def _put(self, topic: str, text: str) -> None:
+        self._publish(Message(f"{self._root}/{topic}", text), is_kept=True)
+
+    def _listen(self, name: str) -> None:
+        subscription = self._subscriptions[-1]
+        if subscription.heard is not None or subscription.count >= _OF_ONE:
+            subscription = _Ear(self, None)
+            self._subscriptions.append(subscription)
+        subscription.count += 1
+        self._listened.add(name)
+
+        def begun(answer: Answer) -> None:
+            if answer.error in PASSING:
+                subscription.count -= 1
+                self._listened.discard(name)
+                self._later(self._names_changed)
+
+        self._service.handle(PropertyRequest(f"{name}.listen", "self", begun, subscription))
+
+
+class _Ear(Requester):
+    """One who listens to properties for the broker, or to which there are.
+
+    Attributes:
+        heard: Called for an event instead of publishing it.
+        count: How many it was asked to listen to.
+    """
+
+    def __init__(self, feed: Feed, heard: Callable[[], None] | None) -> None:
+        super().__init__("mqtt")
+        self._feed = feed
+        self.heard = heard
+        self.count = 0
+        self.listeners: list[Listener] = []
+
+    def listen(self, listener: Listener) -> None:
+        """See `Requester.listen`."""
+        self.listeners.append(listener)
+
+    def unlisten(self, listener: Listener) -> None:
+        """See `Requester.unlisten`."""
+        if listener in self.listeners:
+            self.listeners.remove(listener)
+
+    def wake(self) -> None:
+        """See `Requester.wake`."""
+        self._feed.mark(self)
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`; it has no socket."""
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`; it goes when the session does."""
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        return self._feed.emit(self, now)
+
+
+def _described(listing: str) -> dict[str, Element]:
+    """Return what is told of properties, by name; inner names have nothing."""
+    told = read(listing)
+    rows = told if isinstance(told, tuple) else ()
+    found: dict[str, Element] = {}
+    for row in rows[:MOST_PROPERTIES]:
+        if isinstance(row, tuple) and len(row) > 1 and isinstance(row[1], Element):
+            found[canonical(str(row[0]))] = row[1]
+    return found
+
+
+def attributes_of(name: str, meta: Element) -> dict[str, str]:
+    """Return what is told of a property, by attribute."""
+    found = {each.name: each.leaf for each in meta.children}
+    kind, choices = str(found.get("type", "any")), found.get("choices")
+    attributes = {
+        "$name": name,
+        "$datatype": "enum" if choices is not None else _TYPES.get(kind, "string"),
+        "$settable": str("w" in str(found.get("access", ""))).lower(),
+    }
+    if found.get("unit") is not None:
+        attributes["$unit"] = str(found["unit"])
+    if isinstance(choices, tuple):
+        attributes["$format"] = ",".join(map(_plain, choices))
+    elif found.get("min") is not None and found.get("max") is not None:
+        attributes["$format"] = f"{_plain(found['min'])}:{_plain(found['max'])}"
+    return attributes
+
+
+def _plain(value: Value | None) -> str:
+    return value if isinstance(value, str) else write(value or 0)

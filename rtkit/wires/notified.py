@@ -1,0 +1,144 @@
+"""Properties of other services that are SET to what changes here: listeners that are told where.
+
+Only services of the same user on this host, and of their properties those that the owner allows:
+else a service would SET whatever somebody names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fnmatch import fnmatchcase
+from functools import partial
+
+from rtkit.link.places import service_socket
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import PropertyEvent, Requester
+from rtkit.property.naming import parse_target
+from rtkit.property.service import Service
+from rtkit.property.subscription import Listener
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.wires.line.client import connect_unix
+
+DELIVERY_S = 5.0
+"""How long one event may take [s]."""
+MOST_FAILURES = 3
+MOST_TARGETS = 64
+
+
+class Notified(Requester):
+    """A property of another service; each event is a SET of it.
+
+    Args:
+        gone: Called when it is not to be told any more.
+    """
+
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        target: str,
+        deliver: Callable[[PropertyEvent], object],
+        gone: Callable[[Notified], object],
+    ) -> None:
+        super().__init__(f"notified:{target}")
+        self._host = host
+        self._deliver = deliver
+        self._gone = gone
+        self._listener: Listener | None = None
+        self._is_busy = False
+        self._failures = 0
+
+    @property
+    def is_used(self) -> bool:
+        """Whether it listens to something."""
+        return self._listener is not None
+
+    def listen(self, listener: Listener) -> None:
+        """See `Requester.listen`."""
+        self._listener = listener
+
+    def unlisten(self, listener: Listener) -> None:
+        """See `Requester.unlisten`."""
+        if self._listener is listener:
+            self._listener = None
+
+    def wake(self) -> None:
+        """See `Requester.wake`."""
+        self._host.mark(self)
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`; it has no socket."""
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`; it has a lease, or ends by failures."""
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`: one event is on the way at a time, what comes meanwhile waits."""
+        listener = self._listener
+        if listener is None or self._is_busy:
+            return None
+        event = listener.take(now)
+        if event is None:
+            return listener.due() if listener.pending else None
+        if event.code:
+            self._listener = None  # the property is gone
+            return None
+        self._is_busy = True
+        self._host.user_code.later(
+            self.identity, lambda: self._tell(event), lambda late: self._told(False), DELIVERY_S
+        )
+        return None
+
+    def _tell(self, event: PropertyEvent) -> None:
+        outcome = self._host.user_code.call(lambda: self._deliver(event))
+        if self._is_busy:
+            self._told(outcome.error is None)
+
+    def _told(self, is_well: bool, /) -> None:
+        self._is_busy = False
+        self._failures = 0 if is_well else self._failures + 1
+        if self._failures >= MOST_FAILURES:
+            self._gone(self)
+        elif self._listener is not None:
+            self._host.mark(self)
+
+
+class Notifying:
+    """Tells the listeners of one service that are properties elsewhere.
+
+    Args:
+        allowed: Patterns of ``SERVICE/NAME``.
+    """
+
+    def __init__(self, host: PropertyEventLoop, service: Service, allowed: Sequence[str]) -> None:
+        self._host = host
+        self._service = service
+        self._allowed = allowed
+        self._known: dict[tuple[str, str], Notified] = {}
+
+    def caller_for(self, reference: str, listened: str) -> Requester:
+        """Return who listens to a property for a target.
+
+        Raises:
+            PropertyError: ``denied``: it is not allowed, or there are too many.
+        """
+        target = parse_target(reference)
+        full = f"{target.service}/{target.name}"
+        is_own = target.service == self._service.name
+        if not target.service or target.parameters or is_own or not self._is_allowed(full):
+            raise PropertyError("denied", f"events do not go to {reference[:80]}: not allowed")
+        key = (full, listened)
+        self._known = {key: each for key, each in self._known.items() if each.is_used}
+        if key not in self._known:
+            if len(self._known) >= MOST_TARGETS:
+                raise PropertyError("denied", f"{MOST_TARGETS} targets are told already")
+            deliver = partial(_set, service_socket(target.service), target.name)
+            self._known[key] = Notified(self._host, full, deliver, self._service.forget)
+        return self._known[key]
+
+    def _is_allowed(self, full: str) -> bool:
+        return any(fnmatchcase(full, each) for each in self._allowed)
+
+
+def _set(path: str, name: str, event: PropertyEvent) -> None:
+    with connect_unix(path, DELIVERY_S) as client:
+        client.ask(name, event.payload).value()

@@ -1,0 +1,168 @@
+"""The serial door of a service: the line protocol over a device that may damage lines, or be gone.
+
+Nobody knows who is at the far end of a serial line: what may be set is told by name. Nobody hears
+it leave either: who listens has a lease.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from logging import getLogger
+from time import monotonic
+
+from rtkit.errors import Unreachable
+from rtkit.property.access import NOBODY, AccessRule
+from rtkit.property.checked import CheckedRequests, frame
+from rtkit.property.line import LineRequest
+from rtkit.property.messages import Answer, PropertyEvent
+from rtkit.property.subscription import Listener
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.quota import EndpointQuota
+from rtkit.wires.line.connection import Connection
+from rtkit.wires.serial.address import HELLO_TARGET, KNOWS_DEADLINES, SerialAddress, SerialEnd
+
+LEASE_S = 10.0
+"""How long who listens is served without being heard of, unless it says otherwise [s]."""
+_FIRST_RETRY_S = 0.05
+_LAST_RETRY_S = 1.0
+
+
+class SerialEndpoint:
+    """Opens a device, waits for it while it is not there, and opens it again.
+
+    Args:
+        service: The one that is meant where no other is named.
+        settable: Patterns of names that may be set.
+
+    Raises:
+        Refused: It is no serial line, or pyserial is missing.
+    """
+
+    def __init__(
+        self, host: PropertyEventLoop, address: SerialAddress, service: str, settable: Sequence[str]
+    ) -> None:
+        self._host = host
+        self._address = address
+        self._service = service
+        self._clients: list[_SerialConnection] = []
+        own = [AccessRule(True, "serial", NOBODY, "SET", each) for each in settable]
+        self._quota = EndpointQuota(host.policy, "serial", lambda: self._clients, own)
+        self._wait_s = 0.0
+        self._try_at = 0.0
+        self._is_open = False
+        self._is_missed = False
+        self._open()
+        host.mark(self)
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`; the client behind it has the descriptor."""
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`."""
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`: try again, if it is time to."""
+        if self._is_open or (now >= self._try_at and self._open()):
+            return None
+        if now >= self._try_at:
+            self._wait_s = min(max(self._wait_s * 2, _FIRST_RETRY_S), _LAST_RETRY_S)
+            self._try_at = now + self._wait_s
+        return self._try_at
+
+    def _open(self) -> bool:
+        try:
+            end = SerialEnd(self._address)
+        except Unreachable as error:
+            self._miss(str(error))
+            return False
+        if self._is_missed:
+            getLogger("rtkit.properties").warning("%s is back", self._address)
+        self._is_open, self._is_missed, self._wait_s, self._try_at = True, False, 0.0, 0.0
+        wanted = self._address.has_checks
+        client = _SerialConnection(self._host, end, self._service, wanted, self, self._quota)
+        self._clients = [client]
+        return True
+
+    def _miss(self, why: str) -> None:
+        if not self._is_missed:
+            self._is_missed = True
+            getLogger("rtkit.properties").warning("%s; waiting for it", why)
+
+    def lost(self) -> None:
+        """Hear that the device is gone."""
+        self._is_open = False
+        self._try_at = monotonic() + _FIRST_RETRY_S
+        self._host.mark(self)
+
+
+class _SerialConnection(Connection):
+    """Whoever is at the other end, as long as the device is there."""
+
+    _requests: CheckedRequests
+
+    def __init__(
+        self,
+        host: PropertyEventLoop,
+        end: SerialEnd,
+        service: str,
+        has_checks: bool | None,
+        endpoint: SerialEndpoint,
+        quota: EndpointQuota,
+    ) -> None:
+        super().__init__(host, end, service, "", None, quota)
+        self.origin = endpoint
+        self._endpoint = endpoint
+        self._requests = CheckedRequests(has_checks)
+        self._told: dict[Listener, PropertyEvent] = {}
+
+    def _is_answered(self, data: bytes) -> bool:
+        return False
+
+    def _write(self, message: bytes) -> None:
+        super()._write(frame(message) if self._requests.has_checks else message)
+
+    def _tell(self, listener: Listener, event: PropertyEvent) -> None:
+        if event.code:
+            self._told.pop(listener, None)
+        else:
+            self._told[listener] = event
+        super()._tell(listener, event)
+
+    def unlisten(self, listener: Listener) -> None:
+        """See `Caller.unlisten`."""
+        super().unlisten(listener)
+        self._told.pop(listener, None)
+
+    def _dispatch(self, asked: LineRequest, answer: Callable[[Answer], None]) -> None:
+        if asked.target == HELLO_TARGET and asked.payload is None:
+            answer(Answer(KNOWS_DEADLINES))
+            return
+        name, mark, tail = asked.target.partition("?")
+        if asked.payload != "self" or not name.endswith(".listen"):
+            super()._dispatch(asked, answer)
+            return
+        is_leased = any(each.startswith(("lease=", "remove")) for each in tail.split("&"))
+        lease = "" if is_leased else f"{'&' if mark else '?'}lease={LEASE_S:g}"
+        super()._dispatch(asked._replace(target=asked.target + lease), answer)
+        # Who goes on listening may have missed the last event.
+        property_name = name.rpartition("/")[2].removesuffix(".listen")
+        for listener, event in list(self._told.items()):
+            if listener.name == property_name and not listener.pending:
+                super()._tell(listener, event)
+
+    def close(self) -> None:
+        """See `Connection.close`."""
+        if self.is_open:
+            super().close()
+            self._endpoint.lost()
+
+
+def open_serial(
+    host: PropertyEventLoop, address: SerialAddress, service: str, settable: Sequence[str] = ()
+) -> None:
+    """Open the serial door of a service, now or when the device is there.
+
+    Raises:
+        Refused: It is no serial line, or pyserial is missing.
+    """
+    SerialEndpoint(host, address, service, settable)

@@ -1,0 +1,123 @@
+"""Who listens through a transport that keeps no connection: one by itself, or a group of equals.
+
+The queue is here; what is sent is not waited for.
+"""
+
+from __future__ import annotations
+
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from rtkit.property.messages import PropertyEvent
+from rtkit.property.subscription import Listener
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.subscribing_client import SubscribingClient
+from rtkit.wires.zenoh.properties import EventPosition, Joined, new_run
+
+if TYPE_CHECKING:
+    from rtkit.wires.query_server import QueryServer
+
+
+class Subscriber(SubscribingClient):
+    """Who listens, on a key of its own.
+
+    Attributes:
+        asked: How many requests to listen are not answered yet.
+    """
+
+    def __init__(
+        self, query_server: QueryServer, host: PropertyEventLoop, id: str, identity: str
+    ) -> None:
+        super().__init__(query_server.quota, identity)
+        self._query_server = query_server
+        self._host = host
+        self._id = id
+        self.asked = 0
+        self._last: PropertyEvent | None = None
+        self._at = new_run()
+
+    @property
+    def is_used(self) -> bool:
+        """Whether it listens to anything, or is about to."""
+        return bool(self._listeners or self.asked)
+
+    def wake(self) -> None:
+        """See `Caller.wake`."""
+        self._host.mark(self)
+
+    def ready(self, mask: int) -> None:
+        """See `Tenant.ready`; it has no socket."""
+
+    def check(self, now: float) -> None:
+        """See `Tenant.check`; it has a lease."""
+
+    def flush(self, now: float) -> float | None:
+        """See `Tenant.flush`."""
+        due: list[float] = []
+        for listener in list(self._listeners):
+            while self._query_server.has_room() and (event := listener.take(now)) is not None:
+                self._last = event
+                self._send(event)
+            if listener.has_ended and not listener.pending:
+                self._listeners.remove(listener)
+            elif listener.pending and self._query_server.has_room():
+                at = listener.due()
+                due += [] if at is None else [at]
+        return min(due, default=None)
+
+    def _send(self, event: PropertyEvent) -> None:
+        self._at = EventPosition(self._at.run, self._at.number + 1)
+        self._query_server.send(self._id, event, self._at)
+
+    def repeat(self) -> None:
+        """Send the last event once more: it may have been lost."""
+        if self._last is not None and not self.has_pending:
+            self._query_server.send(self._id, self._last, self._at)
+
+    def first(self) -> PropertyEvent | None:
+        """Take the value that it begins with, before anything was sent."""
+        now = monotonic()
+        return next((event for each in self._listeners if (event := each.take(now))), None)
+
+
+class SharedSubscription(Subscriber):
+    """Those who listen to the same in the same way: one listener, each event is sent once.
+
+    Whoever is slow or gone holds up nobody: the queues are with the members. Each has a lease.
+    """
+
+    def __init__(
+        self, query_server: QueryServer, host: PropertyEventLoop, id: str, identity: str
+    ) -> None:
+        super().__init__(query_server, host, id, identity)
+        self._until: dict[str, float] = {}
+
+    @property
+    def listening(self) -> int:
+        """How many members there are."""
+        now = monotonic()
+        for gone in [id for id, until in self._until.items() if until < now]:
+            del self._until[gone]
+        return len(self._until) if self._listeners else 0
+
+    def listen(self, listener: Listener) -> None:
+        """See `Caller.listen`: there was room for whom it is."""
+        self._listeners.append(listener)
+
+    def has_member(self, id: str) -> bool:
+        """Whether somebody is one of those who hear this."""
+        return self.is_used and id in self._until
+
+    def enter(self, id: str) -> EventPosition:
+        """Have somebody be a member; return up to where it knows what was sent."""
+        lease_s = max((each.wish.lease_s for each in self._listeners), default=0.0)
+        self._until[id] = monotonic() + lease_s if lease_s else float("inf")
+        return self._at
+
+    def renew(self, id: str) -> Joined:
+        """Have a member be one for longer; return how the group stands."""
+        return Joined(self._last, self.enter(id))
+
+    def leave(self, id: str) -> None:
+        """Have somebody be no member any more."""
+        self._until.pop(id, None)

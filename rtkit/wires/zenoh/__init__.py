@@ -1,0 +1,1 @@
+"""Properties over zenoh: client, endpoint, and what both share."""

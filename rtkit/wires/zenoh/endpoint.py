@@ -1,0 +1,39 @@
+"""The zenoh door of a service: queries of what is kept are answered at once, others on the loop."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+
+from rtkit.link import keys, places
+from rtkit.link.streams import remove_socket
+from rtkit.link.zenoh import open_listener, unix_endpoint
+from rtkit.serving.event_loop import PropertyEventLoop
+from rtkit.serving.provider import PropertyProvider
+from rtkit.wires.query_server import QueryServer
+from rtkit.wires.zenoh.properties import PropertyEndpoint
+
+_RETRY = '{"period_init_ms": 500, "period_max_ms": 5000, "period_increase_factor": 2}'
+
+
+def open_zenoh(host: PropertyEventLoop, service: PropertyProvider) -> None:
+    """Answer queries for a service, on a socket of its own and through the manager of this host.
+
+    Raises:
+        Refused: The path of the socket does not do.
+        Unreachable: The socket cannot be made.
+    """
+    path = places.check_socket_length(places.service_key_socket(service.name))
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(path)  # of one that was killed: the name is ours since the line door is open
+    manager = unix_endpoint(places.manager_socket(os.environ.get("RTKIT_MANAGER") or
+                                                  places.DEFAULT_MANAGER))  # fmt: skip
+    more = {"connect/endpoints": json.dumps([manager]), "connect/retry": _RETRY}
+    session = open_listener(unix_endpoint(path), more=more)
+    host.at_end(lambda: remove_socket(path))
+    key = keys.property_service(os.uname().nodename, service.name)
+    query_server = QueryServer(host, service, "zenoh")
+    endpoint = PropertyEndpoint(session, key, query_server.take)
+    query_server.send = endpoint.send
+    host.at_end(endpoint.close)

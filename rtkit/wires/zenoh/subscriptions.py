@@ -1,0 +1,238 @@
+"""Who listens over zenoh, on its side: queues of events, and groups that share a key."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterator
+from queue import Empty, SimpleQueue
+from typing import Protocol
+
+import zenoh
+
+from rtkit.errors import RtkitError
+from rtkit.property.codes import PropertyError
+from rtkit.property.messages import Mark, PropertyEvent
+from rtkit.wires.zenoh.properties import (
+    LEASE_S,
+    EventPosition,
+    EventProgress,
+    Joined,
+    group_of,
+    heard,
+    subscriber_key,
+)
+
+_MOST_KEPT = 10_000
+
+
+class Asking(Protocol):
+    """Who asks the service."""
+
+    def ask_to_listen(self, target: str, subscription: str, group: str) -> Joined | None:
+        """See `PropertyClient.ask_to_listen`."""
+        ...
+
+
+class ZenohSubscription:
+    """One who listens: a bounded queue of events, the oldest goes first.
+
+    Args:
+        target: ``P.listen?…``.
+        parameters: What follows the question mark.
+
+    Attributes:
+        id: Of its own key.
+        group: In which it wants to be, empty if in none.
+    """
+
+    def __init__(self, client: Asking, target: str, parameters: str) -> None:
+        self.id = uuid.uuid4().hex
+        self.group = group_of(target)
+        self._client = client
+        self._target = target
+        self._most = _queue_of(parameters)
+        self._events: SimpleQueue[PropertyEvent] = SimpleQueue()
+        self._dropped = 0
+        self._last: Mark | None = None
+        self._lock = threading.Lock()
+        self._renew_at = 0.0
+        self._heard = EventProgress()
+        self._at: EventPosition | None = None
+        self._early: deque[tuple[PropertyEvent, EventPosition]] = deque(maxlen=self._most)
+        """What the group heard before it is known whether we are in it."""
+
+    def receive(self, sample: zenoh.Sample) -> None:
+        """Take what arrived on the key of its own; on a thread of the transport."""
+        event, at = heard(sample)
+        if event is not None and at is not None:
+            self.hear(event, at)
+
+    def hear(self, event: PropertyEvent, at: EventPosition) -> None:
+        """Take an event that is for nobody else."""
+        with self._lock:
+            lost = self._heard.lost(at)
+            if lost is not None:
+                self._take(event, lost)
+
+    def follow(self, event: PropertyEvent, at: EventPosition) -> None:
+        """Take what arrived for the group; on a thread of the transport."""
+        with self._lock:
+            if self._at is None:
+                self._early.append((event, at))
+            else:
+                self._follow(event, at)
+
+    def _follow(self, event: PropertyEvent, at: EventPosition) -> None:
+        known = self._at
+        if known is None or at.run != known.run:
+            self._at = at  # the group has begun anew: nobody knows how much was missed
+            self._take_once(event)
+        elif at.number > known.number:
+            self._at = at
+            self._take(event, at.number - known.number - 1)
+
+    def _take_once(self, event: PropertyEvent) -> None:
+        """Take an event, unless it was sent again in case it had been lost."""
+        if event.mark != self._last:
+            self._take(event, 0)
+
+    def _take(self, event: PropertyEvent, lost: int) -> None:
+        self._last = event.mark
+        if lost and self._most > 1:
+            event = event._replace(dropped=event.dropped + lost)
+        if self._events.qsize() >= self._most:
+            with contextlib.suppress(Empty):  # it has just been taken
+                gone = self._events.get_nowait()
+                self._dropped += gone.dropped + 1 if self._most > 1 else 0
+        self._events.put(event)
+
+    def renew(self) -> None:
+        """Ask to be served, or to be served on.
+
+        Raises:
+            PropertyError: As the service answers.
+            Unreachable: The service has gone.
+        """
+        joined = self._client.ask_to_listen(self._target, self.id, self.group)
+        self._renew_at = time.monotonic() + LEASE_S / 3
+        if joined is not None:
+            with self._lock:
+                self._join(joined)
+
+    def _join(self, joined: Joined) -> None:
+        if self._at is not None and joined.at.run == self._at.run:
+            if joined.event is not None:
+                self._follow(joined.event, joined.at)
+            return
+        self._at = joined.at
+        if joined.event is not None:
+            self._take_once(joined.event)
+        for event, at in self._early:
+            if at.run == joined.at.run:
+                self._follow(event, at)
+        self._early.clear()
+
+    def leave(self) -> None:
+        """Ask to be served no longer; where that is not heard, the lease ends."""
+        name = self._target.partition("?")[0]
+        with contextlib.suppress(PropertyError):  # it has ended already
+            self._client.ask_to_listen(f"{name}?remove", self.id, self.group)
+
+    def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
+        """Return the next event, None if none came in time.
+
+        Raises:
+            Unreachable: The service has gone.
+        """
+        end = None if timeout_s is None else time.monotonic() + timeout_s
+        while True:
+            self._renew_in_time()
+            until = self._renew_at if end is None else min(end, self._renew_at)
+            with contextlib.suppress(Empty):
+                event = self._events.get(timeout=max(0.0, until - time.monotonic()))
+                return self._counted(event) if self._dropped else event
+            if end is not None and time.monotonic() >= end:
+                return None
+
+    def _renew_in_time(self) -> None:
+        now = time.monotonic()
+        if now < self._renew_at:
+            return
+        self._renew_at = now + 1.0
+        try:
+            self.renew()
+        except RtkitError:
+            if self._events.empty():  # else what has come is told first
+                raise
+
+    def _counted(self, event: PropertyEvent) -> PropertyEvent:
+        with self._lock:
+            dropped, self._dropped = self._dropped, 0
+        return event._replace(dropped=event.dropped + dropped)
+
+    def __iter__(self) -> Iterator[PropertyEvent]:
+        while (event := self.event()) is not None:
+            yield event
+
+
+class SharedSubscriptions:
+    """Those who listen through one session: what comes for a group is read once for all of them."""
+
+    def __init__(self, session: zenoh.Session, service_key: str) -> None:
+        self._session = session
+        self._key = service_key
+        self._lock = threading.Lock()
+        self._subscriptions: dict[str, tuple[ZenohSubscription, ...]] = {}
+        self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
+
+    def enter(self, subscription: ZenohSubscription) -> None:
+        """Have somebody hear what comes for its group."""
+        if not subscription.group:
+            return
+        with self._lock:
+            self._subscriptions[subscription.group] = (
+                *self._subscriptions.get(subscription.group, ()),
+                subscription,
+            )
+            if subscription.group not in self._subscribers:
+                handler = zenoh.handlers.Callback(
+                    self._receiver(subscription.group), indirect=False
+                )
+                key = subscriber_key(self._key, subscription.group)
+                self._subscribers[subscription.group] = self._session.declare_subscriber(
+                    key, handler
+                )
+
+    def leave(self, subscription: ZenohSubscription) -> None:
+        """Have it hear nothing more."""
+        with self._lock:
+            left = tuple(
+                each
+                for each in self._subscriptions.get(subscription.group, ())
+                if each is not subscription
+            )
+            if left:
+                self._subscriptions[subscription.group] = left
+            elif self._subscriptions.pop(subscription.group, None):
+                self._subscribers.pop(subscription.group).undeclare()  # type: ignore[no-untyped-call]
+
+    def _receiver(self, group: str) -> Callable[[zenoh.Sample], None]:
+        def receive(sample: zenoh.Sample) -> None:
+            event, at = heard(sample)
+            if event is not None and at is not None:
+                for subscription in self._subscriptions.get(group, ()):
+                    subscription.follow(event, at)
+
+        return receive
+
+
+def _queue_of(parameters: str) -> int:
+    for each in parameters.split("&"):
+        key, _, value = each.partition("=")
+        if key == "queue" and value.isdigit():
+            return max(1, min(int(value), _MOST_KEPT))
+    return 1

@@ -1,0 +1,29 @@
+"""The words of the code base, held to `docs/glossary.md`: one name for one thing."""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+TWICE = {
+    "CameraImage": "two OMG modules, Img and RTC, each define a structure of that name",
+    "Path": "a path of the property tree, and in the public planner one through its states",
+}
+"""Public class names that stand for two things, with the reason."""
+
+
+def class_names() -> dict[str, list[str]]:
+    found = defaultdict(list)
+    for file in sorted((ROOT / "rtkit").rglob("*.py")):
+        for node in ast.parse(file.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                found[node.name].append(str(file.relative_to(ROOT)))
+    return found
+
+
+def test_a_public_class_name_stands_for_one_thing() -> None:
+    twice = {name: files for name, files in class_names().items() if len(files) > 1}
+    assert {name: files for name, files in twice.items() if name not in TWICE} == {}
+    assert twice.keys() == TWICE.keys(), "an exception that is none any more goes"
