@@ -1,1 +1,1 @@
-"""What a process that holds components does for them: the manager's own as well as a slave."""
+"""Containers of components: the code that manager, slaves and attached processes have in common."""

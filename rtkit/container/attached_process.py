@@ -1,4 +1,4 @@
-"""A guest: a process that nobody here started, with components that the manager shows and wires.
+"""Attaches a process that nobody here started: the manager shows and wires its components.
 
 Data tools are guests. What a guest holds is in the tree while it stays, is connected like anything
 else, and goes without a trace when the guest does; the manager neither starts nor ends a guest.

@@ -1,4 +1,4 @@
-"""What a holder does with composites: one change of members and shown ports after the other."""
+"""Operations of a container on composites: changes members and shown ports, one after the other."""
 
 from __future__ import annotations
 

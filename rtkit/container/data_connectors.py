@@ -1,4 +1,4 @@
-"""What a holder does with connectors of data ports: opens ends, reaches for others, cuts."""
+"""Operations of a container on data connectors: opens ends, connects to others, cuts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a holder does with execution contexts: transitions, rates, ticks, participants."""
+"""Operations of a container on execution contexts: transitions, rates, ticks, participants."""
 
 from __future__ import annotations
 

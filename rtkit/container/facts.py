@@ -1,4 +1,4 @@
-"""What a process reports of a component that it holds."""
+"""Collects the facts that a process reports of a component."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a process was given open by the one that started it, and is not to give any further."""
+"""Withholds inherited descriptors and environment marks from programs that components start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Properties of a component from all that gives it some, strongest first.
+"""Merges the properties of a component from these sources, strongest first.
 
 Create string, file of the instance, file of the type, what is inherited from the manager; what
 none of them says is the type's own.

@@ -1,4 +1,4 @@
-"""The line of a slave, or a guest, to its manager: it hears, tells, and outlives the manager.
+"""Connects a slave or an attached process to its manager, and to the next one after that.
 
 When the manager is gone the process runs on, waits for the next one and tells it what it holds.
 What there is to report meanwhile is dropped: the next manager gets the whole state at once.

@@ -1,4 +1,4 @@
-"""What a process reports of its components in figures, when it is asked."""
+"""Collects metrics of the components of a process, on request."""
 
 from __future__ import annotations
 

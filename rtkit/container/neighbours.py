@@ -1,4 +1,4 @@
-"""Names of components in the other managers of this user on this host, for names that are new."""
+"""Lists component names in the other managers of this user on this host, to avoid clashes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Processes that components started and left behind: found in ``/proc`` and ended."""
+"""Finds processes that components started and left behind in ``/proc``, and ends them."""
 
 from __future__ import annotations
 

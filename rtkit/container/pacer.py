@@ -1,4 +1,4 @@
-"""The thread that drives one execution context, only while it has work.
+"""Drives one execution context by a thread, only while the context has work.
 
 A periodic one is driven at absolute deadlines, another one when it has reason to tick. A context
 whose components are all at rest costs no thread at all.

@@ -1,4 +1,4 @@
-"""What properties mean for a process and its components: logs, processors, where modules are."""
+"""Applies properties to a process and its components: logs, processors, load paths of modules."""
 
 from __future__ import annotations
 

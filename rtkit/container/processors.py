@@ -1,4 +1,4 @@
-"""On which processors the threads of this process run: all of them, and those of contexts.
+"""Binds the threads of this process to processors: all threads, and those of contexts.
 
 A new thread begins where the one that made it runs, so the thread of a context says where it
 belongs once any context of this process has processors of its own.

@@ -1,4 +1,4 @@
-"""Options of a create string that mean nothing to the component that is made with them."""
+"""Finds options of a create string that its component does not know."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a holder does with service connectors: directly inside a process, by calls between two."""
+"""Operations of a container on service connectors: direct in a process, by calls between two."""
 
 from __future__ import annotations
 

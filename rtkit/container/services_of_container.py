@@ -1,4 +1,4 @@
-"""What the operations of a holder need of it; the holder itself knows only their names."""
+"""Interface of the container for its operations, which import nothing else of it."""
 
 from __future__ import annotations
 

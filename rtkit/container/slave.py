@@ -1,4 +1,4 @@
-"""A slave: one process of components, told what to do by its manager over a private socket.
+"""Runs a slave: a process of components that obeys its manager over a private socket.
 
 It outlives its manager (see `rtkit.container.manager_connection`) and ends when one tells it to.
 """

@@ -1,4 +1,4 @@
-"""What a slave holds, written down for a manager that cannot ask it: one that hangs, or is dead.
+"""Checkpoints of slaves: files for a manager whose slave hangs or is dead.
 
 A file of lines, one for each component as it last was and one for each that ended. It is opened
 anew for each line, because components may close descriptors that are not theirs.

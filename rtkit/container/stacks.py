@@ -1,4 +1,4 @@
-"""Stacks of processes: where a process writes its own, and the line that one tells.
+"""Stacks of processes: written by the process itself, read by its manager.
 
 A slave that is asked over its line writes them itself, on the thread that hears its manager: it
 has the interpreter lock then, so no frame changes while it is looked at. Only one that does not

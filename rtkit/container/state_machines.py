@@ -1,4 +1,4 @@
-"""What a holder does with state machines: other structures and other events, between two cycles."""
+"""Operations of a container on state machines: structures and events, between two cycles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who inherits orphans: zygote, slaves and manager, each those of what descends from it.
+"""Makes zygote, slaves and manager subreapers: each inherits the orphans below it.
 
 So what a component daemonises stays below its slave while that lives, and below the zygote after
 that, which ends it; whatever its session and its environment are.

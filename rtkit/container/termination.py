@@ -1,4 +1,4 @@
-"""How the end of a slave is asked for: a TERM, seen as a descriptor that turns readable."""
+"""Turns TERM signals into a descriptor that becomes readable: the request to end a slave."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Remembers what users asked of the components of a process, for the next manager.
+"""Remembers user requests to the components of a process, for the next manager.
 
 A manager may be killed when it has had something done and has not recorded it yet, or before it
 has done all that a component needs: only the process that holds the component knows both.

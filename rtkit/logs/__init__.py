@@ -1,1 +1,1 @@
-"""Where each process writes what happens, and how long it is kept."""
+"""Logs of processes: records, files and their rotation."""

@@ -1,4 +1,4 @@
-"""Loggers that are looked for when there is something to tell.
+"""Lazy loggers: `logging` is imported at the first record.
 
 A guest has hardly ever something to tell, and `logging` takes longer to import than a question
 takes to be answered.

@@ -1,4 +1,4 @@
-"""Where log records go: a file that is kept short, a terminal. Neither ever stops who logs.
+"""Log targets: a file that is kept short, or a terminal; neither ever blocks the logger.
 
 What cannot be written is dropped and counted; the first record that can be written again is
 preceded by one that tells how many are missing.

@@ -1,4 +1,4 @@
-"""The log of this process: opened once, taken by everything that is logged, printed or raised.
+"""Opens the log of this process, which takes what is logged, printed or raised.
 
 Components log with ``self.logger``, which bears their name; what their code prints becomes records
 of the loggers ``stdout`` and ``stderr``. What programs and C code write to the descriptors

@@ -1,4 +1,4 @@
-"""What processes write past their log, to descriptors 1 and 2: C code, programs, crashes.
+"""Redirects descriptors 1 and 2 of a process to a file: C code, programs, crashes.
 
 It goes to a file of plain text for each process, ``.out`` beside its log: a pipe would hold a
 process up whose reader is gone, or busy. A process begins its file anew and keeps the one before

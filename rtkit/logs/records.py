@@ -1,4 +1,4 @@
-"""Log records as text: one JSON object a line for the file, one readable line for a terminal.
+"""Formats log records: one JSON object a line for the file, one readable line for a terminal.
 
 Neither ever holds a control character that came with a message: what would steer a terminal, end
 a line or hide text is written as an escape.

@@ -1,1 +1,1 @@
-"""The daemon: loads modules, runs components in its own process and in slaves, keeps the facts."""
+"""Manager daemon: loads modules, runs components in its own process and in slaves, keeps state."""

@@ -1,4 +1,4 @@
-"""Who is the manager of a name: the one that has its lock, and clears away what others left."""
+"""Claims the name of a manager by a lock, and removes stale files of earlier managers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Assembles a manager: one of its name, its doors, its zygote, its loop; takes it down again."""
+"""Assembles a manager of its name, endpoints, zygote and loop; takes it down again."""
 
 from __future__ import annotations
 

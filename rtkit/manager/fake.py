@@ -1,4 +1,4 @@
-"""A shell without processes: feeds a core with events at a fake time and keeps what it instructs.
+"""Fake shell without processes: feeds a core with events at a fake time, keeps its instructions.
 
 For tests, which play the zygote, the kernel and the holders.
 """

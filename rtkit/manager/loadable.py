@@ -1,4 +1,4 @@
-"""Which modules could be loaded: all in load paths and installed packages, read and not run."""
+"""Lists loadable modules: all in load paths and installed packages, read and not run."""
 
 from __future__ import annotations
 

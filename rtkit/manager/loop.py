@@ -1,4 +1,4 @@
-"""The manager's loop thread: feeds the core with events and carries its instructions out."""
+"""Runs the manager's loop thread: feeds the core with events, carries its instructions out."""
 
 from __future__ import annotations
 

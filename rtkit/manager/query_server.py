@@ -1,4 +1,4 @@
-"""What a client may ask of a manager: its properties, and the ready-made views of its facts."""
+"""Serves queries of clients: properties of the manager, and prepared views of its state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a manager tells whoever started it: warnings, failures, and that it is ready or is not.
+"""Reports the start of a manager to its starter: warnings, failures, readiness.
 
 One line each, on the descriptor whose number is in the environment; without one, in the log.
 """

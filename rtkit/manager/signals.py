@@ -1,4 +1,4 @@
-"""What signals mean to a manager: an end in order, an end at once, a word on its threads."""
+"""Handles signals to a manager: an orderly end, an immediate end, a dump of its threads."""
 
 from __future__ import annotations
 

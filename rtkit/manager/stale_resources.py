@@ -1,4 +1,4 @@
-"""What a manager that was killed left running: found by what it holds, and ended."""
+"""Ends processes that a killed manager left running, found by the files they hold."""
 
 from __future__ import annotations
 

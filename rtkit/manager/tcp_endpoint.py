@@ -1,4 +1,4 @@
-"""Opens the TCP endpoint of a manager, or tells why there is none."""
+"""Opens the TCP endpoint of a manager, or reports why there is none."""
 
 from __future__ import annotations
 

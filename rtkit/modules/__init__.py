@@ -1,1 +1,1 @@
-"""Where components come from: found, described and loaded, from permitted folders only."""
+"""Component modules: found, described and loaded, from permitted folders only."""

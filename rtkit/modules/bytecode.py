@@ -1,4 +1,4 @@
-"""Byte code of modules: compiled once for all processes, and kept where Python keeps it.
+"""Caches byte code of modules: compiled once for all processes, kept where Python keeps it.
 
 A hundred slaves of one module compile it once. What is kept is what Python's own import keeps
 (``__pycache__``, checked by the hash of the source, PEP 552), so both use each other's. Where it

@@ -1,4 +1,4 @@
-"""What a module offers, read from its source without running any of it.
+"""Describes the component types of a module from its source, without running any of it.
 
 Class attributes that are literals are understood, also of base classes and constants in the same
 file. What a module decides only while it runs is told as the reason why it cannot be described.

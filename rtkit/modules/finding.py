@@ -1,4 +1,4 @@
-"""Whether what is asked for could be made: modules and types looked for, and none of them run."""
+"""Checks whether modules and component types could be found, without running any of them."""
 
 from __future__ import annotations
 

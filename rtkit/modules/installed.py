@@ -1,4 +1,4 @@
-"""Modules of components that were installed as packages, found without running any of them.
+"""Finds component modules that were installed as packages, without running any of them.
 
 A package says so by an entry point of the group ``rtkit.components``, ``NAME = MODULE:INIT``: NAME
 is what the module is asked for by, usually the name of its component type.

@@ -1,4 +1,4 @@
-"""What could be made in place of a component type that nobody knows: the nearest, else some."""
+"""Suggests component types in place of an unknown one: the nearest, else some."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lies beside component modules and is imported by them: of each folder what is its own.
+"""Isolates the helper modules beside component modules: each folder imports its own.
 
 Python knows a module by its name alone, so ``helper`` beside one component module would be taken
 for the ``helper`` beside another one. While a module is imported, the files of its own folder go

@@ -1,1 +1,1 @@
-"""What a manager and its components are told from outside: rtc.conf, options, properties."""
+"""Settings of a manager and its components: rtc.conf, options, properties."""

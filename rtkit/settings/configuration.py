@@ -1,4 +1,4 @@
-"""What a manager is started with: the command line over ``rtc.conf`` over the environment."""
+"""Configuration of a manager: the command line over ``rtc.conf`` over the environment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Options of a create string that are not known, whatever component is made with them."""
+"""Finds unknown options of a create string, whatever component is made with them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The properties of a manager: which there are, what they mean, when a change takes effect.
+"""Properties of a manager: keys, meanings, and when a change takes effect.
 
 The keys are those of ``rtc.conf``. Names with ``corba.`` are the old ones of those with ``net.``;
 each is shown under the name by which it was given.

@@ -1,4 +1,4 @@
-"""Reads ``rtc.conf``: text to properties, and where the file is looked for. It opens no file."""
+"""Parses ``rtc.conf`` to properties, and lists the places to look for it. It opens no file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values of properties that are more than a word: ports, processors, modules to load."""
+"""Parses values of properties with a structure: ports, processors, modules to load."""
 
 from __future__ import annotations
 

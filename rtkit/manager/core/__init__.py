@@ -1,1 +1,1 @@
-"""The manager's mind: events in, instructions out; no clock, no socket, no process of its own."""
+"""Functional core of the manager: events in, instructions out; no clock, no socket, no process."""

@@ -1,4 +1,4 @@
-"""Slaves that outlived their manager, and guests: what they say they hold, folded into the state.
+"""Adopts slaves of an earlier manager, and attached processes: their reports enter the state.
 
 They are believed about facts: components with names and origin, connector ends. A connector is
 known again when both its ends are; one whose other end nobody holds any more is cut.

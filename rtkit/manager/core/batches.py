@@ -1,4 +1,4 @@
-"""Batches and operations of clients: each action begun, results gathered, answered once recorded.
+"""Runs batches and operations of clients: begins actions, gathers results, answers once recorded.
 
 A batch that comes again with the id of an earlier one is not done again: it gets the same answer,
 also from the next manager when it changed anything.

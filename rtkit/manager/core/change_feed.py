@@ -1,4 +1,4 @@
-"""Tells those who listen what has changed, after each event; costs nothing while nobody does."""
+"""Publishes deltas of the state to subscribers after each event; idle while there are none."""
 
 from __future__ import annotations
 

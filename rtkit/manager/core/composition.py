@@ -1,4 +1,4 @@
-"""Where a composite is made: in the process of its members, which must all be in one."""
+"""Finds the process for a composite: the one that holds all of its members."""
 
 from __future__ import annotations
 

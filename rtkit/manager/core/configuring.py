@@ -1,4 +1,4 @@
-"""What the properties of a manager come to: shown, changed, and told to its processes."""
+"""Shows and changes the properties of a manager, and passes them to its processes."""
 
 from __future__ import annotations
 

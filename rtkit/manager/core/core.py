@@ -1,4 +1,4 @@
-"""The daemon's core: events in, instructions out; the only place where its state changes.
+"""Core of the daemon: events in, instructions out; the only place where its state changes.
 
 Each action of a client runs as a *procedure*, a generator that yields what it waits for (see
 `rtkit.manager.core.procedures`). No thread, socket or clock is known here: time comes in as an

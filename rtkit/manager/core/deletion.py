@@ -1,4 +1,4 @@
-"""How components and slaves are ended: in order where they answer, by force where that is wanted.
+"""Deletes components and ends slaves: in order where they answer, by force where requested.
 
 A component cannot be ended while one of its callbacks does not come back: only its process can,
 with everything else in it.

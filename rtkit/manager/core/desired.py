@@ -1,4 +1,4 @@
-"""What shall exist: everything that was acknowledged, as rows for a store that survives.
+"""Desired state: everything that was acknowledged, as rows for the store.
 
 Facts are what processes say; wishes are what users asked for. A component that died is no fact any
 more and still a wish; what a user ended is neither.

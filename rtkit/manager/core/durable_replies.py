@@ -1,4 +1,4 @@
-"""Answers when wishes are kept: what was acknowledged is on the disk, what cannot be is taken back.
+"""Delays replies until desired state is on the disk, and rolls back what cannot be stored.
 
 While the store cannot be written nothing new is begun; what ends or rests something is done all
 the same, since a robot must be stopped whatever its disk is like.

@@ -1,4 +1,4 @@
-"""What a procedure may yield: the things that it wants done, or waits for.
+"""Effects: the requests that a procedure yields to act or to wait.
 
 A procedure is a generator that does one action. `rtkit.manager.core.tasks` resumes it with what it
 waited for, or raises inside it the error that ended the wait.

@@ -1,4 +1,4 @@
-"""What happens to a manager, and what its core tells the shell to do about it.
+"""Events of a manager, and the instructions of its core to the shell.
 
 Processes are named by a key: a number that is never used twice, whatever their names.
 """

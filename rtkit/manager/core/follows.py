@@ -1,4 +1,4 @@
-"""Which systems are followed, and what became of them: kept, told, and answered once kept."""
+"""Records followed systems and their outcomes: stored first, then answered."""
 
 from __future__ import annotations
 

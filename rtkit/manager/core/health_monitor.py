@@ -1,4 +1,4 @@
-"""Judges once a second whether components are well that have rules, and does what those say."""
+"""Monitors the health rules of components once a second, and runs the actions of broken rules."""
 
 from __future__ import annotations
 

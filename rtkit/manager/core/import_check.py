@@ -1,4 +1,4 @@
-"""Modules are imported by a process of their own before the manager takes them for good.
+"""Checks the import of a module in a process of its own before the manager accepts the module.
 
 A module may hang, exit or crash when it is imported: that costs a process that is there for nothing
 else. Only what was imported well so is imported by the manager itself, and only when a component

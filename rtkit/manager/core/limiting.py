@@ -1,4 +1,4 @@
-"""Limits of slaves: tells the shell of them, checks what the host has, ends who reaches one."""
+"""Limits slaves: passes limits to the shell, checks the host, ends slaves that reach one."""
 
 from __future__ import annotations
 

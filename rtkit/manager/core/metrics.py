@@ -1,4 +1,4 @@
-"""Asks processes once a second for the figures of their components, while somebody wants them."""
+"""Requests metrics of components from processes once a second, while somebody wants them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Modules that are loaded, whatever path led to them: an entry for each init function of a file."""
+"""Loaded modules, whatever path led to them: one entry for each init function of a file."""
 
 from __future__ import annotations
 

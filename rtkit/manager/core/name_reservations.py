@@ -1,4 +1,4 @@
-"""The name of a component that is to be made: wished or chosen, then held until it is there."""
+"""Reserves the name of a component, given or generated, until the component exists."""
 
 from __future__ import annotations
 

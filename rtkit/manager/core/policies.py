@@ -1,4 +1,4 @@
-"""What is to be done about the end of a component: its own word, its slave's, the manager's."""
+"""Chooses the restart policy of a component: its own, its slave's, else the manager's."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Connections made at start: ``A.out?port=B.in&dataflow_type=push`` turned into connectors."""
+"""Parses connections made at start: ``A.out?port=B.in&dataflow_type=push`` to connectors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How each action is done: generators that yield what they wait for, a `wishes.Wish`.
+"""Procedures of actions: generators that yield each `effects.Effect` they wait for.
 
 What a procedure has changed when it fails, it takes back itself.
 """

@@ -1,4 +1,4 @@
-"""What an action says about what shall exist, once it was done."""
+"""Records the changes of desired state that follow from actions that succeeded."""
 
 from __future__ import annotations
 

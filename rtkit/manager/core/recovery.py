@@ -1,4 +1,4 @@
-"""Brings components to what is desired: what is missing is made, what differs is repaired.
+"""Recovers the desired state: creates what is missing and repairs what differs.
 
 With places fixed the cheapest plan is the difference itself, in the order of its kinds; so nothing
 is searched for. What fails is told, and the rest is done all the same.

@@ -1,4 +1,4 @@
-"""Under which names a component is registered: those asked for, else what the templates give."""
+"""Chooses the names under which a component is registered: given ones, else from templates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What holders report, checked and folded into the manager's state.
+"""Checks reports of containers and folds them into the manager's state.
 
 A slave runs code of others: nothing that it sends is trusted to have the right shape.
 """

@@ -1,4 +1,4 @@
-"""What a manager remembers of the restarts of a component, and the next one after it."""
+"""Restart history of a component, kept for the next manager too."""
 
 from __future__ import annotations
 

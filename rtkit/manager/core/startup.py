@@ -1,4 +1,4 @@
-"""What a manager does at its start: load, create, connect, activate; each failure is told.
+"""Starts the system of a manager: loads, creates, connects, activates; reports each failure.
 
 What follows a failure is tried all the same: the rest of a system is better than nothing of it.
 """

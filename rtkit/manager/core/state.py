@@ -1,4 +1,4 @@
-"""The facts that a manager keeps: processes, components, connectors, modules."""
+"""State of a manager: its processes, components, connectors and modules."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Orderly ends: of slaves that hold nothing any more, and of everything."""
+"""Stops slaves that hold nothing any more, and at the end everything, in order."""
 
 from __future__ import annotations
 

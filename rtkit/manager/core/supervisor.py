@@ -1,4 +1,4 @@
-"""Makes again what has died, as its policy says: with back-off, within limits, or not at all.
+"""Restarts components that died as their policy says: with back-off, within limits, or not at all.
 
 What is made again is configured, connected and active as it is wished. A user's word counts more:
 what he ended is not made again, what he made himself begins with a clean record.

@@ -1,4 +1,4 @@
-"""Runs procedures: resumes each when what it waits for has come, or when its time is up.
+"""Schedules procedures: resumes each when its effect is complete or its time is up.
 
 A procedure that is ready to go on is queued, never resumed from inside another one, so that a
 batch of any length needs no stack. Time comes in as an argument.

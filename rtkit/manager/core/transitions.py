@@ -1,4 +1,4 @@
-"""How a component changes its state: whether that is waited for, and for how long."""
+"""Changes the states of components, and waits for that within a time limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reads what users asked of components since they were made, as their process tells it.
+"""Reads the requests of users to components since their creation, as their process reports them.
 
 What was asked last is desired, recorded or not; what is desired and was not asked since a component
 was made is still to be done.

@@ -1,4 +1,4 @@
-"""How ports are joined and parted: the procedures of connectors."""
+"""Connects and disconnects ports: the procedures of connectors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The systems that a manager follows: begins and ends their threads, and tells them of changes."""
+"""Supervises the systems that a manager follows: starts and ends threads, passes changes on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The manager as a site of plans, asked from a thread of its own: requests go to its loop."""
+"""Site of plans for the manager itself, used on another thread: requests go to its loop."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The processes of a manager: how they begin, how they are heard, how their end is told."""
+"""Processes of a manager: their start, their connections, their exit."""

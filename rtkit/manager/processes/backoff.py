@@ -1,4 +1,4 @@
-"""How long to wait before something is started again that ended: longer each time."""
+"""Back-off of restarts: each wait in a row is longer."""
 
 from __future__ import annotations
 

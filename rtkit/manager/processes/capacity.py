@@ -1,4 +1,4 @@
-"""How much memory and how many processors this host has, or the container that it is."""
+"""Reads how much memory and how many processors this host has, or the Linux container it is."""
 
 from __future__ import annotations
 

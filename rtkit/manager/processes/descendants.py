@@ -1,4 +1,4 @@
-"""What components in the manager's own process started: told to the next manager, which ends it.
+"""Lists what components in the manager's process started, so that the next manager ends it.
 
 Slaves have a zygote that inherits what they leave. A manager that is killed leaves its own to
 whoever is above it, so the next one knows it by a mark in its environment, and by a list that is

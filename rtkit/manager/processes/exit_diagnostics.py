@@ -1,4 +1,4 @@
-"""What a process said before it ended: the line at which it crashed, the last lines it wrote.
+"""Diagnoses the exit of a process: the line at which it crashed, its last lines of output.
 
 The stacks of a crash are copied to the log of the process, where `rtvlog` finds them.
 """

@@ -1,4 +1,4 @@
-"""The manager's end of its zygote: started by exec, and again when it ended, with patience."""
+"""Starts the zygote by exec, restarts it with back-off, and keeps its socket."""
 
 from __future__ import annotations
 

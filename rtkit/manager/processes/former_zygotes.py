@@ -1,4 +1,4 @@
-"""Zygotes of earlier managers: they are still the parents of the slaves that were left.
+"""Connects to zygotes of earlier managers, which are still the parents of the slaves left.
 
 Each listens at a path of its own until the next manager comes, then tells which children it has
 and what became of others. It is never asked to fork, and ends with its last child.

@@ -1,4 +1,4 @@
-"""Has what slaves allocate lie together, where nothing of the zygote lies.
+"""Compacts the heap of slaves: new objects lie together, apart from the pages of the zygote.
 
 A page that a slave writes to becomes its own, and is copied first. What it allocates would go into
 gaps all over the memory that it has in common with the others; where those are filled, it goes to

@@ -1,4 +1,4 @@
-"""Keeps slaves within their limits: looks at what they use, and tells which limit one reaches.
+"""Keeps slaves within their limits: samples their usage and reports the limit that one reaches.
 
 Looks are the law. What could run away between two of them is held by resource limits of the
 kernel with room above, and by a control group where there can be one.

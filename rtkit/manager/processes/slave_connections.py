@@ -1,4 +1,4 @@
-"""The lines from the manager to its slaves and zygotes: accepts, greets, passes on, hangs up.
+"""Slave connections of a manager, and those to zygotes: accepts, greets, passes on, hangs up.
 
 Every line is one private unix socket in the manager's selector. What comes in leads to events for
 the core; slaves that an earlier manager left are let in with what they hold.

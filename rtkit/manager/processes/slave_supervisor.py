@@ -1,4 +1,4 @@
-"""The manager's side of the zygote: asks for slaves, knows their processes, hears of their end.
+"""Supervises slave processes: has them forked, watches and reaps them.
 
 The manager is subreaper: when the zygote dies its slaves become the manager's own children, so
 that their end is still told with its reason. A zygote that died is started again by exec.

@@ -1,4 +1,4 @@
-"""What a process and all below it use: memory, processes, descriptors, processor time."""
+"""Sums up the usage of a process tree: memory, processes, descriptors, processor time."""
 
 from __future__ import annotations
 

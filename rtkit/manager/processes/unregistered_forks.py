@@ -1,4 +1,4 @@
-"""Forks that hang before they have shown anything of themselves, and whose zygote is gone too.
+"""Ends unregistered forks: they hang before they reported anything, and their zygote is gone.
 
 Whoever else forks or is forked is known by a file, a line, or its parent. These are known by their
 command line, which is that of the zygote, and by a session whose leader has ended.

@@ -1,4 +1,4 @@
-"""Slaves that an earlier manager left and that do not say what they hold: they hang, or are dead.
+"""Handles unreported slaves of an earlier manager: they hang, or are dead.
 
 What they held is in their wills (see `rtkit.container.slave_checkpoint`).
 """

@@ -1,4 +1,4 @@
-"""What a process uses of the machine, as the kernel tells."""
+"""Reads the usage of a process from the kernel: processor time and memory."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first moments of a slave, gone through in the zygote.
+"""Warms up the zygote: goes through the first moments of a slave before any is forked.
 
 What Python works out at first use is then there in every slave, costs no time in any, and memory
 once for all: coders of records, answers of abstract classes, byte code that is fitted to what it

@@ -1,4 +1,4 @@
-"""The module of the component that is rehearsed with: it has one of everything that is common."""
+"""Component of the warm-up: it has one of everything that is common."""
 
 from rtkit.component import Component, InPort, Manager, OutPort, Parameter, TimedLong
 

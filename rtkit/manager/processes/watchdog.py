@@ -1,4 +1,4 @@
-"""Watches the heartbeats of slaves: names callbacks that are stuck, with the line they are at.
+"""Watches the heartbeats of slaves: names callbacks that are stuck, and their line of code.
 
 The line comes from the slave's own stacks (see `rtkit.container.stacks`).
 """

@@ -1,4 +1,4 @@
-"""The file of wishes: one table of rows, each change on the disk before it counts.
+"""Store of desired state: one table of rows, each change synced to disk before it counts.
 
 SQLite with a write-ahead log that is synced at each commit: a kill or a loss of power at any moment
 leaves the rows before a commit or those after it. What cannot be read is kept aside, never deleted.

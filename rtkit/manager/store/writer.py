@@ -1,4 +1,4 @@
-"""Writes wishes into the store on a thread of its own: a disk that is slow holds up nobody else."""
+"""Writes desired state to the store on a thread of its own: a slow disk delays nobody else."""
 
 from __future__ import annotations
 
