@@ -183,7 +183,7 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprofile diff robot.xml robot.new.xml", "What changed, but for ids, dates, positions."),
         ("rtprofile convert robot.xml robot.yaml", "The same as YAML; also --to json."),
         ("rtprofile normalise -i *.xml", "Put right in place what can be, and tell it."),
-        ("rtprofile set robot.xml Control0:rtkit.restart=on-failure", "Who is made again."),
+        ("rtprofile set robot.xml Control0:rtkit.restart=on-failure", "Restart it when it fails."),
         (
             "rtprofile new component Motor --in speed:TimedDouble --parameter 'gain:double=1.0'",
             "Begin Motor.xml.",
@@ -197,11 +197,11 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
         ("rtprofile graph robot.xml -o robot.svg", "A picture of a system."),
     ),
     "rtproxy": (
-        ("rtproxy robots/arm tcp:4711", "Only to be read, by who knows the user's secret."),
+        ("rtproxy robots/arm tcp:4711", "Read-only, for clients that know the user's secret."),
         ("rtproxy robots/arm unix:arm.sock --allow-set 'angle*'", "Some of it may be set."),
         (
             "rtproxy tcp:localhost:4711/robots/arm far/arm --prefix left",
-            "From a TCP door back into the tree, all names below left.",
+            "From a TCP endpoint back into the tree, all names below left.",
         ),
         ("rtproxy /localhost/Motor0.rtc tcp:4712 --allow-set state", "A component."),
         (
@@ -218,14 +218,14 @@ EXAMPLES: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     "rtserve": (
         ("rtserve simple_pid:PID pid -a 1 -a 0.1", "A class, called with two arguments."),
-        ("rtserve ./arm.py:Arm robots/arm --port 0", "Of a file, with a TCP door too."),
+        ("rtserve ./arm.py:Arm robots/arm --port 0", "Of a file, with a TCP endpoint too."),
         (
             "rtserve ./arm.py:Arm arm --serial /dev/ttyS0 --allow-set 'angle*'",
             "With a serial line, over which the angles may be set.",
         ),
         ("rtserve ./arm.py:Arm robots/arm --http 8080", "For curl and browsers too."),
         ("rtserve ./arm.py:Arm arm --history 'angle=100'", "Remember values for .history."),
-        ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Only looked at over zenoh."),
+        ("rtserve ./arm.py:Arm arm --rule 'deny zenoh * SET *'", "Read-only over zenoh."),
     ),
     "rtset": (
         ("rtset robot.speed -0.5", "A number."),

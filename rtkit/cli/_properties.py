@@ -25,7 +25,7 @@ def place_options(function: F) -> F:
     function = click.option(
         "--at",
         metavar="HOST:PORT",
-        help="Ask what is behind this TCP door, http:// or ice://HOST:PORT, or serial:DEVICE.",
+        help="Ask the service at this TCP endpoint, http:// or ice://HOST:PORT, or serial:DEVICE.",
     )(function)
     return click.option(
         "-p",

@@ -30,7 +30,7 @@ SUMMARIES: dict[str, str] = {
     "plan": "Show the cheapest plan from the live system to an RTS profile.",
     "print": "Print the values that come out of ports.",
     "profile": "Check, show, compare and convert profiles.",
-    "proxy": "Open another door, on another wire, to live properties.",
+    "proxy": "Open another endpoint, on another wire, to live properties.",
     "pwd": "Print the working directory in the tree.",
     "reset": "Reset components: Error to Inactive.",
     "resurrect": "Bring up the system of an RTS profile.",

@@ -47,8 +47,8 @@ def main(
     has failed.
 
     Managers of this host that do not run and are needed are started first, as rtmgr start does.
-    Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one is told who
-    that is, and ends, or waits with --wait.
+    Only one rtapply, rtresurrect or rtstate works at a manager at a time; another one names
+    it and ends, or waits with --wait.
 
     What a component does not have, a parameter or a set, is told; when all else is done the exit
     status is 1 then, as that of rtcheck.

@@ -77,7 +77,9 @@ _NS = 1_000_000_000
     metavar="MODULE",
     help="Import data types (repeatable).",
 )
-@click.option("--lossless", is_flag=True, help="Rather hold up who writes than lose a value.")
+@click.option(
+    "--lossless", is_flag=True, help="Lose no value; the component that writes waits instead."
+)
 @click.option("--json", "is_json", is_flag=True, help="With -d: as JSON.")
 @click.argument("ports", nargs=-1, metavar="PORT[.STREAM]...")
 def main(

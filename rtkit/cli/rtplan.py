@@ -54,8 +54,8 @@ def main(
     a stop. What cannot be changed in place is told, and is part of a plan with --replace only; what
     the profile does not name is removed with --prune only (rtkit help plans).
 
-    When there is no plan it is told which wishes cannot hold together, and why; with --exit-detail
-    the status is 7 then.
+    Where there is no plan, the command tells which goals cannot hold together, and why; with
+    --exit-detail the status is 7 then.
     """
     from rtkit.deployment.planning import rendering
 

@@ -51,7 +51,7 @@ LINES, STATS, PLOT = "lines", "stats", "plot"
 @click.option("--plot", "form", flag_value=PLOT, help="Draw the numbers in them over time.")
 @click.option("--json", "is_json", is_flag=True, help="One JSON object a line.")
 @click.option(
-    "--lossless", is_flag=True, help="Rather hold up the component that writes than lose a value."
+    "--lossless", is_flag=True, help="Lose no value; the component that writes waits instead."
 )
 @click.argument("ports", nargs=-1, metavar="PORT[.STREAM][#FORMATTER]...")
 def main(

@@ -56,7 +56,7 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> AccessPolicy:
 @click.option("--history", multiple=True, metavar="GLOB=N", callback=_kept,
               help="Keep the last N values of these for .history (repeatable).")  # fmt: skip
 @click.option("--port", metavar="[HOST:]PORT", callback=_port,
-              help="Also open a TCP door on this host, 0 for any free port.")  # fmt: skip
+              help="Also open a TCP endpoint on this host, 0 for any free port.")  # fmt: skip
 @click.option("--serial", metavar="DEVICE",
               help="Also open this serial line (DEVICE?baud=115200&check=auto).")  # fmt: skip
 @click.option("--allow-set", "settable", multiple=True, metavar="GLOB",
@@ -64,11 +64,11 @@ def _policy(files: tuple[str, ...], lines: tuple[str, ...]) -> AccessPolicy:
 @click.option("--notify", multiple=True, metavar="GLOB",
               help="SERVICE/NAME of yours that events may be SET to (repeatable).")  # fmt: skip
 @click.option("--http", metavar="[HOST:]PORT", callback=_port,
-              help="Also open an HTTP door on this host, 0 for any free port.")  # fmt: skip
+              help="Also open an HTTP endpoint on this host, 0 for any free port.")  # fmt: skip
 @click.option("--ice", metavar="[HOST:]PORT", callback=_port,
-              help="Also open an Ice door on this host, 0 for any free port.")  # fmt: skip
+              help="Also open an Ice endpoint on this host, 0 for any free port.")  # fmt: skip
 @click.option("--rules", "files", multiple=True, metavar="FILE",
-              help="Who may do what through which door, and limits (repeatable).")  # fmt: skip
+              help="A rule: which client may do what over which wire; or a limit.")  # fmt: skip
 @click.option("--rule", "lines", multiple=True, metavar="RULE",
               help="A line of such a file: 'deny http * SET *' (repeatable).")  # fmt: skip
 @click.argument("thing", metavar="MODULE:CLASS")
@@ -93,7 +93,7 @@ def main(
 
     Its attributes, properties, getters and setters become properties that rtget, rtset and
     rtlisten know, its other public methods actions. MODULE is a name or a file; CLASS, which is
-    called, may also be a function or an object. When it can be found it is printed where.
+    called, may also be a function or an object. Once it serves, the command prints where.
 
     Behind a serial line all may be got and listened to, and set what --allow-set names. A device
     that is not there is waited for. Lines carry a check where the far side makes them.

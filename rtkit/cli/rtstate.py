@@ -60,9 +60,9 @@ def main(
 ) -> int:
     """Show in which of its states a system is, or lead it to another (FILE, or stdin).
 
-    A system profile may tell states, what is wished in each, and events that lead from one to
-    another (rtkit help states). A system is in the state whose wishes all hold; that is seen, not
-    remembered. The transition is the cheapest plan: what both states wish is not touched.
+    A system profile may define states, what each asks for, and events that lead from one to
+    another (rtkit help states). A system is in the state whose conditions all hold; that is seen,
+    not remembered. The transition is the cheapest plan: what both states ask for is not touched.
 
     With --goto and --event managers of this host that do not run are started when needed; only one
     rtapply, rtresurrect or rtstate works at a manager at a time.

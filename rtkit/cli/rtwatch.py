@@ -78,7 +78,7 @@ def main(
                        WELL STOPPED CRITICAL_STOP, with the reason
     SYSTEM_STATE       a system that is followed (rtstate): to which state it came, or FOLLOWED
                        TRANSITION_FAILED WAITS NOT_FOLLOWED; with --system it is seen in what
-                       lives: all wishes of the state hold
+                       lives: all conditions of the state hold
     HEARTBEAT          once a second, of the component and each execution context that runs
 
     A manager that ends is waited for, one that begins is listened to. A state that is left

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections import defaultdict
 from pathlib import Path
+
+import pytest
 
 ROOT = Path(__file__).parents[2]
 TWICE = {
@@ -27,3 +30,10 @@ def test_a_public_class_name_stands_for_one_thing() -> None:
     twice = {name: files for name, files in class_names().items() if len(files) > 1}
     assert {name: files for name, files in twice.items() if name not in TWICE} == {}
     assert twice.keys() == TWICE.keys(), "an exception that is none any more goes"
+
+
+@pytest.mark.parametrize("page", ["docs/glossary.md", "docs/architecture.md"])
+def test_each_file_that_a_page_names_is_there(page: str) -> None:
+    named = re.findall(r"`(rtkit/[\w/]+(?:\.\w+|/)?)`", (ROOT / page).read_text(encoding="utf-8"))
+    assert named
+    assert [name for name in named if not (ROOT / name).exists()] == []

@@ -98,7 +98,7 @@ def way_options(function: Callable[..., Any]) -> Callable[..., Any]:
             "--replace",
             "replaces",
             is_flag=True,
-            help="End and make again what cannot be changed in place: another type, another create"
+            help="End and replace what cannot be changed in place: another type, another create"
             " string, a stand-in with other ports.",
         ),
     ]
