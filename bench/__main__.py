@@ -1,4 +1,4 @@
-"""Run all measurements, or those named: ``python -m bench [commands slaves/stop …]``.
+"""Runs all measurements, or those named: ``python -m bench [commands slaves/stop …]``.
 
 A name is a group, or a part of one; ``-l`` lists them. One line of JSON per row as it is measured,
 then a table, on stdout. The exit status is 0 also when a target is missed: machines differ, and

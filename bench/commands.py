@@ -1,12 +1,12 @@
-"""Whole commands against a bare Python process that asks the manager the same question.
+"""Measures whole commands against a bare Python process that asks the manager the same question.
 
 Commands that *read* change nothing and wait for nothing: they show what the manager knows. The
-floor of all of them is one question on one connection. Two kinds have more to do, which is told:
+floor of all of them is one question on one connection. Two kinds have more to do:
 
 - those that read a profile (`rtcheck`, dry runs; `rtdoc`, which looks for one of the component):
   their floor parses such a profile with lxml too, which is the least that can be done with it;
-- `rtprint` becomes a guest with a port of its own, connects it and awaits a value: the floor of
-  these does none of that, so its ratio tells what becoming a guest costs. The source writes 1,000
+- `rtprint` attaches with a port of its own, connects it and awaits a value: the floor of
+  these does none of that, so its ratio is the cost of attaching. The source writes 1,000
   values a second, so that waiting for one is no part of it. `rtwatch` and `rttop` wait for what
   the manager tells once a second; waiting takes no processor time.
 """

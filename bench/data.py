@@ -1,4 +1,4 @@
-"""Data tools at fast streams: a counting ``rtprint`` and ``rtlog``, and what they say of losses.
+"""Measures data tools at fast streams: a counting ``rtprint`` and ``rtlog``, and their losses.
 
 A source writes as fast as values are taken, so the time that a fixed number takes tells the rate.
 """

@@ -1,4 +1,4 @@
-"""From the kill of a slave to its mark in the listing."""
+"""Measures the time from the kill of a slave to its mark in the listing."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The floor of data tools: bare zenoh that only counts, on the route that rtkit takes.
+"""Measures the floor of data tools: bare zenoh that only counts, on the route of rtkit.
 
 ``python -m bench.flow pour|drain SOCKET``: ``drain`` listens on a unix socket; for each line
-``COUNT`` it answers with how long so many values took from its hearing of it [ms]. ``pour`` sends
+``COUNT`` it answers with the time that so many values took from that line on [ms]. ``pour`` sends
 ``COUNT SIZE`` values for each line, none of which it drops.
 """
 

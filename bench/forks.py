@@ -1,8 +1,8 @@
-"""A floor for slaves: forks of a process that holds the same modules and no session.
+"""Measures the floor for slaves: forks of a process with the same modules and no session.
 
-``python -m bench.forks`` reads a request a line and answers with a number: ``fork N`` how long it
-took until so many children were heard [ms], ``memory N`` what each of them has of its own when it
-rests [MiB, proportional], ``stop N`` how long it takes to end them with TERM [ms].
+``python -m bench.forks`` reads a request a line and answers with a number: ``fork N`` the time
+until so many children have reported [ms], ``memory N`` the memory that each of them has of its own
+at rest [MiB, proportional], ``stop N`` the time it takes to end them with TERM [ms].
 """
 
 from __future__ import annotations

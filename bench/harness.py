@@ -1,7 +1,7 @@
-"""How everything here is measured: in pairs, beside a floor, medians, each run on its own manager.
+"""Measures in pairs: figure beside floor, medians, each run on its own manager.
 
 Machines are noisy, so a figure means little alone: figure and floor take turns (A B A B …) in one
-run and on one interpreter, and what is judged is the median of the ratios of neighbours. Rows
+run and on one interpreter, and the median of the ratios of neighbours is judged. Rows
 whose target is an absolute time keep their floor beside them all the same.
 """
 

@@ -1,4 +1,4 @@
-"""Bringing components up: from one call, or one command, until all are listed Inactive."""
+"""Measures bringing components up: from one call, or command, until all are Inactive."""
 
 from __future__ import annotations
 

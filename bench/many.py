@@ -1,4 +1,4 @@
-"""Many components: a thousand in ten processes, one command for a hundred."""
+"""Measures many components: a thousand in ten processes, one command for a hundred."""
 
 from __future__ import annotations
 

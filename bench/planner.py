@@ -1,4 +1,4 @@
-"""The planner: successors a second among a million states, and plans of large deployments.
+"""Measures the planner: successors a second among a million states, large deployments.
 
 The floor of the first makes the same successors of the same states without any search; that of
 the others carries the plans out on the model.

@@ -1,4 +1,4 @@
-"""The data path: a write inside a process, a round trip through two."""
+"""Measures the data path: a write inside a process, a round trip through two."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the kernel tells of processes: their memory, their processor time, whether they are."""
+"""Reads the kernel's data on processes: memory, processor time, existence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading profiles, repairs and checks included, against parsing and validating them with lxml."""
+"""Measures reading profiles, repairs and checks included, against lxml's parse and validation."""
 
 from __future__ import annotations
 

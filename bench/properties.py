@@ -1,4 +1,4 @@
-"""Live properties: one at a time, many at once, very many; each beside a bare transport."""
+"""Measures live properties: one at a time, many at once, very many; beside a bare transport."""
 
 from __future__ import annotations
 

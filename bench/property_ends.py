@@ -1,4 +1,4 @@
-"""The far sides of what is measured of properties: ``-m bench.property_ends ours|zenoh|lines``.
+"""Serves the far side of property measurements: ``-m bench.property_ends ours|zenoh|lines``.
 
 Each says ``ready`` and serves until its input ends.
 """

@@ -1,4 +1,4 @@
-"""The floor of commands: a bare Python process that asks the manager the same question."""
+"""Measures the floor of commands: a bare Python process that asks the same question."""
 
 from __future__ import annotations
 

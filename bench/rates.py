@@ -1,4 +1,4 @@
-"""How regular a periodic execution context is, beside a bare loop over absolute deadlines.
+"""Measures the jitter of a periodic execution context, beside a bare loop over deadlines.
 
 Jitter is how much the time from one period to the next differs from a whole number of periods.
 Both take turns, each in a process that does nothing else; what counts is the median, and the

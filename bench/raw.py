@@ -1,4 +1,4 @@
-"""The floor of the round trip: bare zenoh between two processes, on the route that rtkit takes.
+"""Measures the floor of the round trip: bare zenoh between two processes, rtkit's route.
 
 Each end listens on a unix socket as a peer and opens a client session to the other one's:
 ``python -m bench.raw ping|echo OWN_SOCKET OTHER_SOCKET``. ``ping`` reads a number of round trips

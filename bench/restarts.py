@@ -1,4 +1,4 @@
-"""From the kill of a slave, or of the manager, until all is there again, as it was."""
+"""Measures recovery: from the kill of a slave, or of the manager, until all is restored."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many processes: what idle ones cost, how they are found again, how all end."""
+"""Measures many processes: cost of idle ones, rediscovery, and the end of all."""
 
 from __future__ import annotations
 

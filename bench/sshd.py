@@ -1,4 +1,4 @@
-"""A real OpenSSH server of our own on loopback, with keys that are thrown away; and its client."""
+"""Runs a real OpenSSH server on loopback, with keys that are thrown away; and its client."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Systems checked before anything runs, against a bare parse of the same documents."""
+"""Measures static checks of systems against a bare parse of the same documents."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Systems that nobody has, to see how reading grows: components in rings, each part filled in."""
+"""Generates synthetic systems, to see how reading scales: components in rings, all parts filled."""
 
 from __future__ import annotations
 

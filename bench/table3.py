@@ -1,4 +1,4 @@
-"""Four ways to launch components: the rows of Table 3 of the paper on deployment, measured here.
+"""Measures four ways to launch components: the rows of Table 3 of the paper on deployment.
 
 By command, each component by one of its own or all by one; over ssh by hand, which is a login on a
 terminal and a command typed for each, and over ssh by script. The operator types without thinking.

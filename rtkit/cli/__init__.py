@@ -1,4 +1,4 @@
-"""The commands. One file a command; `COMMANDS` is the static table of all of them."""
+"""Lists the commands: one file a command, all of them in the static table `COMMANDS`."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ _MANY = 50_000
 
 
 def _begin_script() -> None:
-    """Make this process fit for one of our scripts; who imports a command is not touched.
+    """Prepare this process for a console script; a plain import of a command changes nothing.
 
     Ctrl-C ends it without a traceback while it still imports. The module `signal` itself takes as
     long to import as all that comes before this. And what is imported lives until the end: to

@@ -1,4 +1,4 @@
-"""What every command shares: common options, the connection to the tree, errors to exit statuses.
+"""Runs every command: common options, the connection to the tree, errors to exit statuses.
 
 A command file declares its options and calls one room. It is a console script (``rtls``), a verb
 of the unified tool (``rtkit ls``) and a function: ``main(["-l"], tree=some_tree)``.

@@ -1,4 +1,4 @@
-"""Write files whole or not at all."""
+"""Writes files atomically: the whole new content or none of it."""
 
 from __future__ import annotations
 

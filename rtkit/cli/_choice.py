@@ -1,7 +1,7 @@
-"""Values of options: words out of a few, with a guess what was meant, and numbers.
+"""Option types: words out of a few, with a suggestion for a misspelt one, and finite numbers.
 
-Words are taken in any case of letters. Numbers are such as can be counted with: neither ``nan``
-nor infinite, which ``1e400`` is.
+Words are taken in any case of letters. Numbers must be finite: neither ``nan``
+nor infinity, to which ``1e400`` overflows.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where RTC profiles of components are looked for: what was named, beside modules, the shipped."""
+"""Finds RTC profiles of components: named ones first, then beside modules, then shipped ones."""
 
 from __future__ import annotations
 

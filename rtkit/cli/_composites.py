@@ -1,4 +1,4 @@
-"""What changes in the parameters of a composite when members come and go."""
+"""Computes the parameters of a composite component after members join or leave."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the data tools share: their common options, and the streams that the user named."""
+"""Shared parts of the data tools: common options, and the streams of the ports typed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Examples of the manual pages: a command line, and what it does."""
+"""Examples of the manual pages: command lines, each with its effect."""
 
 from __future__ import annotations
 

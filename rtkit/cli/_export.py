@@ -1,4 +1,4 @@
-"""Values of a recording for other programs: lines of text, JSON Lines, CSV."""
+"""Exports values of a recording to other programs: lines of text, JSON Lines, CSV."""
 
 from __future__ import annotations
 

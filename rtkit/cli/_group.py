@@ -1,4 +1,4 @@
-"""A command of several words, ``rtprofile validate``: a module each, imported when it is typed."""
+"""Groups subcommands, ``rtprofile validate``: one module each, imported when it is typed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rtkit help TOPIC``: what concerns more than one command."""
+"""``rtkit help TOPIC``: texts on topics that concern more than one command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""For how long a command goes on: the option ``-t``."""
+"""The option ``-t``: bounds the duration of a command."""
 
 from __future__ import annotations
 

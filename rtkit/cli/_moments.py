@@ -1,4 +1,4 @@
-"""Moments as the time of day, for people."""
+"""Formats moments as the local time of day, for people."""
 
 from __future__ import annotations
 

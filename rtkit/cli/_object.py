@@ -1,4 +1,4 @@
-"""The object that ``MODULE:CLASS`` stands for."""
+"""Resolves ``MODULE:CLASS``: imports the module and calls the class."""
 
 from __future__ import annotations
 

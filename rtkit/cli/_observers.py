@@ -1,4 +1,4 @@
-"""What the observers share: ears at managers, which follow them through a restart, and patience."""
+"""Shares subscriptions to managers among the observing commands; they survive restarts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How results look: columns, colours of states, what a terminal gets and what a pipe gets."""
+"""Formats results: columns, colours of states, differences between a terminal and a pipe."""
 
 from __future__ import annotations
 

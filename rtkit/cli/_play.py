@@ -1,4 +1,4 @@
-"""Playing of recordings into ports, and what is told of them."""
+"""Plays recordings into ports and reports on them."""
 
 from __future__ import annotations
 

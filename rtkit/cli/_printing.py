@@ -1,4 +1,4 @@
-"""What ``rtprint`` makes of the values that come: lines, statistics, or a chart."""
+"""Prints the values that ``rtprint`` receives: as lines, statistics or a chart."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""This process as one of our scripts: what Ctrl-C, a closed pipe and an odd stdout do to it."""
+"""Prepares the process of a console script: Ctrl-C, a closed pipe, an odd stdout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far it is, at the foot of a terminal; what is no terminal gets the plain lines only."""
+"""Shows progress at the foot of a terminal; a pipe or file gets the plain lines only."""
 
 from __future__ import annotations
 

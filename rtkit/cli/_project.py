@@ -1,4 +1,4 @@
-"""The files of a component on disk: what is read to build it, and what is written."""
+"""Reads and writes the files of a component on disk: sources of a build and its results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the commands of live properties share: options, connections, how values are shown."""
+"""Shared parts of the property commands: options, connections, the display of values."""
 
 from __future__ import annotations
 

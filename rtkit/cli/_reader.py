@@ -1,4 +1,4 @@
-"""Who reads stdout: a command that waits ends when nobody does any more."""
+"""Watches the reader of stdout: a waiting command ends when its reader has gone."""
 
 from __future__ import annotations
 

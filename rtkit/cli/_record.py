@@ -1,4 +1,4 @@
-"""Recording of ports into a file."""
+"""Records ports into a file."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Records for other programs: JSON Lines, each object with the name of its form.
+"""Formats records for other programs: JSON Lines, each object with the name of its schema.
 
-The forms are those of ``schemas/json/NAME.1.schema.json``, all of them explained in docs/json.md.
+The schemas are ``schemas/json/NAME.1.schema.json``; docs/json.md explains all of them.
 """
 
 from __future__ import annotations

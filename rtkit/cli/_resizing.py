@@ -1,4 +1,4 @@
-"""A bell that rings when what stands on the terminal is no longer what was written there."""
+"""Wakes a waiting command when the terminal's size changes or the process is continued."""
 
 from __future__ import annotations
 

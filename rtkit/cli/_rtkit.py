@@ -1,4 +1,4 @@
-"""``rtkit VERB …``: all commands behind one word, importing only the one asked for."""
+"""``rtkit VERB …``: dispatches to all commands, importing only the one asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``rtls`` shows of a property service: names, or with them type, access, unit, value."""
+"""Lists a property service for ``rtls``: names, or with them type, access, unit, value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rtls --watch`` of a property service: it listens to what it shows."""
+"""``rtls --watch`` of a property service: subscribes to the names and values on show."""
 
 from __future__ import annotations
 

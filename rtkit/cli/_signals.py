@@ -1,4 +1,4 @@
-"""Signals that the main thread hears whichever thread of the process the kernel gives them to."""
+"""Delivers signals to the main thread, whichever thread the kernel gives them to."""
 
 from __future__ import annotations
 

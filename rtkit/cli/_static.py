@@ -1,4 +1,4 @@
-"""Systems checked before anything runs: ``rtprofile check`` and ``rtcheck --static``."""
+"""Checks systems before anything runs: ``rtprofile check`` and ``rtcheck --static``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the exit status of a command says: the table of every manual page and ``help statuses``."""
+"""Exit statuses of commands: the table of every manual page and of ``help statuses``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``rtact``, ``rtdeact`` and ``rtreset`` share: a transition asked for many components."""
+"""Requests a state transition of many components: ``rtact``, ``rtdeact``, ``rtreset``."""
 
 from __future__ import annotations
 

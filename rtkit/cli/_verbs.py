@@ -1,4 +1,4 @@
-"""What ``rtkit`` can be followed by, and what each is for, in a line."""
+"""The verbs of ``rtkit``, each with a summary of one line."""
 
 from __future__ import annotations
 

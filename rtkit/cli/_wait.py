@@ -1,4 +1,4 @@
-"""Waiting for something to come while somebody reads what is written."""
+"""Waits for descriptors to become readable, and for the reader of stdout to leave."""
 
 from __future__ import annotations
 

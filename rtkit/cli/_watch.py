@@ -1,4 +1,4 @@
-"""``--watch``: show the same again and again."""
+"""``--watch``: shows the same again and again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Make the model from a valid tree, along the tables of `rtkit.profile.spec`."""
+"""Builds the model from a valid tree, along the tables of `rtkit.profile.spec`."""
 
 from __future__ import annotations
 

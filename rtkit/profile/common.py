@@ -1,4 +1,4 @@
-"""What both profile models share: properties, kept foreign content, and the result of reading."""
+"""Shared parts of both profile models: properties, foreign content, the result of reading."""
 
 from __future__ import annotations
 

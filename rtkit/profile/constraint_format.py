@@ -1,4 +1,4 @@
-"""Constraints written in one line, so that `rtkit.profile.constraint_text` reads them back."""
+"""Formats constraints on one line, so that `rtkit.profile.constraint_text` reads them back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Constraints in one line, as configuration files write them, read into the model.
+"""Parses constraints on one line, as configuration files write them, into the model.
 
 ``100`` equal, ``x>1`` ``x<=9`` ``x!=3`` comparisons, ``1<=x<=9`` between, ``1<x<9`` both,
 ``(a,b,c)`` one of these, ``c1,c2`` one for each element of a vector, ``{k1:c1,k2:c2}`` one for

@@ -1,4 +1,4 @@
-"""The words of one-line constraints: literals, signs and marks, to and from text."""
+"""Tokens of one-line constraints: literals, signs and marks, from text and back."""
 
 from __future__ import annotations
 

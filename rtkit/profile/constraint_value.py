@@ -1,8 +1,8 @@
-"""Whether values satisfy constraints. Values and literals are text; numbers compare as numbers.
+"""Tests values against constraints. Values and literals are text; numbers compare as numbers.
 
 A test that no value of the parameter's kind could ever meet or miss says nothing: a bound that
-is no number, a word where numbers are wanted (authors write remarks there). What says nothing
-is left out of what is around it.
+is no number, a word where numbers are wanted (authors write notes there). A test that says nothing
+is left out of the constraint around it.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Look a document through: what kind of profile it is, and all that was found on the way.
+"""Examines a document: its kind of profile, and every finding on the way.
 
-For who reports on profiles. Who wants the profile reads it (`rtkit.profile.read`).
+For programs that report on profiles. Programs that use one call `rtkit.profile.read`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a reader finds on its way: repairs, remarks and errors, each with its line."""
+"""Collects a reader's findings: repairs, remarks and errors, each with its line."""
 
 from __future__ import annotations
 

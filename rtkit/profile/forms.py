@@ -1,4 +1,4 @@
-"""The forms that a profile is written in, and how to tell which one a document has."""
+"""Forms of profiles (XML, YAML, JSON), and the detection of a document's form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JSON: text to nodes with the lines of their objects, and plain data to text."""
+"""Reads and writes JSON: text to nodes with the lines of their objects, plain data to text."""
 
 from __future__ import annotations
 

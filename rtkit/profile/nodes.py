@@ -1,6 +1,6 @@
-"""Documents of tables, lists and scalars, with their lines: what YAML and JSON have in common.
+"""Nodes that YAML and JSON have in common: tables, lists and scalars, with their lines.
 
-Scalars stay text: the tables of `rtkit.profile.spec` know what each of them means, so ``0.2``
+Scalars stay text: the tables of `rtkit.profile.spec` know the type of each of them, so ``0.2``
 is a version where a version is meant, and ``no`` a name where a name is.
 """
 

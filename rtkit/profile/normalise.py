@@ -1,4 +1,4 @@
-"""Bring a profile's tree to the strict form, noting each repair with its line.
+"""Repairs a profile's tree to the strict form, noting each repair with its line.
 
 One walk along the tables of `rtkit.profile.spec`; nothing here knows RTC from RTS.
 """

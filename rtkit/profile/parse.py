@@ -1,4 +1,4 @@
-"""Turn bytes into an XML tree, refusing what no profile contains.
+"""Parses bytes into an XML tree, refusing content that no profile has.
 
 Hostile documents end here: document type declarations (and so every entity), huge or deeply
 nested ones, anything that is not well-formed. Nothing else is opened, no network is used.

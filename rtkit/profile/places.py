@@ -1,4 +1,4 @@
-"""Where an element stands: its XPath in the document as it was read, before any repair."""
+"""Locates elements: XPaths in the document as it was read, before any repair."""
 
 from __future__ import annotations
 

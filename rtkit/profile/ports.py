@@ -1,4 +1,4 @@
-"""What a system profile tells of its data ports: direction and type, from ports and connectors."""
+"""Collects direction and type of a system's data ports, from its ports and connectors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a part of a model to where it stands in the document that it was read from."""
+"""Maps parts of a model to their positions in the document."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Read profiles: parse, normalise, validate, build; from XML, YAML or JSON.
+"""Reads profiles: parses, normalises, validates, builds; from XML, YAML or JSON.
 
-What can be put right is put right and noted, unless `strict` asks for an error instead.
+Deviations that can be repaired are repaired and noted, unless `strict` asks for an error instead.
 """
 
 from __future__ import annotations

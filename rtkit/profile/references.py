@@ -1,4 +1,4 @@
-"""References inside an RTS profile: who names whom, and whether it is there."""
+"""Checks references inside an RTS profile: each must name something that is there."""
 
 from __future__ import annotations
 

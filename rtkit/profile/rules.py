@@ -1,4 +1,4 @@
-"""The rules that findings are about; their ids are stable, so that checks can be told by them."""
+"""Rules of findings; their ids are stable, so that checks can be selected by them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""State machines as SCXML: states, their nesting, transitions by events; nothing else of it.
+"""Reads and writes SCXML: states, their nesting, transitions by events; nothing else of it.
 
 A state inside another one is ``Outer.Inner`` in the table; in the document its id is the last
 part where that is unique. Executable content (``onentry``, ``script`` …) is noted and left out:

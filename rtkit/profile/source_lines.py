@@ -1,6 +1,6 @@
-"""The lines that people see: where a tag begins and where an attribute stands.
+"""Locates findings at the lines that people see: the begin of a tag, or an attribute.
 
-The parser only tells the line on which a start tag ends. For tags over several lines the text is
+The parser only reports the line on which a start tag ends. For tags over several lines the text is
 looked at, where its encoding has ASCII in it.
 """
 

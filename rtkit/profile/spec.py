@@ -1,4 +1,4 @@
-"""How a model class looks in XML: the tables that reader, normaliser and writer share."""
+"""Tables of the XML form of model classes, shared by reader, normaliser and writer."""
 
 from __future__ import annotations
 

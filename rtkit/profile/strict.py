@@ -1,7 +1,7 @@
-"""The short way for documents in strict form: no repairs, no remarks, straight to the model.
+"""Builds documents in strict form by a fast path: no repairs, no remarks.
 
-It takes the same decisions as the long way, `rtkit.profile.normalise` and the checks after it, or
-none at all: whatever is out of the ordinary is left to that one, which can tell what it is.
+It takes the same decisions as the full path, `rtkit.profile.normalise` and the checks after it, or
+none at all: anything out of the ordinary is left to the full path, which can name the fault.
 """
 
 from __future__ import annotations

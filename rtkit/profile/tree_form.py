@@ -1,9 +1,9 @@
-"""The tree that YAML and JSON profiles are, and how it names things; by the tables of the XML form.
+"""Names of keys in YAML and JSON profiles, derived from the tables of the XML form.
 
 A key is the name of an element or attribute beginning with a small letter. Where its namespace is
 not that of the element it is in, the usual prefix stands before it: ``rtcExt::comment``.
-Repeated elements are lists, dates are tables of year to second, and what a target waits for
-stands under ``condition``. Content of other namespaces is under ``foreign::attributes`` and
+Repeated elements are lists, dates are tables of year to second, and a target's preconditions
+stand under ``condition``. Content of other namespaces is under ``foreign::attributes`` and
 ``foreign::elements``, with names as in ``{namespace}local``.
 """
 

@@ -1,4 +1,4 @@
-"""From the tree of a YAML or JSON document to the elements that every profile is checked as."""
+"""Converts a YAML or JSON tree to elements, as which every profile is checked."""
 
 from __future__ import annotations
 

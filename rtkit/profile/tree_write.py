@@ -1,4 +1,4 @@
-"""From the model to the tree of plain data that YAML and JSON profiles are."""
+"""Converts a model to the tree of plain data of its YAML and JSON forms."""
 
 from __future__ import annotations
 

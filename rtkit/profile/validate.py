@@ -1,4 +1,4 @@
-"""Check a normalised tree against rtkit's own schemas."""
+"""Validates a normalised tree against rtkit's own schemas."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small readings of the texts inside profiles: port names, data types, properties."""
+"""Interprets texts inside profiles: port names, data types, properties."""
 
 from __future__ import annotations
 

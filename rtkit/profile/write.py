@@ -1,4 +1,4 @@
-"""Write profiles in any form: the strict one of XML, YAML or JSON."""
+"""Writes profiles in any form: strict XML, YAML or JSON."""
 
 from __future__ import annotations
 

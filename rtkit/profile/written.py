@@ -1,4 +1,4 @@
-"""What all forms of a written profile share: the order of parts, the text of values, its limits."""
+"""Shared parts of all profile writers: the order of parts, the text of values, its limits."""
 
 from __future__ import annotations
 

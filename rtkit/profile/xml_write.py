@@ -1,4 +1,4 @@
-"""From the model to XML, always the same bytes for the same model: the strict form."""
+"""Writes a model as XML in strict form: always the same bytes for the same model."""
 
 from __future__ import annotations
 

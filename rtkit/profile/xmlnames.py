@@ -1,4 +1,4 @@
-"""The namespaces of the profiles, and names written with their usual prefixes."""
+"""Namespaces of the profiles, and names written with their usual prefixes."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""YAML, as far as a profile may go: text to nodes, and plain data to text; by PyYAML.
+"""Reads and writes the YAML of profiles: text to nodes, plain data to text; by PyYAML.
 
-The library's parser is asked for events and nothing is ever constructed from a tag. What could do
-harm is refused with its line: tags but those of plain data, aliases of anything but scalars,
+The library's parser only yields events; nothing is ever constructed from a tag. Harmful content
+is refused with its line: tags but those of plain data, aliases of anything but scalars,
 repeated keys, keys that are no scalars, several documents, nesting and size beyond bounds.
 """
 

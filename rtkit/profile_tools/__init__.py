@@ -1,5 +1,5 @@
-"""What is done with profiles as documents: judged, told, compared, drawn, begun.
+"""Tools for profiles as documents: validating, summarising, comparing, drawing, creating.
 
-All of it is pure: documents come in as bytes, pages and pictures go out as text. Nothing is
+All of it is pure: documents come in as bytes, pages and drawings go out as text. Nothing is
 imported here.
 """

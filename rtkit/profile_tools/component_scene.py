@@ -1,4 +1,4 @@
-"""A component profile as what is to be drawn of it."""
+"""Drawing input of a component profile: its name and its pins."""
 
 from __future__ import annotations
 

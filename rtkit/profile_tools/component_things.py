@@ -1,4 +1,4 @@
-"""An RTC profile as things that can be compared by name."""
+"""Splits an RTC profile into things that can be compared by name."""
 
 from __future__ import annotations
 

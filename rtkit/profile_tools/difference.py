@@ -1,4 +1,4 @@
-"""How two profiles of one kind differ in what they mean: components, connectors, parameters.
+"""Compares two profiles of one kind by meaning: components, connectors, parameters.
 
 Things are the same where their names are, or the ends of a connector; ids, dates, positions and
 remarks make no difference unless all is asked for.

@@ -1,4 +1,4 @@
-"""A page as one HTML file: no scripts, nothing to be loaded, every text escaped."""
+"""Renders a page as one HTML file: no scripts, no external resources, every text escaped."""
 
 from __future__ import annotations
 

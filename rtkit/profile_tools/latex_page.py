@@ -1,4 +1,4 @@
-"""A page as a LaTeX article of its own; it needs no package beyond those of every installation."""
+"""Renders a page as a LaTeX article; every installation has the packages that it needs."""
 
 from __future__ import annotations
 

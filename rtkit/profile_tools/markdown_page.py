@@ -1,4 +1,4 @@
-"""A page as Markdown, with tables as GitHub and most others read them."""
+"""Renders a page as Markdown, with tables as GitHub and most others read them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A new component profile, from a few words on each of its parts."""
+"""Creates a component profile from a few words on each of its parts."""
 
 from __future__ import annotations
 

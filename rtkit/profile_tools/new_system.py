@@ -1,4 +1,4 @@
-"""A new system profile, from component profiles and the names of ports to be connected."""
+"""Creates a system profile from component profiles and pairs of ports to connect."""
 
 from __future__ import annotations
 

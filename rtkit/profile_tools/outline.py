@@ -1,4 +1,4 @@
-"""A text in levels: what a summary is before anybody decides how it looks."""
+"""Outline of a text in levels: the content of a summary, apart from its layout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page about a profile before anybody decides whether it is HTML or Markdown."""
+"""Page about a profile: its content, apart from its rendering as HTML or Markdown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A document written anew, as XML, YAML or JSON, and what is other than it was."""
+"""Rewrites a document as XML, YAML or JSON, and reports the differences from the original."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page as reStructuredText."""
+"""Renders a page as reStructuredText."""
 
 from __future__ import annotations
 

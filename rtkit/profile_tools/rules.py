@@ -1,4 +1,4 @@
-"""The rules of this room, beside those of `rtkit.profile.rules`."""
+"""Rules of this package, beside those of `rtkit.profile.rules`."""
 
 from __future__ import annotations
 

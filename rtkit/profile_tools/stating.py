@@ -1,4 +1,4 @@
-"""Extension properties of a system and its components: stated otherwise, added, removed."""
+"""Edits extension properties of a system and its components: sets, adds, removes them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a profile says, for a person to read."""
+"""Summarises a profile of either kind for a person to read."""
 
 from __future__ import annotations
 

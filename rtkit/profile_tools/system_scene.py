@@ -1,4 +1,4 @@
-"""A system profile as what is to be drawn of it."""
+"""Drawing input of a system profile: components, pins and connections."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An RTS profile as things that can be compared by name."""
+"""Splits an RTS profile into things that can be compared by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A page as plain text, for a terminal or a mail."""
+"""Renders a page as plain text, for a terminal or a mail."""
 
 from __future__ import annotations
 

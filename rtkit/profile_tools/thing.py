@@ -1,4 +1,4 @@
-"""A profile as things with fields, so that two can be compared by name."""
+"""Things with fields, the parts by which two profiles are compared by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a document no model holds, so that writing it anew loses it: comments mostly."""
+"""Finds content that no model holds and that rewriting a document loses: mostly comments."""
 
 from __future__ import annotations
 

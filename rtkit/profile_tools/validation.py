@@ -1,4 +1,4 @@
-"""The verdict on a document, with everything that was found in it."""
+"""Validates a document: the verdict, with every finding."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A real browser without a screen, told what to do over its debugging pipe."""
+"""Drives a real headless browser over its debugging pipe."""
 
 from __future__ import annotations
 

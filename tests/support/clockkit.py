@@ -1,4 +1,4 @@
-"""A wall clock that jumps, for all processes of a shell; the machine's own is left alone."""
+"""Shifts the wall clock of all processes of a shell; the machine's own clock stays as it is."""
 
 from __future__ import annotations
 

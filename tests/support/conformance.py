@@ -1,6 +1,7 @@
-"""What every door of the Property Service must answer, as one table; each door is a row of a test.
+"""Conformance table: required answers of every endpoint of the Property Service.
 
-The subject is one service; a door is anything with ``ask`` (target, payload) and ``listen``.
+Each endpoint is a row of a test. The subject is one service; an endpoint is any object with
+``ask`` (target, payload) and ``listen``.
 """
 
 from __future__ import annotations

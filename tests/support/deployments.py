@@ -1,4 +1,4 @@
-"""Deployments to be planned: instance files read, large ones made, random ones drawn."""
+"""Deployments to plan: read from instance files, generated large, or drawn at random."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A core whose components end, and what it does about that, for tests of supervision."""
+"""Drives the core of supervision through ends of components, recording its reactions."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Breaks processes off at named points, and says whether what is left is one of what may be left.
+"""Kills processes at named points, and checks that the state left behind is a legal one.
 
-The rule, for every operation and every point that it passes: what lives afterwards is what lived
-before, or what was to live, or part of the way there; who was told of success was told the truth;
-and the same command, typed again, leads to what was to live.
+The rule, for every operation and every point that it passes: the live system afterwards is the one
+before, the desired one, or part of the way there; a reported success is true; and the same command,
+typed again, leads to the desired system.
 """
 
 from __future__ import annotations

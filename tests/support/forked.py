@@ -1,8 +1,8 @@
-"""Commands run as children of one process that has imported them all: real ones, only quicker.
+"""Runs commands as forks of one process that has imported them all: real ones, only quicker.
 
 Read as a script it takes a JSON object a line, ``{"argv": …, "text": …, "is_endless": …}``, and
-answers with ``{"status": …, "out": …, "err": …}``. What is endless is interrupted, as by Ctrl-C,
-once it has written something, or when it has nothing to say.
+answers with ``{"status": …, "out": …, "err": …}``. An endless command is interrupted, as by Ctrl-C,
+once it has written something, or when it has nothing to write.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What makes promises true: the tests of faults are to fail when it is taken away.
+"""Guards that keep promises true: the fault tests must fail when one is taken away.
 
-Each guard is some text of one file, and what stands there without it.
+Each guard is some text of one file, and the text in its place when the guard is removed.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Ice for the tests: where the virtual environment has none, that of the Debian package.
+"""Ice for the tests: the Debian package's, where the virtual environment has none.
 
 The package index has no zeroc-ice that fits this Python without building it; Debian's
-python3-zeroc-ice lies outside of every virtual environment. Of it only what is Ice is linked into a
+python3-zeroc-ice lies outside of every virtual environment. Only its Ice files are linked into a
 folder of its own, which is put on the path: nothing else of the system's Python is seen.
 """
 

@@ -1,4 +1,4 @@
-"""A client of an Ice door that speaks the protocol of Ice byte by byte, rightly or not."""
+"""Client of an Ice endpoint that speaks the Ice protocol byte by byte, rightly or not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What commands write for other programs, held against its schemas."""
+"""Validates the JSON records that commands write against their schemas."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a process holds: threads and descriptors, compared before and after."""
+"""Compares the threads and descriptors of a process before and after."""
 
 from __future__ import annotations
 

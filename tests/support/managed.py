@@ -1,4 +1,4 @@
-"""The real core of a manager over simulated processes: what holders do, a `FakeManager` knows."""
+"""Runs the real core of a manager over simulated processes, whose containers are `FakeManager`s."""
 
 from __future__ import annotations
 

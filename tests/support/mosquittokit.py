@@ -1,4 +1,4 @@
-"""A mosquitto of the test: on a free port of this host, with one user."""
+"""Starts a mosquitto broker for a test: on a free port of this host, with one user."""
 
 from __future__ import annotations
 

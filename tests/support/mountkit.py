@@ -1,4 +1,4 @@
-"""A mount namespace of a test's own, where a file system can be made small or full."""
+"""Mount namespace of a test, where a file system can be made small or full."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A serial line as a door of the conformance suite: one client for all that is asked and heard."""
+"""Serial endpoint of the conformance suite: one client for all requests and events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The operations whose interruption is tried: what lives before, and the command."""
+"""Operations to interrupt: the state before each, and its command."""
 
 from __future__ import annotations
 

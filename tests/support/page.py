@@ -1,4 +1,4 @@
-"""What stands on a terminal: enough of one to read live pages."""
+"""Emulates a terminal's screen, as far as reading live pages needs."""
 
 from __future__ import annotations
 

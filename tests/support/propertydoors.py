@@ -1,4 +1,4 @@
-"""Clients of the doors of property services, as the table of conformance wants them."""
+"""Clients of the endpoints of property services, as the conformance table needs them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Serial lines without hardware: two devices (real pseudo-terminals) and the cable between them.
+"""Simulates serial lines: two devices (real pseudo-terminals) and the cable between them.
 
 The cable can damage what it carries; a device can be unplugged and plugged in again.
 """

@@ -1,4 +1,4 @@
-"""What a small device answers of the conformance suite: all but what `LEFT_OUT` names.
+"""Required answers of a small device: the conformance suite without the rows of `LEFT_OUT`.
 
 The README of ``examples/embedded`` has the same table.
 """

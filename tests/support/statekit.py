@@ -1,4 +1,4 @@
-"""A robot with states, in a simulated world, for tests of who follows its events."""
+"""Simulates a robot with states, for tests of the followers of its events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Has the N-th system call of a kind kill its process, or fail, from outside: with strace.
+"""Makes the N-th system call of a kind kill its process, or fail: with strace from outside.
 
 Nothing in rtkit knows of it. strace counts for each thread by itself, so that the N-th call of a
 thread is meant; those that a traced process starts are followed.

@@ -1,4 +1,4 @@
-"""Systems and worlds to be drawn at random: profiles, and what others do to what lives."""
+"""Draws random systems and worlds: profiles, and the changes that others make to live ones."""
 
 from __future__ import annotations
 

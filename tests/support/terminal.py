@@ -1,4 +1,4 @@
-"""A program in a real terminal: what is typed, and what is seen."""
+"""Runs a program in a real terminal: types keys and reads the screen."""
 
 from __future__ import annotations
 

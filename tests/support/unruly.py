@@ -1,4 +1,4 @@
-"""An object whose code does all that code can do, and what each endpoint of it must hold."""
+"""Object whose code misbehaves in every way, and the promises its endpoints must keep."""
 
 from __future__ import annotations
 
