@@ -1,4 +1,4 @@
-"""Notes when each of its periods begins."""
+"""Component that notes the begin of each of its periods."""
 
 import time
 from array import array

@@ -1,4 +1,4 @@
-"""The answering end of the round trip."""
+"""Answering end of the round trip."""
 
 from __future__ import annotations
 

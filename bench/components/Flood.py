@@ -1,4 +1,4 @@
-"""A source of many values, as fast as they are taken."""
+"""Source of many values, as fast as they are taken."""
 
 from __future__ import annotations
 

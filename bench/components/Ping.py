@@ -1,4 +1,4 @@
-"""The measuring end of the round trip."""
+"""Measuring end of the round trip."""
 
 from __future__ import annotations
 

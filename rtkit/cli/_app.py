@@ -139,7 +139,7 @@ class App:
 
     @property
     def finds_managers(self) -> bool:
-        """Whether it looks for managers itself, and was not given one."""
+        """Return whether it looks for managers itself, and was not given one."""
         return self._is_own_tree
 
     def at(self, address: Address) -> tuple[Tree, str]:
@@ -327,7 +327,7 @@ def command(
 
 
 def _is_repeatable(parameter: click.Parameter) -> TypeGuard[click.Option]:
-    """Whether an option may be given several times, and does not say so itself."""
+    """Return whether an option may be given several times, and does not say so itself."""
     is_option = isinstance(parameter, click.Option) and not parameter.is_flag
     return is_option and parameter.multiple and "repeatable" not in (parameter.help or "")
 
@@ -468,7 +468,7 @@ def _failed(command: click.Command, app: App, error: Exception) -> int:
 
 
 def _lacks_argument(error: click.ClickException) -> bool:
-    """Whether what is wrong is the number of arguments, as with `WrongArguments`."""
+    """Return whether what is wrong is the number of arguments, as with `WrongArguments`."""
     return isinstance(error, click.MissingParameter) and isinstance(error.param, click.Argument)
 
 

@@ -44,12 +44,12 @@ def write(lines: Iterable[str]) -> None:
 
 
 def is_terminal() -> bool:
-    """Whether stdout is a terminal."""
+    """Return whether stdout is a terminal."""
     return sys.stdout.isatty()
 
 
 def has_colour() -> bool:
-    """Whether to colour what goes to stdout (NO_COLOR, FORCE_COLOR, TERM=dumb respected)."""
+    """Return whether to colour what goes to stdout (NO_COLOR, FORCE_COLOR, TERM=dumb respected)."""
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR"):

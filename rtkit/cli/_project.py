@@ -52,7 +52,7 @@ class FileChange(NamedTuple):
 
     @property
     def is_conflict(self) -> bool:
-        """Whether it cannot be written without losing something."""
+        """Return whether it cannot be written without losing something."""
         return self.merged.assignment is MergeOutcome.CONFLICT
 
     @property

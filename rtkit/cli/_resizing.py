@@ -27,7 +27,7 @@ class ResizeWakeup:
             os.eventfd_write(self._event, 1)
 
     def heard(self) -> bool:
-        """Whether it has rung since this was asked last."""
+        """Return whether it has rung since this was asked last."""
         try:
             os.eventfd_read(self._event)
         except BlockingIOError:

@@ -50,7 +50,7 @@ class WatchedScreen:
 
     @property
     def is_due(self) -> bool:
-        """Whether it is to be shown now."""
+        """Return whether it is to be shown now."""
         due = self.due()
         return due is not None and time.monotonic() >= due
 

@@ -143,7 +143,7 @@ class Top:
 
     @property
     def has_rates(self) -> bool:
-        """Whether all managers have told figures twice."""
+        """Return whether all managers have told figures twice."""
         raters = self._raters
         return bool(raters) and all(
             name in raters and raters[name].has_rates for name in self.subscriptions.subscriptions
@@ -151,7 +151,7 @@ class Top:
 
     @property
     def is_whole(self) -> bool:
-        """Whether every process has answered both times."""
+        """Return whether every process has answered both times."""
         return all(rater.is_whole for rater in self._raters.values())
 
     def rows(self) -> list[RateRow]:

@@ -190,7 +190,7 @@ class _Watch:
                 yield self._record(manager, moment, each)
 
     def _is_seen(self, user_event: UserEvent) -> bool:
-        """Whether it is told all the same that a system came to a state."""
+        """Return whether it is told all the same that a system came to a state."""
         told = user_event.system
         is_own = self._states is not None and told is not None and told.system == self._states.name
         return is_own and told is not None and user_event.event == told.state

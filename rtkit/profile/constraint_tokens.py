@@ -38,12 +38,12 @@ class Token(NamedTuple):
 
     @property
     def is_literal(self) -> bool:
-        """Whether it can be a value."""
+        """Return whether it can be a value."""
         return self.kind in ("word", "quoted")
 
     @property
     def is_variable(self) -> bool:
-        """Whether it stands for the value that is tested."""
+        """Return whether it stands for the value that is tested."""
         return self.kind == "word" and self.text == VARIABLE
 
 

@@ -41,7 +41,7 @@ _INTEGER = re.compile(r"\s*[+-]?[0-9]{1,400}\s*", re.ASCII)
 def allows(
     constraint: Constraint, value: str | Sequence[str], *, wants_number: bool = False
 ) -> bool:
-    """Whether `value`, a text or the elements of a list, satisfies `constraint`.
+    """Return whether `value`, a text or the elements of a list, satisfies `constraint`.
 
     One test holds for each element; a list of constraints holds element by element, as far as
     both go, unless it only names values: then it lists what each may be, as authors mean it.

@@ -75,7 +75,7 @@ class Findings:
             self.repairs.append(Note(line, text, rule=rule))
 
     def _takes_more(self, line: int) -> bool:
-        """Whether there is room for one more repair; if not, say it once."""
+        """Return whether there is room for one more repair; if not, say it once."""
         count = len(self.repairs)
         if count == _MOST_REPAIRS:
             more = f"and more repairs, after {_MOST_REPAIRS} that were told"

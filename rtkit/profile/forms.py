@@ -16,7 +16,7 @@ _YAML_ROOT = rb"^(---\s+)?\s*[\"']?[Rr]t[cs]Profile[\"']?\s*:"
 
 
 def may_be_component(head: bytes) -> bool:
-    """Whether a document that begins so may be an RTC profile, told without parsing."""
+    """Return whether a document that begins so may be an RTC profile, told without parsing."""
     return any(root in head.replace(b"\0", b"") for root in _COMPONENT_ROOTS)
 
 

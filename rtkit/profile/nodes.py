@@ -35,7 +35,7 @@ class ScalarNode(NamedTuple):
 
     @property
     def is_null(self) -> bool:
-        """Whether nothing is there."""
+        """Return whether nothing is there."""
         return not self.is_quoted and self.text in _NULLS
 
 

@@ -129,7 +129,7 @@ def _odd_attribute(element: Any, spec: ElementSpec, name: str, value: str, found
 
 
 def _is_wrong_xml(namespace: str, local: str, value: str) -> bool:
-    """Whether this is an ``xml:`` attribute other than a sound ``xml:lang``.
+    """Return whether this is an ``xml:`` attribute other than a sound ``xml:lang``.
 
     Schema libraries differ in what they know of these, so only that one is kept.
     """

@@ -35,7 +35,7 @@ _DOCTYPE = rb"<!DOCTYPE\s*([^\s\[>]*)"
 
 
 def may_drop_blanks(data: bytes) -> bool:
-    """Whether white space between elements may be left out of the tree without loss.
+    """Return whether white space between elements may be left out of the tree without loss.
 
     Not where comments or the like could part a text: its beginning would be taken for blank.
     """

@@ -33,17 +33,17 @@ _FLAGS = {"true": True, "false": False, "1": True, "0": False}
 
 
 def is_real(text: str) -> bool:
-    """Whether a text is a finite number as profiles write it."""
+    """Return whether a text is a finite number as profiles write it."""
     return re.fullmatch(_REAL_FORM, text) is not None and isfinite(float(text))
 
 
 def is_whole(text: str) -> bool:
-    """Whether a text is a whole number as profiles write it."""
+    """Return whether a text is a whole number as profiles write it."""
     return re.fullmatch(_WHOLE_FORM, text) is not None
 
 
 def is_date(text: str) -> bool:
-    """Whether a text is a date and time as profiles write it."""
+    """Return whether a text is a date and time as profiles write it."""
     return re.fullmatch(_DATE_FORM, text) is not None
 
 

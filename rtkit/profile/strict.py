@@ -35,7 +35,7 @@ def built(root: Any, spec: ElementSpec, scope: dict[str | None, str] | None) -> 
 
 
 def is_plain_component(profile: RtcProfile) -> bool:
-    """Whether a component profile is whole, and no name in it is used twice."""
+    """Return whether a component profile is whole, and no name in it is used twice."""
     names = [port.name for port in profile.data_ports]
     names += [port.name for port in profile.service_ports]
     is_whole = profile.basic_info is not None and profile.actions is not None
@@ -43,7 +43,7 @@ def is_plain_component(profile: RtcProfile) -> bool:
 
 
 def is_plain_system(profile: RtsProfile) -> bool:
-    """Whether all that is named in a system profile is there, once."""
+    """Return whether all that is named in a system profile is there, once."""
     components = {(item.id, item.instance_name): item for item in profile.components}
     names = {item.instance_name for item in profile.components}
     ids = [item.connector_id for item in profile.data_port_connectors]

@@ -274,7 +274,7 @@ class _Filler:
             self._wrong(node, why, _CHARACTER)
 
     def _has_too_many(self, table: TableNode) -> bool:
-        """Whether a table has more keys than an element may have attributes."""
+        """Return whether a table has more keys than an element may have attributes."""
         if len(table.items) <= MAX_ATTRIBUTES:
             return False
         why = f"more than {MAX_ATTRIBUTES} keys in one table"

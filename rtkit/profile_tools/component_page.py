@@ -1,4 +1,4 @@
-"""The page about a component type, from what its profile documents."""
+"""Builds the page about a component type from the documentation in its profile."""
 
 from __future__ import annotations
 

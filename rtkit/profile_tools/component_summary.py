@@ -1,4 +1,4 @@
-"""The summary of an RTC profile."""
+"""Summarises an RTC profile."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page about a system: its picture, components, connectors, orders."""
+"""Builds the page about a system: its drawing, components, connectors, orders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The summary of an RTS profile."""
+"""Summarises an RTS profile."""
 
 from __future__ import annotations
 

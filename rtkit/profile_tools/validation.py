@@ -51,7 +51,7 @@ def unreadable(file: str, why: str) -> Checked:
 
 
 def may_be_profile(data: bytes) -> bool:
-    """Whether a document speaks of profiles at all; for folders that hold others too."""
+    """Return whether a document speaks of profiles at all; for folders that hold others too."""
     bare = data.replace(b"\0", b"")
     return any(mark in bare for mark in _MARKS)
 

@@ -1,1 +1,1 @@
-"""What ``rtcat`` shows: components with their ports and connections, and managers."""
+"""Describes entries for ``rtcat``: components with ports and connections, and managers."""

@@ -1,4 +1,4 @@
-"""Components, ports and connections as the lines that ``rtcat`` prints.
+"""Renders components, ports and connections as the lines that ``rtcat`` prints.
 
 `level` tells how much is unfolded: 0 nothing, 1 contexts and ports, 2 everything.
 """

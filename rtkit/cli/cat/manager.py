@@ -1,4 +1,4 @@
-"""A manager, or a slave of one, as ``rtcat`` shows it: lines, or a record for JSON."""
+"""Renders a manager, or a slave of one, for ``rtcat``: as lines, or as a record for JSON."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What a shell asks while a line is being typed: completion, and the functions that ask for it."""
+"""Completion on the shell's command line, and the shell functions that ask for it."""

@@ -1,8 +1,8 @@
-"""``rtkit complete``: what a shell asks when TAB is pressed, and what it is told.
+"""``rtkit complete``: answers the shell's request for completion when TAB is pressed.
 
 The first line of an answer is ``space``, ``nospace`` (nothing is to follow the only candidate) or
-``files ENDING…`` (the shell names files itself). A candidate a line follows: for bash what is to be
-put in, quoted; for zsh and fish the whole word, a tabulator and what it is.
+``files ENDING…`` (the shell names files itself). A candidate a line follows: for bash the text to
+insert, quoted; for zsh and fish the whole word, a tabulator and its description.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What may stand for each kind of word: paths of the tree and names that the manager knows."""
+"""Candidates for each type of argument: paths of the tree and names that the manager knows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What may stand at the cursor."""
+"""Candidates for the word at the cursor."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Candidate(NamedTuple):
 
     @property
     def is_open(self) -> bool:
-        """Whether the word goes on behind it: no blank is to follow."""
+        """Return whether the word goes on behind it: no blank is to follow."""
         return self.text.endswith(_GOES_ON)
 
 

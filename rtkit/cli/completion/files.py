@@ -1,4 +1,4 @@
-"""Names of files, for the shell that cannot be told which endings are meant."""
+"""Lists file names for a shell that cannot restrict them to the endings wanted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which ports go with a port: the rule of `rtkit.component.check` for ports as plain facts."""
+"""Matches ports with ports: the rule of `rtkit.component.check` for ports as plain facts."""
 
 from __future__ import annotations
 

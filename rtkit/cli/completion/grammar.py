@@ -1,4 +1,4 @@
-"""What is meant by the word at the cursor: an option, its value, an argument of which command.
+"""Classifies the word at the cursor: an option, its value, or an argument of a command.
 
 It is read from the commands themselves, so a new one is completed without being told here; only
 what an argument's name does not say has a row in `ARGUMENTS` or `VALUES`.

@@ -1,4 +1,4 @@
-"""A command line of bash as far as it is typed, and what is to be put in place of its last word."""
+"""Parses a partly typed command line of bash, and quotes the replacement of its last word."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the manager is asked for a completion: at most once each, as plain data."""
+"""Requests to the manager for a completion: at most one of each kind, as plain data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Paths of the tree, level by level: only those that lead to something a command can take."""
+"""Completes paths of the tree, level by level: only paths that a command can take."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def described(port: Plain) -> str:
 
 
 def living(node: TreeNode) -> bool:
-    """Whether it is a component that somebody is behind."""
+    """Return whether it is a component that somebody is behind."""
     return node.kind is NodeKind.COMPONENT
 
 

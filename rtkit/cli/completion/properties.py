@@ -1,4 +1,4 @@
-"""What may be got, set or listened to: properties of services, components, managers, this host."""
+"""Completes live properties of services, components, managers and this host."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What ``rtconf`` does with configuration sets, files of them, and properties of managers."""
+"""Operations of ``rtconf`` on configuration sets, files of them, and manager properties."""

@@ -1,4 +1,4 @@
-"""Configuration sets in a file, and how sets differ: ``rtconf diff``, ``export``, ``import``."""
+"""Compares, exports and imports configuration sets: ``rtconf diff``, ``export``, ``import``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The properties of a manager, which ``rtconf`` treats as if they were one configuration set."""
+"""Presents the properties of a manager to ``rtconf`` as one configuration set."""
 
 from __future__ import annotations
 

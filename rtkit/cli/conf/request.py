@@ -1,4 +1,4 @@
-"""What the command line of ``rtconf`` asks for."""
+"""Request of an ``rtconf`` command line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The configuration sets of one component: which are seen, and how they are changed."""
+"""Lists and changes the configuration sets of one component."""
 
 from __future__ import annotations
 

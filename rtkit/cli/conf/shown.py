@@ -1,4 +1,4 @@
-"""Configuration sets and values as ``rtconf`` shows them: lines, or JSON."""
+"""Renders configuration sets and values for ``rtconf``: as lines, or as JSON."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What ``rtdoc`` writes: the page about a component, and the forms in which it is written."""
+"""Pages of ``rtdoc`` about a component, and the forms in which they are written."""

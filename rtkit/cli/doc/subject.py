@@ -1,4 +1,4 @@
-"""The page about a component from what it says of itself: its hidden set ``__doc__``, its ports."""
+"""Builds the page about a component from its own data: its hidden set ``__doc__``, its ports."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class DocumentedComponent(NamedTuple):
 
     @property
     def has_documentation(self) -> bool:
-        """Whether it documents itself."""
+        """Return whether it documents itself."""
         return bool(self.sets.get(DOC_SET))
 
 

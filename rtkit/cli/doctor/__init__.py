@@ -1,1 +1,1 @@
-"""What ``rtdoctor`` looks at: this installation, this user's folders, limits, managers."""
+"""Checks of ``rtdoctor``: this installation, this user's folders, limits, managers."""

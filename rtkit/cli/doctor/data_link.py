@@ -1,4 +1,4 @@
-"""Whether values travel between processes here: a connection is made, and a large value sent."""
+"""Checks data transport between processes here: connects, and sends a large value."""
 
 from __future__ import annotations
 

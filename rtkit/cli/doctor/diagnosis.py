@@ -1,4 +1,4 @@
-"""One thing that was looked at, what is the matter with it, and what helps."""
+"""Diagnosis: one check, its outcome, and the fix."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folders of this user: rights, space, and files that killed processes left in them."""
+"""Checks the folders of this user: rights, space, and stale files of killed processes."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def _files_of_the_dead(entries: list[str]) -> Iterator[Diagnosis]:
 
 
 def _slaves(entries: list[str], name: str) -> set[int]:
-    """Return the pids of what had heartbeats: slaves, but neither zygotes nor guests."""
+    """Return the pids of processes that had heartbeats: slaves, not zygotes or attached ones."""
     parts = (_parts(entry) for entry in entries if entry.endswith(_BEATS))
     return {pid for owner, pid in parts if owner == name and pid is not None}
 

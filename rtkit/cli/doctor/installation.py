@@ -1,4 +1,4 @@
-"""The installation, the environment and the limits of this process: nobody is asked."""
+"""Checks the installation, the environment and the limits of this process, asking nobody."""
 
 from __future__ import annotations
 

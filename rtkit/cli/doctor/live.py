@@ -1,4 +1,4 @@
-"""The managers of this user, and what they say of their slaves and components."""
+"""Checks the managers of this user, and their reports on slaves and components."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def _components(listing: Listing) -> Iterator[Diagnosis]:
 def endpoint(
     name: str, address: str, properties: Mapping[str, str], asked: str = ""
 ) -> Iterator[Diagnosis]:
-    """Judge the TCP door of a manager, for which `asked` is what RTKIT_PORT says here."""
+    """Judge the TCP endpoint of a manager; `asked` is the value of RTKIT_PORT here."""
     if address:
         yield Diagnosis("doors", OK, f"manager {name!r} listens at {address}", "", name)
     elif properties.get("manager.net_servant", "YES").upper() == "NO" or asked == "none":
@@ -176,7 +176,7 @@ def _clock(name: str, started: float) -> Iterator[Diagnosis]:
 
 
 def servers(environment: Mapping[str, str], timeout_s: float) -> Iterator[Diagnosis]:
-    """Look whether the doors of RTKIT_SERVERS can be entered; all at once."""
+    """Check that the endpoints of RTKIT_SERVERS accept connections; all at once."""
     from rtkit.tree.place import servers as named
     from rtkit.tree.place import strange_servers
 

@@ -1,4 +1,4 @@
-"""What managers keep for their next start: stores that were set aside, and such as wait."""
+"""Checks the stores of managers for their next start: set aside ones, and waiting ones."""
 
 from __future__ import annotations
 

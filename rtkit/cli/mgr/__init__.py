@@ -1,1 +1,1 @@
-"""What ``rtmgr`` does: the lives of managers, and what is asked of one."""
+"""Operations of ``rtmgr``: starting and stopping managers, and requests to one."""

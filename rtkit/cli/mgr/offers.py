@@ -1,4 +1,4 @@
-"""Which component types a manager could make: those of modules it has loaded, or finds."""
+"""Lists the component types that a manager can create: from modules loaded or found."""
 
 from __future__ import annotations
 

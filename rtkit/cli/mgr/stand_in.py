@@ -1,4 +1,4 @@
-"""An RTC profile as the pattern of a stand-in."""
+"""Converts an RTC profile to the pattern of a stand-in."""
 
 from __future__ import annotations
 

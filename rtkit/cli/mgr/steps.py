@@ -1,4 +1,4 @@
-"""What ``rtmgr`` asks of a manager: read from the command line, then done in order."""
+"""Steps of ``rtmgr`` at a manager: read from the command line, then run in order."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ManagerStep(NamedTuple):
 
     @property
     def is_action(self) -> bool:
-        """Whether it travels in a batch."""
+        """Return whether it travels in a batch."""
         return self.action is not None
 
     def failure(self, kind: str, why: str) -> RtkitError:

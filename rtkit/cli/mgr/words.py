@@ -1,4 +1,4 @@
-"""The words of ``rtmgr``: start, stop, restart, status, run."""
+"""Words of ``rtmgr``: start, stop, restart, status, run."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The words of ``rtprofile``, a module each."""
+"""Words of ``rtprofile``, a module each."""

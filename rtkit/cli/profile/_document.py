@@ -1,4 +1,4 @@
-"""What the words share that look at one profile: which document, its notes, its kind."""
+"""Reads the one profile that a word of ``rtprofile`` works on: its text, kind and notes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``MODULE:FACTORY`` as typed: the component that it stands for."""
+"""Resolves ``MODULE:FACTORY`` as typed to a component class."""
 
 from __future__ import annotations
 

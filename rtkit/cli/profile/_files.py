@@ -1,4 +1,4 @@
-"""Which documents are meant: files, folders with all below them, standard input."""
+"""Expands arguments to documents: files, folders with all below them, standard input."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How findings look on a terminal, and how commands tell of them that write something else."""
+"""Prints findings on a terminal, and on stderr for commands whose output is something else."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rtprofile diff``: how two profiles differ in what they mean."""
+"""``rtprofile diff``: compare two profiles by meaning."""
 
 from __future__ import annotations
 

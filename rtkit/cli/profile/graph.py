@@ -1,4 +1,4 @@
-"""``rtprofile graph``: the picture of a system or a component, without running it."""
+"""``rtprofile graph``: draw a system or a component, without running it."""
 
 from __future__ import annotations
 

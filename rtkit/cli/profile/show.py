@@ -1,4 +1,4 @@
-"""``rtprofile show``: what a profile says, for a person to read."""
+"""``rtprofile show``: summarise a profile for a person to read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``rtprofile validate``: check profiles, and say all that is wrong with them."""
+"""``rtprofile validate``: check profiles, and report all that is wrong with them."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the commands have in common that bring systems up from profiles, run and end them."""
+"""Shared parts of the commands that bring systems up from profiles, run and end them."""

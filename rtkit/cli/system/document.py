@@ -1,4 +1,4 @@
-"""A system profile as the command line names it, and where in it stands what makes no sense."""
+"""Reads the system profile that the command line names, and locates its faults by line."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def read_data(files: tuple[str, ...]) -> tuple[str, bytes]:
 
 
 def is_saved_plan(data: bytes) -> bool:
-    """Whether a file begins as a saved plan does."""
+    """Return whether a file begins as a saved plan does."""
     return re.match(rb'\s*\{\s*"schema"\s*:\s*"rtkit\.saved-plan/', data) is not None
 
 

@@ -1,4 +1,4 @@
-"""Has the manager of a system follow its events, or ends that."""
+"""Makes the manager of a system follow its events, or ends that."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _YES, _NO = ("true", "yes", "on", "1"), ("false", "no", "off", "0", "")
 
 
 def is_wanted(document: SystemDocument) -> bool:
-    """Whether the profile wants its system followed from when it is brought up.
+    """Return whether the profile wants its system followed from when it is brought up.
 
     Raises:
         InvalidDocument: It does, and its states make no sense; or what it says is no such wish.

@@ -1,4 +1,4 @@
-"""Which managers of this host a system profile is about, and the connections to them."""
+"""Connects to the managers of this host that a system profile is about."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def names_another(profile: RtsProfile) -> bool:
-    """Whether a component's path may lead below a manager: ``localhost/m1.mgr/…``."""
+    """Return whether a component's path may lead below a manager: ``localhost/m1.mgr/…``."""
     return any(f"{MANAGER_SUFFIX}/" in (each.path_uri or "") for each in profile.components)
 
 
@@ -137,7 +137,7 @@ def usual_manager() -> str:
 
 
 def can_be_started(manager: str) -> bool:
-    """Whether a manager that cannot be reached is one of this host that does not run."""
+    """Return whether a manager that cannot be reached is one of this host that does not run."""
     from rtkit.link import places
 
     return ":" not in manager and places.owner(manager) is None

@@ -1,4 +1,4 @@
-"""Component types that are known here: loaded modules, and RTC profiles that can be found."""
+"""Collects component types that are known here: from loaded modules and RTC profiles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scene of what lives: a system as it is saved, with states, zombies and processes."""
+"""Draws the live system: the scene of a saved system, with states, zombies and processes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def live_scene(app: App, title: str) -> Scene:
     from rtkit.profile_tools.system_scene import system_scene
 
     snapshot = shared.snapshot(app)
-    # A system that is saved has no zombies, a picture shows them.
+    # A saved system has no zombies; a drawing shows them.
     shown = tuple(replace(each, zombie="") for each in snapshot.components)
     heading = SystemHeading("1970-01-01T00:00:00", title, "0", "rtkit", "")
     profile = capture(replace(snapshot, components=shown), heading, takes_all=True)

@@ -1,4 +1,4 @@
-"""What rtplan and rtapply share: their options, what is wanted over what lives, the plan."""
+"""Shared parts of rtplan and rtapply: options, the goal over the live system, the plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be known of components before they are made: asked of the manager, read in profiles."""
+"""Checks components before they are created: asks the manager, reads profiles."""
 
 from __future__ import annotations
 

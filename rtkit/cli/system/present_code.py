@@ -1,4 +1,4 @@
-"""Files of modules as they are now, for whether what lives runs what is in them."""
+"""Checksums module files, to tell whether live components run the present code."""
 
 from __future__ import annotations
 

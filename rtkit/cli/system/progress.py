@@ -1,4 +1,4 @@
-"""Commands whose plans are never undone tell, when they break off, how far they got."""
+"""Reports progress when a command whose plan is never undone breaks off."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks before anything is done that this host has what a system reserves by limits."""
+"""Checks, before a plan runs, that this host can reserve the system's limits."""
 
 from __future__ import annotations
 

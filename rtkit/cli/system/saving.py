@@ -1,4 +1,4 @@
-"""Saves plans in files, and prepares to carry them out as they are, or tells what has changed."""
+"""Saves plans in files, and prepares to carry them out unless something has changed."""
 
 from __future__ import annotations
 

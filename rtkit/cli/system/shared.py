@@ -1,4 +1,4 @@
-"""What the system commands share: their options, the wanted system, talking on stderr."""
+"""Shared parts of the system commands: options, the wanted system, messages on stderr."""
 
 from __future__ import annotations
 

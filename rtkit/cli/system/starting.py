@@ -1,4 +1,4 @@
-"""What rtstart and rtstop share: a plan shown, drawn or carried out, and never undone."""
+"""Shared parts of rtstart and rtstop: a plan is shown, drawn or carried out, never undone."""
 
 from __future__ import annotations
 

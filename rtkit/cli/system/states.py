@@ -1,4 +1,4 @@
-"""The states of a system as its profile tells them, for people and as records."""
+"""Presents the states that a system's profile defines, for people and as records."""
 
 from __future__ import annotations
 

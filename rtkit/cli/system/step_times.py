@@ -1,4 +1,4 @@
-"""How long steps took on this installation: a small file beside the logs.
+"""Records how long steps took on this installation, in a small file beside the logs.
 
 Two commands that end together may each miss what the other measured; that does no harm.
 """

@@ -1,4 +1,4 @@
-"""What a live system deviates in, in the forms that people and build servers read."""
+"""Reports the deviations of a live system in forms for people and for build servers."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What ``rttop`` shows: rates from figures, the page they make, the terminal it is shown on."""
+"""Page of ``rttop``: rates from metrics, their layout, the terminal that shows them."""

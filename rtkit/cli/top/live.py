@@ -1,4 +1,4 @@
-"""The page on a terminal: kept up to date, and what its keys do."""
+"""Runs the live page on a terminal: keeps it up to date and handles its keys."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class _Live:
                 self._draw()
 
     def _wake_at(self) -> float | None:
-        """Return when to draw what has changed, or that figures do not come any more."""
+        """Return when to draw changes, or that metrics do not come any more."""
         if self._is_stale:
             return self._draw_at
         return max(self._top.heard_at + _LATE_S, self._draw_at + 1.0)

@@ -1,4 +1,4 @@
-"""Rows as the page that is shown: columns, their order, what fits, what stands out."""
+"""Lays rows out as a page: columns, their order, what fits and what stands out."""
 
 from __future__ import annotations
 
@@ -253,7 +253,7 @@ def _coloured(column: Column, row: RateRow, field: str) -> str:
 
 
 def is_slow(row: RateRow) -> bool:
-    """Whether a component does not reach the rate that it was asked for."""
+    """Return whether a component does not reach the rate that it was asked for."""
     if row.asked_hz is None or row.reached_hz is None:
         return False
     return row.reached_hz < row.asked_hz * SLOW

@@ -1,4 +1,4 @@
-"""What components do per second, from two looks at their figures."""
+"""Computes the rates of components from two successive readings of their metrics."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Totals(NamedTuple):
 
 
 class Rater:
-    """Keeps the last figures of one manager, so that the next give rates."""
+    """Keeps the last metrics of one manager, so that the next give rates."""
 
     def __init__(self) -> None:
         self._before: Metrics | None = None
@@ -74,17 +74,17 @@ class Rater:
 
     @property
     def has_rates(self) -> bool:
-        """Whether there are figures of two moments."""
+        """Return whether there are metrics of two moments."""
         return self._before is not None
 
     @property
     def is_whole(self) -> bool:
-        """Whether every process has told its components' figures both times."""
+        """Return whether every process has reported its components' metrics both times."""
         both = (self._before, self._now)
         return all(each is not None and all(p.answered for p in each.processes) for each in both)
 
     def take(self, metrics: Metrics) -> None:
-        """Take the next figures."""
+        """Take the next metrics."""
         is_same_run = self._now is not None and self._now.run == metrics.run
         self._before, self._now = self._now if is_same_run else None, metrics
 

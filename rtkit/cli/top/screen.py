@@ -1,4 +1,4 @@
-"""The terminal of a live page: taken for it, and given back as it was however the page ends."""
+"""Takes over the terminal for a live page, and restores it however the page ends."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Screen:
     A signal that ends the process, or stops it (Ctrl-Z), finds the terminal as it was before.
 
     Attributes:
-        wakeup: Rings when there is something new to show; any thread may ring it.
+        wakeup: Set when there is something new to show; any thread may set it.
     """
 
     def __init__(self) -> None:
