@@ -1,4 +1,4 @@
-"""What is closed when its ``with`` block ends."""
+"""Closing: a base for objects that close themselves when their ``with`` block ends."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Every error that rtkit raises, its kind and its exit status.
+"""Errors of rtkit: each with its kind and its exit status.
 
-Nothing is printed here: messages are shown by the command line, logged by the daemon.
+Nothing is printed here: the command line shows messages, the daemon logs them.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ BUG_EXIT = 70
 
 
 class RtkitError(Exception):
-    """What went wrong, told in one line: what, where (as the user typed it), what would help."""
+    """Base of rtkit's errors; the message is one line: what, where (as the user typed it), hint."""
 
     kind = "error"
     exit_code = 1
@@ -62,14 +62,14 @@ class Unreachable(RtkitError, OSError):
 
 
 class Impossible(RtkitError):
-    """Nothing leads to what is wanted: all that can be done was looked at."""
+    """Nothing leads to the goal: the search was exhaustive."""
 
     kind = "impossible"
     detail = 7
 
 
 class LimitReached(RtkitError):
-    """A search was given up before it knew an answer; nothing is told of what is possible."""
+    """A search was given up before it had an answer; it leaves open what is possible."""
 
     kind = "limit"
     detail = 8

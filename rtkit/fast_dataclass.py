@@ -1,10 +1,10 @@
 """Dataclasses that cost little to define: for types that come with each start of a command.
 
-The standard `dataclass` compiles half a dozen methods for each class when it is defined, 0.5 ms a
-class, which is more than most of them are ever worked for in a command of 60 ms. This one has the
-same meaning for what it takes, and makes what there is of the standard one when somebody asks for
-it (`dataclasses.fields`, `is_dataclass`, `inspect.signature`). Type checkers take it for the
-standard one.
+The standard `dataclass` compiles half a dozen methods for each class when it is defined. That takes
+0.5 ms a class, more than most classes are worth in a command of 60 ms. This one has the same
+meaning for the options that it takes, and makes attributes of the standard one on demand
+(`dataclasses.fields`, `is_dataclass`, `inspect.signature`). Type checkers take it for the standard
+one.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _COMPILED_AFTER = 50
 
 
 class _Missing:
-    """No default, or none that is not made anew each time."""
+    """Marks a field without default, or without one that a factory makes for each object."""
 
     def __repr__(self) -> str:
         return "<factory>"  # where a signature shows it
@@ -47,7 +47,7 @@ class _Field(NamedTuple):
 
 
 def is_record(cls: object) -> bool:
-    """Whether a class was made by `dataclass` of this module."""
+    """Return whether a class was made by `dataclass` of this module."""
     return hasattr(cls, "__record_fields__")
 
 

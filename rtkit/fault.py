@@ -1,9 +1,9 @@
-"""Named points where a test breaks a process off, to see what is left.
+"""Fault points: named places where a test breaks a process off, to see what is left.
 
-Nothing happens at them unless the environment variable ``RTKIT_FAULT`` names a folder. Then each
-pass is noted in its file ``passed``, whichever process it is in, and ``orders`` says what is to
-happen at some: lines of ``NAME NUMBER ACTION [ARGUMENT]``, where the number counts the passes of
-that name. What happened is noted in ``struck``. See ``docs/faults.md``.
+Fault points do nothing unless the environment variable ``RTKIT_FAULT`` names a folder. Then each
+process notes each pass in the file ``passed`` of the folder. The file ``orders`` states the actions
+at some passes: lines of ``NAME NUMBER ACTION [ARGUMENT]``, where the number counts the passes of
+that name. The file ``struck`` notes the actions done. See ``docs/faults.md``.
 """
 
 from __future__ import annotations

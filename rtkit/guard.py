@@ -1,6 +1,6 @@
-"""Calls of code that is not ours: whatever it raises stays with the one call.
+"""Guards calls of foreign code: an exception of any kind stays with the one call.
 
-User code may raise anything, SystemExit included, and so may the text of what it raises. Threads
+User code may raise anything, SystemExit included, and so may the text of its exception. Threads
 and time-outs for such calls are in `rtkit.serving.workers`.
 """
 

@@ -1,4 +1,4 @@
-"""Find the data that ship with rtkit: schemas, profiles, examples."""
+"""Finds the data that ship with rtkit: schemas, profiles, examples."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What tests of components need: one driven by hand, and a manager that nobody else sees."""
+"""Tools for tests of components: a trial driven by hand, and a private manager."""
 
 from __future__ import annotations
 
@@ -230,7 +230,7 @@ class Trial(Closing, Generic[C]):
 
 
 class _Clock:
-    """A time that passes only when it is told to."""
+    """A clock that advances only by hand."""
 
     def __init__(self, begin_s: float) -> None:
         self._now_ns = round(begin_s * 1e9)

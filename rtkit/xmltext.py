@@ -1,4 +1,4 @@
-"""What XML cannot carry as text (XML 1.0, production 2, Char)."""
+"""Detects and replaces characters that XML cannot carry as text (XML 1.0, production 2, Char)."""
 
 from __future__ import annotations
 
@@ -19,5 +19,5 @@ def without_bad_characters(text: str) -> str:
 
 
 def _is_plain(text: str) -> bool:
-    """Whether a text needs no closer look."""
+    """Return whether a text needs no closer look."""
     return text.replace("\n", "").isprintable()

@@ -1,1 +1,1 @@
-"""A system as facts: what is wanted, what lives, the difference, and the plan between them."""
+"""System deployment as facts: the wanted system, the live one, their differences, and the plan."""

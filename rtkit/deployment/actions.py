@@ -1,4 +1,4 @@
-"""What a manager can be asked to do, as data: the one vocabulary of plans, batches and dry runs."""
+"""Actions of a manager as data: the one vocabulary of plans, batches and dry runs."""
 
 from __future__ import annotations
 
@@ -275,7 +275,7 @@ class Result:
 
     @property
     def ok(self) -> bool:
-        """Whether the action was done."""
+        """Return whether the action was done."""
         return self.code is ReturnCode.OK
 
     def raise_for_error(self) -> None:

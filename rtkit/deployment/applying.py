@@ -1,7 +1,8 @@
-"""Carries a deployment plan out, layer by layer, and looks before each layer.
+"""Carries out a deployment plan, layer by layer, and takes a snapshot before each layer.
 
-What holds already is not done again; what turns out otherwise is planned anew from there. When a
-step fails nothing more is begun: what is left, or the way back, is planned from what lives then.
+A step whose effect holds already is skipped. Where the world differs from the plan, the rest is
+planned again from the present state. When a step fails, no further step begins: the applier
+reports what is left, or plans a rollback from what lives then.
 """
 
 from __future__ import annotations
@@ -265,7 +266,7 @@ class Applier:
 
 
 def _is_done(move: Operator, model: Model) -> bool:
-    """Whether what a step leads to holds already, or cannot hold as there is no such thing."""
+    """Return whether the effect of a step holds already, or its subject does not exist."""
     variable, value = move.changes[0]
     if variable.startswith("cfg:") and variable[4:] not in model.keys:
         return True

@@ -1,4 +1,4 @@
-"""A live system as a system profile, with all that is needed to bring it up again."""
+"""Captures a live system as a system profile, with all that its recovery needs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compares what lives with what is wanted: every deviation, none hides another."""
+"""Compares a live system with the wanted one and yields every deviation; none hides another."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""When the actions of a start or stop are to be done: an order of a system profile, checked.
+"""Start conditions: the order of a system profile, checked, by which its actions start or stop.
 
-Not for carrying it out: that is `rtkit.deployment.execution`.
+`rtkit.deployment.execution` carries them out.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class StartCondition:
 
     @property
     def is_delaying(self) -> bool:
-        """Whether there is anything to wait for."""
+        """Return whether there is anything to wait for."""
         return self.wait_ms > 0 or self.preceding is not None
 
 

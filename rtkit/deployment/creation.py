@@ -1,4 +1,4 @@
-"""The first half of a resurrection: what must be there, and the making of what is not."""
+"""Plans the first half of a recovery: checks of what must exist, and creation of what does not."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ def _loads(missing: list[WantedComponent], live: LiveIndex) -> Iterator[PlannedA
 
 
 def is_loaded(known: ModuleProfile, path: str, init: str) -> bool:
-    """Whether a module that is loaded is the one of a path, and of an init function if named."""
+    """Return whether a loaded module is the one of a path, and of an init function if named."""
     return known.is_at(path) and init in ("", known.init)
 
 

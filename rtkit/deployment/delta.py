@@ -1,8 +1,8 @@
-"""What changes at a manager, as it tells those who listen; and their picture of it.
+"""Deltas: the numbered changes of a manager's facts, and the snapshot that a subscriber keeps.
 
-A listener takes a picture of all facts once and then the news, which have a number each. So it
-knows at any time what the manager knows, and notices when it missed something: then it takes a
-new picture.
+A subscriber takes one full snapshot and then receives deltas, which are numbered. So it knows at
+any time what the manager knows. A gap in the numbers shows a lost delta, and the subscriber takes
+a new snapshot.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Delta:
-    """What changed since the news of the number before.
+    """Changes since the delta of the number before.
 
     Attributes:
         run: Which life of the manager this is told in.
@@ -59,7 +59,7 @@ class Delta:
 
 @dataclass(frozen=True, slots=True)
 class FullSnapshot:
-    """Everything that a manager knows, and the number of the news up to which that holds."""
+    """Everything that a manager knows, and the number of the last delta in it."""
 
     run: str
     number: int

@@ -1,4 +1,4 @@
-"""What a system profile describes of one component: ports, sets, contexts, scripted values."""
+"""Descriptions of components in system profiles: ports, sets, contexts, scripted values."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def properties_of(items: Iterable[ExtensionProperty]) -> dict[str, str]:
 
 
 def is_run_time(key: str, value: str) -> bool:
-    """Whether a property refers to an object of a bygone run: never saved, never replayed."""
+    """Return whether a property refers to an object of a past run: never saved or replayed."""
     return key.endswith(("_ior", "_ref")) or value.startswith("IOR:")
 
 

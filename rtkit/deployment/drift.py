@@ -1,7 +1,7 @@
-"""Differences between a living component and its profile, beside values, connections and states.
+"""Drift: differences of a live component from its profile beside values, connections and states.
 
-Checks and plans read the same here: rates and policies, which change while a component lives, and
-all that changes only when it is made again.
+Checks and plans both read it: rates and policies, which change while a component lives, and all
+that changes only when the component is created again.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Drift(NamedTuple):
 
 
 class Rate(NamedTuple):
-    """Rate of an execution context [Hz]: what the profile says, what is."""
+    """Rate of an execution context [Hz]: the profile's and the present one."""
 
     context: str
     wanted: float

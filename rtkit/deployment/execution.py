@@ -1,8 +1,8 @@
-"""Carries out a start or stop, as a core: results and states in, what is to be sent now out.
+"""Executes a start or stop as a functional core: takes results and states, returns actions to send.
 
-Time comes in as an argument: monotonic seconds. A condition that waits for a state is judged by
-what was seen last, also when it held before: who waits for a component that died meanwhile goes
-on waiting.
+Time is an argument: monotonic seconds. A condition on a state is judged by the state seen last,
+even if the condition held before: an action that waits for a component which died meanwhile
+keeps waiting.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class StartExecution:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing is under way and nothing will be begun."""
+        """Return whether nothing is under way and nothing will be begun."""
         return not self._running and (bool(self.failure) or not self.waiting)
 
     @property
@@ -82,7 +82,7 @@ class StartExecution:
 
     @property
     def lacks_a_state(self) -> bool:
-        """Whether an action waits for a state that is not reached."""
+        """Return whether an action waits for a state that is not reached."""
         return any(condition.is_sync for _, condition in self._unmet_since)
 
     def saw(self, states: Mapping[OrderTarget, str]) -> None:
@@ -205,7 +205,7 @@ class StartExecution:
         return state is not None and not state.startswith(LifeCycleState.ACTIVE)
 
     def _is_vain(self, condition: StartCondition) -> bool:
-        """Whether a condition waits for an action that was found impossible."""
+        """Return whether a condition waits for an action that was found impossible."""
         first = condition.preceding
         is_asking = first is not None and not condition.is_sync and self._is_start
         return is_asking and first in self._over and first not in self._begun

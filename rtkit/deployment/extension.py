@@ -1,8 +1,8 @@
-"""rtkit's own words in system profiles and create strings.
+"""Extensions of rtkit in system profiles and create strings.
 
 In a profile they are extension properties of a component, so that the file stays valid for other
-tools. In the create string of a stand-in they keep what its profile stated in words of its own,
-so that saving it states the same again.
+tools. In the create string of a stand-in they keep what its profile stated in extensions of its
+own, so that a saved profile states the same again.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ TRANSMIT = "standin.transmit"
 
 
 def is_policy(key: str) -> bool:
-    """Whether a property tells of restarts, health or limits, perhaps misspelt."""
+    """Return whether a property states restarts, health or limits, perhaps misspelt."""
     begins = (f"{RESTART}.", f"{CRITICAL}.", HEALTH, LIMIT)
     return key in (RESTART, CRITICAL) or key.startswith(begins)
 

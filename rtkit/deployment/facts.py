@@ -1,4 +1,4 @@
-"""What is known of a live system: components, processes, connectors, names.
+"""Facts about a live system: components, processes, connectors, names.
 
 The manager keeps these facts and sends them to clients as one snapshot.
 """
@@ -84,7 +84,7 @@ class ComponentFacts:
 
 @dataclass(frozen=True, slots=True)
 class ProcessFacts:
-    """The manager, a slave or a guest.
+    """The manager, a slave or an attached process.
 
     Attributes:
         state: ``starting``, ``up``, ``stopped``, ``silent`` (left by an earlier manager, and not
@@ -125,7 +125,7 @@ class Snapshot:
 
     @property
     def others(self) -> tuple[Snapshot, ...]:
-        """Where several managers were asked, what the others know (see `deployment.joint`)."""
+        """Return the facts of the other managers of a `JointSnapshot`; empty for one manager."""
         return ()
 
     def component(self, instance: str) -> ComponentFacts | None:

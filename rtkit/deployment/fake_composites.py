@@ -1,4 +1,4 @@
-"""Composites of the fake world: what changes in the facts when one is made, edited or ended."""
+"""Composites of the fake manager: changes of the facts when one is created, edited or deleted."""
 
 from __future__ import annotations
 

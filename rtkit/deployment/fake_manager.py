@@ -1,6 +1,7 @@
 """A pure fake of a manager: it holds facts and performs actions on them with a manager's refusals.
 
-For tests of plans and commands, and to foresee what a plan would come to. No process, no time.
+Tests of plans and commands use it, and it foresees the result of a plan. It has no process and no
+clock.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ _MASTER_PID = 1000
 
 
 class FakeManager:
-    """One manager with its slaves, components and connectors, as facts.
+    """A manager with its slaves, components and connectors, as facts.
 
     Attributes:
         types: What can be created, by implementation id.

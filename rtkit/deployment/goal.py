@@ -1,4 +1,4 @@
-"""What is wanted of a system: the goal of a plan."""
+"""The goal of a deployment plan: the wanted system, and the permitted means."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rtkit.rtc.enums import LifeCycleState
 
 @dataclass(frozen=True)
 class DeploymentGoal:
-    """What is wanted, and how it is to be reached.
+    """A wanted system, and how it is to be reached.
 
     Attributes:
         state: In which every component is to be; None for as it is.
@@ -68,7 +68,7 @@ class DeploymentGoal:
         )
 
     def holds(self, snapshot: Snapshot) -> bool:
-        """Whether all that is wished is so."""
+        """Return whether the whole desired state holds."""
         try:
             model = self.survey(snapshot).model
         except Impossible:

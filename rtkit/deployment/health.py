@@ -1,10 +1,10 @@
-"""Rules of health: what a component must do to count as well, judged from figures; plain code.
+"""Health rules: judge a component from its metrics; pure code.
 
-``rtkit.health.stuck`` tells of callbacks that do not come back, within a second if it says no
-other number of seconds, ``rtkit.health.overrun`` of cycles that take longer than so many seconds,
-``rtkit.health.rate.PORT`` of ports that carry less or more than ``MIN-MAX`` values a second,
-``rtkit.health.value.PARAMETER`` of a parameter that is not as told (``<5``, ``>=0``, ``=on``). Each
-has as its value, after a colon, what is done about it.
+``rtkit.health.stuck`` detects callbacks that do not return in time (1 s unless it states another
+time), ``rtkit.health.overrun`` cycles that exceed a number of seconds, ``rtkit.health.rate.PORT``
+ports that carry less or more than ``MIN-MAX`` values a second, ``rtkit.health.value.PARAMETER`` a
+parameter that violates a condition (``<5``, ``>=0``, ``=on``). The value of each rule ends, after a
+colon, with the reaction to a violation.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _COMPARE: Mapping[str, Callable[[float, float], bool]] = {
 
 
 class Reaction(StrEnum):
-    """What is done about a component that is not well."""
+    """Reaction to a component that is not well."""
 
     LOG = "log"
     DEGRADE = "degrade"
@@ -41,7 +41,7 @@ class Reaction(StrEnum):
 
 
 class HealthRule(NamedTuple):
-    """One rule.
+    """A health rule of a component.
 
     Attributes:
         kind: ``stuck``, ``overrun``, ``rate`` or ``value``.
@@ -61,7 +61,7 @@ class HealthRule(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """What is known of a component at one moment.
+    """State and metrics of a component at one moment, as rules judge them.
 
     Attributes:
         at_s: When it was counted, monotonic [s].

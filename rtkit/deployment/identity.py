@@ -21,5 +21,5 @@ def type_of(id: str) -> TypeProfile:
 
 
 def is_same_id(one: str, other: str) -> bool:
-    """Whether two identities name the same type."""
+    """Return whether two identities name the same type."""
     return one == other or type_of(one) == type_of(other)

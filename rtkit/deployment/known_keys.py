@@ -1,4 +1,4 @@
-"""Which properties rtkit knows in system profiles, and what is told of those it does not."""
+"""Known properties of system profiles, and warnings about properties that rtkit does not know."""
 
 from __future__ import annotations
 

@@ -13,11 +13,11 @@ from rtkit.rtc.serde import decode, encode
 
 
 class HolderLife(Protocol):
-    """A process that is watched."""
+    """The watched process of a lease holder."""
 
     @property
     def is_over(self) -> bool:
-        """Whether it has ended."""
+        """Return whether it has ended."""
         ...
 
     def close(self) -> None:
@@ -56,7 +56,7 @@ class LeaseHolder:
 
 
 class Lease:
-    """Who carries a plan out at one manager; it ends with the process that took it."""
+    """The lease of one manager: it names its holder, and ends with the holder's process."""
 
     def __init__(self, watch: Callable[[int], HolderLife]) -> None:
         """Begin without holder; `watch` begins to watch a process by its id, or raises OSError."""
@@ -66,7 +66,7 @@ class Lease:
 
     @property
     def holder(self) -> LeaseHolder | None:
-        """Who has it at present, if his process lives."""
+        """The present holder, if its process lives."""
         if self._life is not None and self._life.is_over:
             self._end()
         return self._holder

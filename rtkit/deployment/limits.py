@@ -1,8 +1,8 @@
-"""Limits of what a slave may use of its host, as properties of the components that it holds.
+"""Limits of a slave's use of its host, as properties of the components in it.
 
 ``rtkit.limit.memory`` [bytes], ``rtkit.limit.processes``, ``rtkit.limit.descriptors`` (of each
-process) and ``rtkit.limit.processor`` (1 is one processor). The slave is what is limited, with
-all processes below it: what its components say adds up. Plain code, no measuring.
+process) and ``rtkit.limit.processor`` (1 is one processor). A limit applies to the slave and all
+processes below it: the limits of its components add up. Pure code, no measuring.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class SlaveLimits:
 
     @property
     def text(self) -> str:
-        """All that are set, in one line."""
+        """Return all limits that are set, in one line."""
         told = [f"memory {bytes_text(self.memory)}"] if self.memory else []
         told += [f"processes {self.processes}"] if self.processes else []
         told += [f"descriptors {self.descriptors}"] if self.descriptors else []
@@ -68,7 +68,7 @@ NO_LIMITS = SlaveLimits()
 
 @dataclass(frozen=True, slots=True)
 class TreeUsage:
-    """What a slave and the processes below it use; `processor` is their share of late."""
+    """Usage of a slave and the processes below it; `processor` is their recent share."""
 
     memory: int = 0
     processes: int = 0
@@ -77,7 +77,7 @@ class TreeUsage:
 
 
 class Capacity(NamedTuple):
-    """What a host has: memory [bytes] and processors, perhaps less than whole ones."""
+    """Capacity of a host: memory [bytes] and processors, perhaps less than whole ones."""
 
     memory: float = inf
     processors: float = inf

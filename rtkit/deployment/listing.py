@@ -54,7 +54,7 @@ class ListingRow(NamedTuple):
 
     @property
     def is_in_hand(self) -> bool:
-        """Whether it is dead, and its policy brings it back, or gave it up."""
+        """Return whether it is dead, and its policy brings it back, or gave it up."""
         return bool(self.zombie) and bool(self.due_s or self.given_up)
 
     def coming(self, now_s: float) -> str:
@@ -68,7 +68,7 @@ class ListingRow(NamedTuple):
 
 
 class Listing(NamedTuple):
-    """What a manager tells about itself in one short answer.
+    """A manager's short answer about itself.
 
     Attributes:
         slaves: Name, state and reason of each slave process.

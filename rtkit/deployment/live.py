@@ -1,4 +1,4 @@
-"""Finds in a snapshot what a wanted system names: components by path, contexts, connections."""
+"""Looks up in a snapshot what a wanted system names: components by path, contexts, connections."""
 
 from __future__ import annotations
 
@@ -65,13 +65,13 @@ class LiveIndex:
         return self._lives.get(instance, belongs)
 
     def is_guest(self, facts: ComponentFacts) -> bool:
-        """Whether a component came by itself, as data tools do, and ends by itself."""
+        """Return whether a component came by itself, as data tools do, and ends by itself."""
         manager = self._managers[self.home(facts.instance)]
         return any(p.is_guest and p.name == facts.process for p in manager.processes)
 
     @property
     def managers(self) -> Mapping[str, Snapshot]:
-        """What each manager that was asked knows of itself, by its name; the first one first."""
+        """Return each manager's facts about itself, by its name; the first one first."""
         return self._managers
 
     def parted(self, wire: ConnectorProfile) -> str:
@@ -98,7 +98,7 @@ class LiveIndex:
         return self._by_manager(wanted, belongs) or self._namesake_of(wanted, belongs)
 
     def is_named(self, wanted: WantedComponent) -> bool:
-        """Whether the wanted component is to be found where its name leads."""
+        """Return whether the wanted component is to be found where its name leads."""
         belongs = self._belongs.get(wanted.instance, "")
         is_found = (belongs, wanted.name) in self._names
         return is_found or self._by_manager(wanted, belongs) is not None

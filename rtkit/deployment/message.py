@@ -1,4 +1,4 @@
-"""What a manager and its processes tell each other: tables, as they travel."""
+"""Messages between a manager and its processes: tables, as they travel."""
 
 from __future__ import annotations
 

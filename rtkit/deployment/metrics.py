@@ -1,6 +1,6 @@
-"""What components and processes do, in figures: counted from their beginning, told once a second.
+"""Metrics of components and processes: counters since the start, reported once a second.
 
-They are counts, so that who misses some loses nothing but detail: rates are differences.
+Metrics are counters, so a lost report costs detail only: rates are differences.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PERIOD_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class ContextMetrics:
-    """A component in one of its execution contexts.
+    """Metrics of a component in one of its execution contexts.
 
     Attributes:
         has_work: Whether a cycle calls it: it is Active and has something to execute.
@@ -41,7 +41,7 @@ class ContextMetrics:
 
 @dataclass(frozen=True, slots=True)
 class ComponentMetrics:
-    """A component.
+    """Metrics of a component.
 
     Attributes:
         written: Values written to each out port.
@@ -56,7 +56,7 @@ class ComponentMetrics:
 
 @dataclass(frozen=True, slots=True)
 class ProcessMetrics:
-    """A process.
+    """Metrics of a process.
 
     Attributes:
         answered: Whether it told its components' figures; else there are none.
@@ -74,7 +74,7 @@ class ProcessMetrics:
 
 @dataclass(frozen=True, slots=True)
 class Metrics:
-    """All that a manager has, at one moment.
+    """All metrics of a manager, at one moment.
 
     Attributes:
         run: Which life of the manager this is told in.

@@ -1,6 +1,6 @@
-"""Several managers of one host seen as one: their facts put together, actions told apart.
+"""Multi-manager view: joins the facts of the managers of one host and splits actions by manager.
 
-A name of another manager than the first is shown below it: ``localhost/m1.mgr/Motor0.rtc`` is what
+A name of another manager than the first appears below it: ``localhost/m1.mgr/Motor0.rtc`` is what
 manager ``m1`` itself calls ``localhost/Motor0.rtc``.
 """
 
@@ -23,7 +23,7 @@ Homes = Mapping[str, str]
 
 @dataclass(frozen=True, slots=True)
 class JointSnapshot(Snapshot):
-    """What several managers know at about one moment; never sent.
+    """Joint facts of several managers at about one moment; never sent.
 
     Attributes:
         others: Those beside the first: their components and connectors are told here too, their

@@ -1,4 +1,4 @@
-"""The part of a snapshot that concerns a few components, for who wants to know no more."""
+"""Partial snapshots: cut out of a snapshot what concerns a few components."""
 
 from __future__ import annotations
 

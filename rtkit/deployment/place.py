@@ -1,4 +1,4 @@
-"""Where a component of a system profile is registered: ``pathUri`` to a name, host by host."""
+"""Places of registration: map the ``pathUri`` of a profile's component to a name, host by host."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_ho
 
 @dataclass(frozen=True, slots=True)
 class Hosts:
-    """What is known about hosts.
+    """Knowledge about hosts.
 
     Attributes:
         hostname: Name of this machine.
@@ -27,7 +27,7 @@ class Hosts:
     managers: Collection[str] = ()
 
     def is_local(self, host: str) -> bool:
-        """Whether components of this host are made here."""
+        """Return whether components of this host are made here."""
         return is_local_host(self.same.get(host, host), self.hostname)
 
 

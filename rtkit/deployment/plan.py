@@ -1,4 +1,4 @@
-"""A plan: what is to be checked and done, layer by layer, as data that is shown or carried out."""
+"""A layered plan: checks and actions, layer by layer, as data to be shown or carried out."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class LayeredPlan:
 
     @property
     def is_done(self) -> bool:
-        """Whether nothing is left to be done."""
+        """Return whether nothing is left to be done."""
         return all(step.action is None for step in self.steps)
 
     @property

@@ -1,4 +1,4 @@
-"""A start or stop as a graph for Graphviz: who waits for whom, and for how long."""
+"""Draws a start or stop as a graph for Graphviz: the actions, their conditions and delays."""
 
 from __future__ import annotations
 

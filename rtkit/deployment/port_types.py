@@ -1,4 +1,4 @@
-"""Data types of stand-ins' ports, settled so that every connection of the profile can be made.
+"""Data types of stand-ins' ports, resolved so that every connection of the profile can be made.
 
 Profiles of long-lived systems contradict themselves: a port states one type, its connection
 another. The connection wins, as it was once made; the statement is kept beside it.

@@ -1,4 +1,4 @@
-"""Components and managers as live properties: what their facts are called, what a SET of one asks.
+"""Live properties of components and managers: their names, and the action that a SET stands for.
 
 Values of parameters are text: only the component that has them reads them.
 """

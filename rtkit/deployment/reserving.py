@@ -1,4 +1,4 @@
-"""How much of a host components may use together, once a system is as its profile says."""
+"""Reservations: computes how much of a host the components of a system may use together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What has been done about the ends and the health of a component, as users are told."""
+"""Restart status: the actions of restart policies and health rules, as users see them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from rtkit.fast_dataclass import dataclass
 
 @dataclass(frozen=True, slots=True)
 class RestartStatus:
-    """What its policy and its rules of health have led to; each text is empty where nothing has.
+    """Results of a policy and of health rules; each text is empty where nothing happened.
 
     Attributes:
         restarts: How often its policy made it again.
@@ -33,23 +33,23 @@ class RestartStatus:
 
     @property
     def trouble(self) -> str:
-        """What is wrong with one that answers; empty for nothing."""
+        """Return the trouble of a component that answers; empty for none."""
         return f"degraded: {self.degraded}" if self.degraded else self.given_up
 
     @property
     def again(self) -> str:
-        """How often its policy made it again, and for what the last time; empty for never."""
+        """Return how often its policy restarted it, and for what the last time; empty for never."""
         times = "once" if self.restarts == 1 else f"{self.restarts} times"
         return f"made again {times}, for {self.why}" if self.why else ""
 
     @property
     def stops(self) -> str:
-        """Why it, or for its sake everything, was deactivated; empty for nothing."""
+        """Return why it, or for its sake everything, was deactivated; empty for nothing."""
         told = [f"deactivated: {self.rested}"] if self.rested else []
         told += [f"all was deactivated: {self.halted}"] if self.halted else []
         return "; ".join(told)
 
     @property
     def history(self) -> str:
-        """What was done about it so far; empty for nothing."""
+        """Return the actions of its policy and rules so far; empty for none."""
         return "; ".join(filter(None, (self.again, self.stops)))

@@ -1,4 +1,4 @@
-"""What takes back the traces of a plan that failed, found by comparing before with now."""
+"""Finds the traces of a failed plan by comparing two snapshots, and the actions that undo them."""
 
 from __future__ import annotations
 

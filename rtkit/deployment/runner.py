@@ -1,4 +1,4 @@
-"""Carries out a plan: one batch a layer, every failure told, an interruption kept orderly."""
+"""Runs a plan: one batch a layer, reports every failure, and ends in order when interrupted."""
 
 from __future__ import annotations
 

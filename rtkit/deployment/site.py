@@ -1,4 +1,4 @@
-"""Where plans are carried out: the few calls that they need of a manager, or of several."""
+"""Sites: the few calls that a plan needs of one manager, or of several as one."""
 
 from __future__ import annotations
 

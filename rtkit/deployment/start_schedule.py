@@ -1,4 +1,4 @@
-"""A start or stop as data: its actions in order, and what each of them waits for."""
+"""Start schedule: the actions of a start or stop in order, with the conditions of each, as data."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ScheduledAction:
 
     @property
     def is_delayed(self) -> bool:
-        """Whether it waits for more than those before it."""
+        """Return whether it waits for more than those before it."""
         return any(condition.is_delaying for condition in self.conditions)
 
 
@@ -69,12 +69,12 @@ class StartPlan:
 
     @property
     def has_conditions(self) -> bool:
-        """Whether the profile says anything of the order."""
+        """Return whether the profile says anything of the order."""
         return any(turn.conditions for turn in self.turns)
 
     @property
     def last_moment_s(self) -> float:
-        """When the last wait or time-out that conditions name is over, in the delayed part [s]."""
+        """Return when the last wait or time-out is over, in the delayed part [s]."""
         return max((max(c.wait_ms, c.timeout_ms) / 1000 for _, c in self._entries()), default=0.0)
 
     def lines(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What a system profile states, without its layout: to compare a file with what was saved of it.
+"""Statements of a system profile without its layout, for comparing a file with a saved one.
 
 Port names lose their instance prefix; drawings, dates and rtkit's own properties do not count.
 """
@@ -14,7 +14,7 @@ from rtkit.profile.words import strip_instance
 
 
 class StatedComponent(NamedTuple):
-    """What is stated of one component; data types of ports are empty where none is stated."""
+    """Statements about one component; data types of ports are empty where none is stated."""
 
     id: str
     data_ports: Mapping[str, str]
@@ -25,7 +25,7 @@ class StatedComponent(NamedTuple):
 
 
 class StatedConnector(NamedTuple):
-    """What is stated of one connector: name, attributes and ends."""
+    """Statements about one connector: name, attributes and ends."""
 
     name: str
     attributes: tuple[str | None, ...]
@@ -34,7 +34,7 @@ class StatedConnector(NamedTuple):
 
 
 class Stated(NamedTuple):
-    """What a profile states, by instance name and by connector id."""
+    """Statements of a profile, by instance name and by connector id."""
 
     components: Mapping[str, StatedComponent]
     connectors: Mapping[str, StatedConnector]

@@ -1,4 +1,4 @@
-"""Whether the ends of connectors tell the paths of the components that they name."""
+"""Checks that the ends of connectors state the paths of the components that they name."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""When what has died is made again: the law of restarts, as plain code; time is an argument.
+"""Restart policy: decides when a lost component or slave restarts; pure code, time is an argument.
 
-The first restart comes after 0.1 s, each further one after twice as long, up to 10 s, give or take
-a tenth; after five within 60 s it is given up. 30 s of health make all forgotten.
+The first restart comes after 0.1 s, each further one after twice as long, up to 10 s, with a
+jitter of a tenth. After five restarts within 60 s the policy gives up. Health for 30 s resets it.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _YES, _NO = ("yes", "true", "on", "1"), ("no", "false", "off", "0", "")
 
 
 class RestartRule(StrEnum):
-    """Which ends make something be made again."""
+    """Restart rule: the kinds of ends that lead to a restart."""
 
     NEVER = "never"
     ON_FAILURE = "on-failure"
@@ -47,7 +47,7 @@ class RestartRule(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class RestartPolicy:
-    """What is done about the end of a component, or of the slave that holds it.
+    """Policy for the end of a component, or of the slave that contains it.
 
     Attributes:
         delay_s: How long the first restart waits [s].
@@ -61,7 +61,7 @@ class RestartPolicy:
     is_critical: bool = False
 
     def wants(self, is_failure: bool) -> bool:
-        """Whether such an end is answered by a restart."""
+        """Return whether such an end is answered by a restart."""
         return self.restart is RestartRule.ALWAYS or (
             is_failure and self.restart is RestartRule.ON_FAILURE
         )
@@ -116,7 +116,7 @@ def _number(key: str, text: str, least: float, most: float, unit: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Ledger:
-    """What has been done about the ends of one thing so far.
+    """Record of the restarts of one component or slave so far.
 
     Attributes:
         count: Restarts of which none is forgotten.

@@ -1,4 +1,4 @@
-"""A wanted system as plain facts: what a system profile comes to on this installation."""
+"""A wanted system as plain facts: the content of a system profile on this installation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HIDDEN = "__"
 
 
 class BadComponent(Malformed):
-    """What a profile says of a component makes no sense.
+    """The statements of a profile about a component make no sense.
 
     Attributes:
         position: Of the component within the profile, from 0.
@@ -27,7 +27,7 @@ class BadComponent(Malformed):
 
 @dataclass(frozen=True, slots=True)
 class KnownType:
-    """How a component of some type is made.
+    """Means of creating a component of some type.
 
     Attributes:
         create: Create string.

@@ -1,8 +1,8 @@
-"""Events as users know them, found by comparing the facts before and after some news.
+"""User events: found by comparing the facts before and after a delta.
 
-Kinds and words are those of the observers of the RTC standard; two are ours: ``TREE_EVENT``, what
-comes, goes, or has nobody behind it any more; ``SUPERVISION``, what policies and rules of health
-do.
+Kinds and words are those of the observers of the RTC standard. Two are of rtkit: ``TREE_EVENT``
+for entries that come, go or lose their process, and ``SUPERVISION`` for the actions of restart
+policies and health rules.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""A system profile turned into the facts of the wanted system.
+"""Converts a system profile into the facts of the wanted system.
 
-Not for what lives: that is compared in `rtkit.deployment.diff`.
+`rtkit.deployment.check` compares them with what lives.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ STAND_IN_SLAVE = "stand-ins"
 
 @dataclass(slots=True)
 class _Wiring:
-    """What the connectors of a profile tell of the ports that they join."""
+    """Statements of a profile's connectors about the ports that they join."""
 
     kinds: dict[PortRef, PortType] = field(default_factory=dict)
     types: dict[PortRef, str] = field(default_factory=dict)

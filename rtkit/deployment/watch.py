@@ -1,4 +1,4 @@
-"""States of components as those who wait for them see them."""
+"""Watched states: the states of components as start conditions and waiting commands see them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The second half of a resurrection: connections, parameters, active sets."""
+"""Plans the second half of a recovery: connections, parameters, active sets."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def parting(system: WantedSystem, live: LiveIndex, wire: ConnectorProfile) -> st
 
 
 def is_same_wire(known: ConnectorProfile | None, wire: ConnectorProfile) -> bool:
-    """Whether a connection exists just as wanted."""
+    """Return whether a connection exists just as wanted."""
     if known is None or set(known.ports) != set(wire.ports):
         return False
     return not differing(wire.properties, known.properties)

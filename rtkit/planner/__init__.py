@@ -1,6 +1,6 @@
-"""Search in spaces of states that are never built: problems, cheapest plans, what comes of them.
+"""Planner: searches state spaces that are never built, for cheapest plans with proof.
 
-Knows nothing of what is planned: a state is a tuple of values, a command a function of it.
+It knows nothing of its domain: a state is a tuple of values, a command a function of it.
 """
 
 from rtkit.planner.bounded import plan_within

@@ -1,4 +1,4 @@
-"""A plan that is good enough, with proof how good: any guide may lead, a lower bound judges."""
+"""Bounded-cost search: any heuristic may guide it, a lower bound proves how good the plan is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""States, and commands that lead from one to another."""
+"""Commands: conditions on states and functions from a state to the next."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ State = tuple[Any, ...]
 
 
 class Condition(NamedTuple):
-    """What must hold of a state, and its name for messages."""
+    """Condition on a state, with its name for messages."""
 
     name: str
     holds: Callable[[State], bool]
@@ -19,7 +19,7 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """What can be done in a state.
+    """An action that is possible in some states.
 
     Attributes:
         name: Tells what is done; costs and messages refer to it.
@@ -37,5 +37,5 @@ class Command:
 
     @property
     def identity(self) -> tuple[Any, ...]:
-        """What makes it this command and no other: its name and its parameters."""
+        """Return the name and the parameters, which identify the command."""
         return (self.name, *self.parameters)

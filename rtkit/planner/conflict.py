@@ -1,4 +1,4 @@
-"""Which wishes cannot hold together: a set from which nothing can be left out."""
+"""Finds minimal conflicts: desired values that can hold together once any one is left out."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What commands cost: a table by command, by command and state, or a function.
+"""Costs of commands: a table by command, by command and state, or a function.
 
-Costs are apart from the model: with another table the same commands are put together otherwise.
+Costs are apart from the model: another table composes the same commands otherwise.
 """
 
 from __future__ import annotations

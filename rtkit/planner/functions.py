@@ -1,8 +1,8 @@
-"""Functions of commands: what is done with objects and places as one thing, put together.
+"""Functions over commands: treat work with objects and places as one step, and compose.
 
-A function takes a state and yields a path from it, or None where there is none. One follows
-another, the cheapest of several over a fuzzy region is one again; each leg is a plan in a
-cross-section, and equal legs are planned once.
+A function takes a state and yields a path from it, or None where there is none. A sequence of
+functions is a function again, and so is the cheapest of several over a fuzzy region. Each leg is a
+plan in a cross-section, and equal legs are planned once.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ P = TypeVar("P")
 
 
 class Path(NamedTuple):
-    """What a function comes to from one state: its steps, their cost, the state at the end."""
+    """Path of a function from one state: its steps, their cost, the state at the end."""
 
     steps: tuple[Step, ...]
     cost: float

@@ -1,4 +1,4 @@
-"""From one valid order of steps to what may be done at once.
+"""Partial order: turns one valid order of steps into layers of steps that may run at once.
 
 Two steps must keep their order when one changes what the other reads or changes.
 """

@@ -1,6 +1,7 @@
-"""A problem: variables, a start, what is desired, and commands whose successors are made on demand.
+"""Planning problems: variables, a start, a goal, and commands whose successors are made on demand.
 
-The product of the domains is never built: a state's neighbours come to be when it is expanded.
+The product of the domains is never built: the search makes a state's neighbours when it expands
+the state.
 """
 
 from __future__ import annotations
@@ -127,7 +128,7 @@ class Problem:
                 yield command, after, cost
 
     def leaves(self, before: State, after: State) -> bool:
-        """Whether the step from a state within the domains leads out of them.
+        """Return whether the step from a state within the domains leads out of them.
 
         Raises:
             Malformed: It leads to what is no state.

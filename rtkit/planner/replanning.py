@@ -1,6 +1,6 @@
-"""Carries a plan out in a world that may differ from what was thought, and plans anew when it does.
+"""Replanning: carries a plan out in a world that may differ from the model, and plans again then.
 
-What was found out is recorded as facts, and the record outlives the plan: later plans know it.
+Observations are recorded as facts, and the record outlives the plan: later plans use it.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from rtkit.planner.result import Plan, Step
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What is seen of a world: its state, and facts that no state tells (an unknown object)."""
+    """Observation of a world: its state, and facts outside any state (an unknown object)."""
 
     state: State
     facts: frozenset[Hashable] = frozenset()
 
 
 class World(Protocol):
-    """Where plans are carried out."""
+    """A world in which plans are carried out."""
 
     def look(self) -> Observation:
         """Return what is seen now."""
@@ -35,7 +35,7 @@ class World(Protocol):
 
 @dataclass(slots=True)
 class Execution:
-    """What came of it.
+    """Result of carrying a plan out.
 
     Attributes:
         facts: All that was found out; to be given to the next execution.
@@ -51,7 +51,7 @@ class Execution:
 
     @property
     def cost(self) -> float:
-        """What was paid for the steps that came out as planned."""
+        """Return the cost of the steps that came out as planned."""
         return sum(step.cost for step in self.done)
 
 

@@ -1,4 +1,4 @@
-"""What a search comes to: a plan, all cheapest plans, and how much was looked at."""
+"""Results of a search: a plan, all cheapest plans, and statistics of the search."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Limits:
 
 
 class Statistics(NamedTuple):
-    """What a search looked at: states expanded and generated, and how long it took [s]."""
+    """Statistics of a search: states expanded and generated, and its duration [s]."""
 
     expanded: int
     generated: int
@@ -54,7 +54,7 @@ class Plan:
 
     @property
     def is_optimal(self) -> bool:
-        """Whether it is proved that no plan is cheaper."""
+        """Return whether it is proved that no plan is cheaper."""
         return self.cost <= self.lower_bound
 
     @property

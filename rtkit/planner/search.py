@@ -1,8 +1,8 @@
 """A* over states made on demand: the cheapest plan with proof, or all of them.
 
-States are taken up in the order of (cost so far + heuristic, steps so far). With a consistent
+The search expands states in the order of (cost so far + heuristic, steps so far). With a consistent
 heuristic that order never turns back, so every cheapest way of fewest steps to a state is known
-before any goal is reached; of these the plan whose commands come first is returned.
+before any goal is reached. Of these, the search returns the plan whose commands come first.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def optimal_plans(
 
 
 class _Node:
-    """What is known of a state.
+    """Search node of a state.
 
     Attributes:
         ways: Ways into it: a state before, the place of its command, the next state before, … A

@@ -1,4 +1,4 @@
-"""Judges a plan without trusting who made it: every command is carried out again."""
+"""Verifies a plan independently of its planner: executes every command again."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ _SCHEME = "corbaloc:"
 
 
 class Address(NamedTuple):
-    """Where a manager listens; `id` is empty for whichever listens there."""
+    """Address of a manager; an empty `id` matches any manager that listens there."""
 
     host: str
     port: int
@@ -23,7 +23,7 @@ class Address(NamedTuple):
 
 
 def is_address(text: str) -> bool:
-    """Whether a text means a manager by where it listens."""
+    """Return whether a text means a manager by where it listens."""
     host, colon, port = text.partition(":")
     return text.startswith(_SCHEME) or bool(host and colon and port.isdigit())
 
@@ -49,5 +49,5 @@ def parse_address(text: str) -> Address:
 
 
 def is_port(text: str) -> bool:
-    """Whether a text is the number of a port that can be connected to."""
+    """Return whether a text is the number of a port that can be connected to."""
     return text.isascii() and text.isdigit() and 0 < int(text) < 65536

@@ -22,7 +22,7 @@ def scoped_name(text: str) -> str:
 
 
 def is_same_type(one: str, other: str) -> bool:
-    """Whether two data type names may be connected; an open type goes with all.
+    """Return whether two data type names may be connected; an open type goes with all.
 
     A name without module stands for the type of that name in any module.
     """

@@ -30,7 +30,7 @@ UNKNOWN_STATE = "Unknown"
 
 
 class ExecutionKind(StrEnum):
-    """What drives an execution context (``RTC::ExecutionKind``)."""
+    """Kind of an execution context, by its driver (``RTC::ExecutionKind``)."""
 
     PERIODIC = "PERIODIC"
     EVENT_DRIVEN = "EVENT_DRIVEN"
@@ -38,7 +38,7 @@ class ExecutionKind(StrEnum):
 
 
 class PortType(StrEnum):
-    """What a port is for; the value is the ``port.port_type`` property."""
+    """Type of a port; the value is the ``port.port_type`` property."""
 
     IN = "DataInPort"
     OUT = "DataOutPort"
@@ -46,7 +46,7 @@ class PortType(StrEnum):
 
 
 class Polarity(StrEnum):
-    """Whether a service interface is offered or needed (``RTC::PortInterfacePolarity``)."""
+    """Polarity of a service interface: offered or needed (``RTC::PortInterfacePolarity``)."""
 
     PROVIDED = "Provided"
     REQUIRED = "Required"

@@ -1,4 +1,4 @@
-"""How a data connector carries its values: names of its types, and what is usual."""
+"""Data connectors: interface, dataflow and subscription types, with defaults and aliases."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def _is_barred(character: str) -> bool:
 
 
 def is_local_host(host: str, hostname: str) -> bool:
-    """Whether `host` (with or without ``:port``) means the machine named `hostname`."""
+    """Return whether `host` (with or without ``:port``) means the machine named `hostname`."""
     names = (LOCAL, "127.0.0.1", "::1", "[::1]", hostname, hostname.split(".")[0])
     name, _, port = host.rpartition(":")
     return host in names or (port.isdigit() and name in names)

@@ -1,4 +1,4 @@
-"""What somebody may have meant who typed a word that is not known."""
+"""Finds the known words nearest to a word that was mistyped."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def nearest(
 
 
 def is_slip(word: str, meant: str) -> bool:
-    """Whether two words differ by a slip: neighbouring letters swapped, one left out or too many.
+    """Return whether two words differ by a slip: letters swapped, one left out or too many.
 
     Short words, and those that only a digit tells apart, are none of each other.
     """

@@ -1,4 +1,4 @@
-"""A component type described by data: what a stand-in is generated from.
+"""Component patterns: types described by data, from which stand-ins are generated.
 
 A stand-in is an ordinary component that has no code of its own (`rtkit.component.standin`).
 """

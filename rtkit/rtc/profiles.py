@@ -90,7 +90,7 @@ class ExecutionContextProfile:
 
 @dataclass(frozen=True, slots=True)
 class TypeProfile:
-    """Identity of a component type; what a factory offers."""
+    """Identity of a component type, as its factory offers it."""
 
     type_name: str
     vendor: str = ""
@@ -129,5 +129,5 @@ class ModuleProfile:
     aliases: tuple[str, ...] = ()
 
     def is_at(self, path: str) -> bool:
-        """Whether a path as it is typed means this module."""
+        """Return whether a path as it is typed means this module."""
         return path in (self.path, self.file, *self.aliases)

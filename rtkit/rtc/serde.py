@@ -1,6 +1,6 @@
-"""Records to plain data (dict, list, str, number) and back, compiled once per type.
+"""Converts records to plain data (dict, list, str, number) and back, compiled once per type.
 
-What arrives from another process is not trusted: `decode` checks every field.
+Data from another process is not trusted: `decode` checks every field.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ def _hint(cls: type, name: str) -> Any:
 
 
 class _Names(dict[str, Any]):
-    """What annotations of a module may name, also what the module imports only on demand."""
+    """Names that annotations of a module may use, also those that it imports only on demand."""
 
     def __init__(self, module: ModuleType) -> None:
         super().__init__(vars(module))

@@ -1,4 +1,4 @@
-"""What an RTC profile says of the components of its type, ready to be compared with them."""
+"""Blueprints: the statements of an RTC profile about its type, ready for comparison."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Blueprint:
     rate: float
 
     def is_same(self, other: Blueprint) -> bool:
-        """Whether another file says the same of the type."""
+        """Return whether another file says the same of the type."""
         return self.contents == other.contents
 
     @property

@@ -1,4 +1,4 @@
-"""The component types that RTC profiles describe, found by the identity of a component."""
+"""Catalogue of the component types that RTC profiles describe, by the identity of a component."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _Key = tuple[str, str, str]
 
 
 class Match(NamedTuple):
-    """What was found for an identity.
+    """Match of an identity in a catalogue.
 
     Attributes:
         is_other_version: The profile is of another version than the component.

@@ -1,4 +1,4 @@
-"""The data connectors of a system: directions, data types, what the ports offer."""
+"""Checks data connectors: their directions, data types, and the offers of their ports."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The execution contexts of a system against those of the types."""
+"""Checks the execution contexts of a system against those of the types."""
 
 from __future__ import annotations
 

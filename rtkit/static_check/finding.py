@@ -1,4 +1,4 @@
-"""What a static check remarks on, and where in the system profile."""
+"""Findings of a static check, with their locations in the system profile."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TOP = ProfileLocation()
 
 
 class StaticFinding(NamedTuple):
-    """One thing that a static check found.
+    """A finding of a static check.
 
     Attributes:
         severity: ``error``, ``warning`` or ``note``.

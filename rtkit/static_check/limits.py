@@ -1,4 +1,4 @@
-"""Limits that a system profile says: whether each has its slave, and this host as much as all."""
+"""Checks limits: each needs a slave, and this host has to have as much as all of them together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is who: types that nobody knows, versions, names that two components share."""
+"""Checks identities and names: unknown types, other versions, names that two components share."""
 
 from __future__ import annotations
 

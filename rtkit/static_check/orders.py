@@ -1,4 +1,4 @@
-"""The orders of a system (Activation …): conditions that name nothing, or go in a circle."""
+"""Checks orders (Activation …): conditions that name nothing, or go in a circle."""
 
 from __future__ import annotations
 

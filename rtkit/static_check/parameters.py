@@ -1,4 +1,4 @@
-"""The configuration sets of a system against the parameters of the types."""
+"""Checks the configuration sets of a system against the parameters of the types."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ports that a system profile lists, against those of the types: names, directions, types."""
+"""Checks the ports that a system profile lists against the types: names, directions, data types."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def fits_type(type: str, ports: tuple[DataPortType, ...]) -> bool:
-    """Whether a data type is that of one of the ports; an open type is that of all."""
+    """Return whether a data type is that of one of the ports; an open type is that of all."""
     return any(_is_same(type, port.data_type) for port in ports)
 
 

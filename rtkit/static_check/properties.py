@@ -1,4 +1,4 @@
-"""Properties of a system profile that look like those of rtkit, and are none."""
+"""Finds properties of a system profile that look like those of rtkit, and are none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a system profile says of restarts, health, limits and states of the system."""
+"""Checks the restart policies, health rules, limits and states that a system profile states."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rules of the static check; their ids are stable, so that checks can be told by them."""
+"""Rules of the static check; their ids are stable, so that options can name them."""
 
 from __future__ import annotations
 

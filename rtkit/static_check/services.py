@@ -1,4 +1,4 @@
-"""The service ports of a system: interfaces and polarity at connectors, who lacks a provider."""
+"""Checks service ports: interfaces and polarity at connectors, and consumers without provider."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A catalogue of component types from documents of which only some are RTC profiles."""
+"""Stock of documents: makes a catalogue from files of which only some are RTC profiles."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def stocked(
 
 
 def _may_be_of(data: bytes, types: Collection[str]) -> bool:
-    """Whether it may be a profile of one of these types, told without parsing."""
+    """Return whether it may be a profile of one of these types, told without parsing."""
     if not may_be_component(data[:_HEAD]):
         return False
     is_plain = data.isascii() and not any(mark in data for mark in _ESCAPES)

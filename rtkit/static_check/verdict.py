@@ -1,4 +1,4 @@
-"""The verdict on a system, with everything that was found: where, against which rule."""
+"""Verdict on a system: all findings, each with its location and its rule."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rtkit.static_check.finding import StaticFinding
 
 
 class Options(NamedTuple):
-    """How severe a check is.
+    """Options of a check: strictness, ignored rules, capacity of the host.
 
     Attributes:
         strict: Warnings are errors, and so is what had to be repaired.

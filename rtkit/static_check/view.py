@@ -1,4 +1,4 @@
-"""A system profile with the type of each component at hand: what the rules look at."""
+"""View of a system profile for the rules: components with their types, ports with their offers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class CheckedComponent(NamedTuple):
 
     @property
     def blueprint(self) -> Blueprint | None:
-        """What its type is like, as far as that is known."""
+        """Return the blueprint of its type, as far as that is known."""
         return self.match.blueprint if self.match is not None else None
 
     @property
@@ -38,7 +38,7 @@ class CheckedComponent(NamedTuple):
 
     @property
     def is_composite(self) -> bool:
-        """Whether it shows ports of its members."""
+        """Return whether it shows ports of its members."""
         kind = self.component.composite_type or "None"
         return kind != "None" or bool(self.component.participants)
 
@@ -75,7 +75,7 @@ class ServiceEnd(NamedTuple):
 
 
 class _Stated(NamedTuple):
-    """What a system profile says of a data port itself."""
+    """Statements of a system profile about a data port itself."""
 
     ports: tuple[DataPortType, ...]
     offers: Mapping[str, frozenset[str]]
@@ -138,7 +138,7 @@ class View:
         return f"a slave of its own ({name})" if place == FRESH_SLAVE else place
 
     def has_port(self, part: CheckedComponent, name: str) -> bool:
-        """Whether a composite shows a port of this name, which is one of another component's."""
+        """Return whether a composite shows a port of this name, which is one of a member."""
         return part.is_composite and self._member(name)[0] is not None
 
     def _statements(self) -> Iterator[tuple[tuple[str, str, str], _Stated]]:

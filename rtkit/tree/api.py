@@ -1,4 +1,4 @@
-"""What scripts say to a manager, by paths: the commands as methods of `rtkit.tree.client.Tree`."""
+"""Scripting interface: the commands as methods of `rtkit.tree.client.Tree` that take paths."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 class ByPath:
-    """What scripts use of a `Tree`: the commands as methods that take paths.
+    """Scripting methods of a `Tree`: the commands as methods that take paths.
 
     Paths are absolute, as ``rtls`` shows them and `create` returns them. Every method is bounded by
     the time-out. An execution context is told by its number (own ones first, then those taken part

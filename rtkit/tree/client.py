@@ -1,4 +1,4 @@
-"""Calls to a manager: one round trip for what is known, one for what is to be done."""
+"""Client of a manager: one round trip for facts, one for actions."""
 
 from __future__ import annotations
 

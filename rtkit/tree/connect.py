@@ -1,4 +1,4 @@
-"""Finds a manager: by its name on this host, or by the address of its front door."""
+"""Connects to a manager: by its name on this host, or by the address of its TCP endpoint."""
 
 from __future__ import annotations
 

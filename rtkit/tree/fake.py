@@ -1,4 +1,4 @@
-"""A tree over a fake world: what commands see of a manager, without one."""
+"""Fake tree: shows commands a fake manager as a `Tree`, without a process."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def fake_tree(world: FakeManager, timeout_s: float = 1.0) -> Tree:
 
 
 class _Server:
-    """Answers as a manager would, and tells those who listen when the world changes."""
+    """Answers as a manager would, and notifies subscribers when the world changes."""
 
     def __init__(self, world: FakeManager, tell: Callable[[str], object]) -> None:
         self._world = world

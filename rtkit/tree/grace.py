@@ -1,4 +1,4 @@
-"""What an interruption may not tear apart: a call that the manager is busy with."""
+"""Grace period: shields a call to a busy manager from an interruption."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Components, managers and this host as live properties, through the lines that managers have.
+"""Live properties of components, managers and this host, over the connections to managers.
 
-What the manager tells (facts, news, figures) is folded into a service of our own, which answers as
-any service does; a SET becomes the action of the manager that it stands for.
+It folds the facts, deltas and metrics of a manager into a service of its own, which answers as any
+property service does; a SET becomes the action of the manager that it stands for.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ _ARGUMENT = (
 
 
 class _Me(Requester):
-    """Who asks and listens here."""
+    """Identity of this process as a client of property services."""
 
     def __init__(self) -> None:
         super().__init__("owner")
@@ -77,7 +77,7 @@ def _subscription(tree: Tree) -> ManagerSubscription:
 
 
 def _is_count(target: str) -> bool:
-    """Whether a property is a counter, which the manager tells once a second only."""
+    """Return whether a property is a counter, which the manager reports once a second only."""
     return target.partition("?")[0].endswith(".count")
 
 

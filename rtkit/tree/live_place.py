@@ -1,4 +1,4 @@
-"""Which component, manager or host a path is about, and what of it: ``…/Motor0.rtc.state``."""
+"""Parses paths of live properties: component, manager or host, and name: ``…/Motor0.rtc.state``."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Reads the logs of managers and slaves: what is there, then what comes, merged by time.
+"""Reads the logs of managers and slaves: the present records, then new ones, merged by time.
 
-Each process writes a file of its own, one JSON object a line, which is begun anew when it is full.
-They are read where they lie, so nobody who logs waits for who reads, and none is missed; the kernel
-tells when something was written.
+Each process writes a file of its own, one JSON object a line, and begins it again when it is full.
+The logbook reads the files in place, so no writer waits for a reader and no record is missed; the
+kernel reports when a file was written.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class _File:
                 self._rest = b""
 
     def _is_other(self) -> bool:
-        """Whether another file lies at the path now."""
+        """Return whether another file lies at the path now."""
         try:
             there = os.stat(self.path, follow_symlinks=False)
         except OSError:

@@ -1,4 +1,4 @@
-"""Several managers of this host as one tree: everything is asked of who holds it."""
+"""Manager set: several managers of this host as one tree; each request goes to its manager."""
 
 from __future__ import annotations
 
@@ -254,7 +254,7 @@ class ManagerSetSubscription(Closing):
 
     @property
     def facts(self) -> Snapshot:
-        """What all managers know, as of what was taken last."""
+        """Return the facts of all managers, as of the last change taken."""
         fleet = self.tree
         known = {name: subscription.facts for name, subscription in self._subscriptions.items()}
         return fleet.joined([known.get(name) or down(fleet.host, name) for name in fleet.names])

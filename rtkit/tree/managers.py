@@ -1,4 +1,4 @@
-"""A manager as a process of this host: how it is, and its end."""
+"""Managers as processes of this host: their status, restart and end."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rtkit.tree.connect import connect
 
 
 class Status(NamedTuple):
-    """What a running manager says of itself; uptime in [s]."""
+    """Status that a running manager reports; uptime in [s]."""
 
     pid: int
     uptime_s: float

@@ -1,4 +1,4 @@
-"""Which manager a path leads to, and what is to be shown beside the manager that is asked."""
+"""Finds the manager that a path leads to, and the others to be shown beside it."""
 
 from __future__ import annotations
 

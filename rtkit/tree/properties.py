@@ -1,7 +1,7 @@
-"""Where a property is that somebody typed, and the connection to its owner.
+"""Resolves a property as it was typed, and connects to its owner.
 
-``SERVICE.NAME``, ``/localhost/SERVICE.NAME``, ``/localhost/SERVICE/NAME`` are the same. What of it
-is the service is known from the services there are: the longest that fits.
+``SERVICE.NAME``, ``/localhost/SERVICE.NAME``, ``/localhost/SERVICE/NAME`` are the same. The longest
+name of a present service that fits is the service.
 """
 
 from __future__ import annotations
@@ -281,7 +281,7 @@ class PropertyConnections:
 
 
 class OfService:
-    """One of several services behind a door."""
+    """Connection to one of several services behind an endpoint."""
 
     def __init__(self, endpoint: ProviderConnectionEnd, service: str) -> None:
         self._endpoint = endpoint

@@ -1,4 +1,4 @@
-"""Events of several properties, of several owners, in the order in which they come."""
+"""Property subscription: events of several properties, of several owners, in order of arrival."""
 
 from __future__ import annotations
 

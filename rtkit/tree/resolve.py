@@ -1,4 +1,4 @@
-"""Paths to nodes of the tree, with the errors that users know."""
+"""Resolves paths to nodes of the tree, and raises the errors that users know."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Brings a wanted system up: check, create what is missing, connect, configure; or undo."""
+"""Brings a wanted system up: checks, creates, connects and configures; or rolls back."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a path is about for observers: one component, or all that is, or comes, below it."""
+"""Scope of an observer: one component, or everything that is, or comes, below a path."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtkit.tree.view import NodeKind, TreeNode, shown_path
 
 
 class Scope(NamedTuple):
-    """What a path is about; everything, if nothing is set.
+    """Scope of a path; everything, if nothing is set.
 
     Attributes:
         instance: The component that it names.
@@ -28,7 +28,7 @@ class Scope(NamedTuple):
     is_one_manager: bool = True
 
     def covers(self, what: UserEvent | ComponentFacts, hostname: str) -> bool:
-        """Whether it is about a component, or what happened to one, at the manager of a host."""
+        """Return whether it covers a component, or an event of one, at the manager of a host."""
         if self.instance:
             return what.instance == self.instance
         if self.process:

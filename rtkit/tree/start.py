@@ -1,8 +1,8 @@
-"""Carries out a start or stop on a tree: the shell of `rtkit.deployment.execution`.
+"""Carries out a start or stop on a tree: the imperative shell around `rtkit.deployment.execution`.
 
-Each action is sent before the next one is taken up; its answer is awaited by a thread of its own.
-What these find is kept, and a bell wakes who waits for it: so an interruption, which may strike
-anywhere, loses no answer. Where states count, an ear at the manager hears of their changes.
+The shell sends each action before it takes up the next one; a thread of its own awaits each answer.
+The threads keep their results and raise a wakeup: so an interruption, which may strike anywhere,
+loses no answer. Where states count, a subscription to the manager receives their changes.
 """
 
 from __future__ import annotations

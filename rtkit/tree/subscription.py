@@ -1,7 +1,7 @@
-"""Listens to one manager: its news, and if wanted its figures, as they come.
+"""Subscribes to one manager: receives its deltas, and if wanted its metrics.
 
-What comes is kept in one bounded queue until it is taken; who is too slow loses the oldest, learns
-how many those were, and knows all the same what the manager knows now.
+A bounded queue keeps the changes until they are taken. A slow subscriber loses the oldest, learns
+how many it lost, and knows all the same what the manager knows now.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _TRIES = 20
 
 
 class TreeChange(NamedTuple):
-    """Something changed.
+    """A change of the tree.
 
     Attributes:
         time: When the manager told so [s since 1970].
@@ -51,7 +51,7 @@ class TreeChange(NamedTuple):
 
 
 class SubscriptionEnded(NamedTuple):
-    """The manager is no more; nothing comes after that."""
+    """End of a subscription: the manager is gone, and nothing comes after that."""
 
     why: str
 
@@ -60,7 +60,7 @@ Heard = TreeChange | Metrics | SubscriptionEnded
 
 
 class ManagerSubscription(Closing):
-    """An ear at one manager; leave it as a context manager.
+    """A subscription to one manager; leave it as a context manager.
 
     Attributes:
         tree: The connection to it.

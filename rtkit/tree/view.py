@@ -1,4 +1,4 @@
-"""Rows of a listing folded into the tree that commands walk.
+"""Tree view: folds the rows of a listing into the tree that commands walk.
 
 A component shows at every name under which it is registered, and below its manager; a slave is a
 directory below its master.
@@ -15,7 +15,7 @@ from rtkit.rtc.names import COMPONENT_SUFFIX, LOCAL, MANAGER_SUFFIX, is_local_ho
 
 
 class NodeKind(Enum):
-    """What stands behind a node; the value is the letter that ``rtfind -t`` takes."""
+    """Kind of a node; the value is the letter that ``rtfind -t`` takes."""
 
     ROOT = "/"
     HOST = "n"
@@ -79,19 +79,19 @@ class TreeNode:
 
     @property
     def is_directory(self) -> bool:
-        """Whether it may hold entries."""
+        """Return whether it may hold entries."""
         return self.row is None
 
     @property
     def is_slave(self) -> bool:
-        """Whether it is a manager below another one."""
+        """Return whether it is a manager below another one."""
         return (
             self.kind is NodeKind.MANAGER and self.parent is not None and self.parent.process != ""
         )
 
     @property
     def remark(self) -> str:
-        """What a user should know besides the state: ``signal 9``, ``stopped``, ``stand-in``.
+        """Return the note beside the state: ``signal 9``, ``stopped``, ``stand-in``.
 
         Of what is in Error, the exception and its line.
         """

@@ -1,4 +1,4 @@
-"""Wakes who waits for a descriptor, from any thread."""
+"""Wakeup: lets any thread wake the thread that waits for a descriptor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which connections two ports may have, and which they have: pure rules over facts."""
+"""Wiring rules over facts, pure: the connections that two ports may have, and those they have."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class ResolvedPort(NamedTuple):
 
 
 class Facts(Protocol):
-    """Where facts come from: a `Tree`."""
+    """Source of facts: a `Tree`."""
 
     def listing(self) -> Listing:
         """Return the short list of components."""

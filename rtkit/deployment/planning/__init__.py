@@ -1,1 +1,1 @@
-"""The cheapest way from what lives to what is wanted: a deployment as a problem of planning."""
+"""Deployment planning: finds the cheapest plan from the live system to the wanted one."""

@@ -1,7 +1,8 @@
-"""What may become of a component, and what each of it costs, alone and with its neighbours.
+"""Assignments: possible outcomes of each component, with their costs, alone and with neighbours.
 
-Once it is settled for each component whether it stays, goes or is made (anew), all the rest
-follows: which parameters are set, which connections made. So only that has to be searched.
+An assignment settles whether a component stays, is deleted or is created (again). All the rest
+follows from the assignments: the parameters to set, the connections to make. So the search covers
+assignments only.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from rtkit.deployment.planning.model import (
 
 
 class Assignment(NamedTuple):
-    """What becomes of a component.
+    """Outcome of a component.
 
     Attributes:
         place: Where it is at the end; `ABSENT` for nowhere.
@@ -45,12 +46,12 @@ class Assignment(NamedTuple):
 
     @property
     def is_there(self) -> bool:
-        """Whether it is there at the end."""
+        """Return whether it is there at the end."""
         return self.place != ABSENT
 
 
 class Assignments:
-    """The fates of the components of one model."""
+    """The possible assignments of the components of one model."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -75,7 +76,7 @@ class Assignments:
                 yield Assignment(place, True, lives, cost, self._uses(unit, place))
 
     def _allows_usual(self, name: str) -> bool:
-        """Whether what is wished of a component can be so without it."""
+        """Return whether the desired state of a component can hold without it."""
         model = self._model
         keys = (f"cfg:{key}" for key in model.keys_of[name])
         return model.allows(f"act:{name}", INACTIVE) and all(

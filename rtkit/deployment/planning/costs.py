@@ -1,7 +1,7 @@
-"""What steps cost: a table, over it what they took here so far, over that what somebody says.
+"""Costs of steps: a default table, overridden by measured times, overridden by stated costs.
 
-Costs are those of the table in scale: what was measured, taken together, costs what the table says
-of these kinds together. They are rounded coarsely, so that plans stay the same from day to day.
+All costs are in the scale of the table: measured kinds together cost what the table states for
+these kinds together. Costs are rounded coarsely, so that plans stay the same from day to day.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ _TRANSITIONS = {
 
 
 class Mean(NamedTuple):
-    """How long steps took: how many of them, and the mean [s]."""
+    """Mean duration of steps: their number, and the mean [s]."""
 
     steps: int
     seconds: float
@@ -69,7 +69,7 @@ class Mean(NamedTuple):
 
 @dataclass(frozen=True)
 class Times:
-    """How long the steps of this installation took.
+    """Measured durations of the steps of this installation.
 
     Attributes:
         means: By kind of step, or ``KIND TYPE`` for components of one type; the latest last.
@@ -107,7 +107,7 @@ class Times:
 
 @dataclass(frozen=True)
 class Costs:
-    """What steps cost, and where that comes from.
+    """Costs of steps, with their sources.
 
     Attributes:
         values: Of each kind; ``KIND NAME`` for what concerns one component or thing only.

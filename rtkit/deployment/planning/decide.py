@@ -1,8 +1,8 @@
-"""Settles what becomes of each component, so that the whole costs least.
+"""Decides the assignment of each component, so that the whole costs least.
 
-What is dearer than another fate whatever becomes of the neighbours is struck out first (Goldstein's
-criterion); mostly nothing is left to be chosen. What is left falls into clusters that have nothing
-to do with each other, and each is searched on its own. So independent items never multiply.
+First it strikes out each assignment that is dearer than another whatever the neighbours do
+(Goldstein's criterion); mostly one is left. The open choices fall into independent clusters, and
+each cluster is searched on its own. So independent components never multiply.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _ROUNDS = 10
 
 
 class Stuck(Impossible):
-    """Some components cannot be as wished.
+    """Some components cannot be as desired.
 
     Attributes:
         units: Their names.
@@ -36,7 +36,7 @@ class Stuck(Impossible):
 
 
 class Pair(NamedTuple):
-    """What two components (or one with itself) cost together."""
+    """Joint cost of two components (or of one with itself)."""
 
     one: str
     other: str
@@ -45,7 +45,7 @@ class Pair(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What becomes of each component.
+    """The assignment of each component.
 
     Attributes:
         gap: By how much it may be dearer than the cheapest; 0 when that is proved.
@@ -111,7 +111,7 @@ class _Deciding:
                     )
 
     def _is_open(self, use: str) -> bool:
-        """Whether it is open if somebody must pay for a module or a manager that is not there."""
+        """Return whether it is open if somebody must pay for a missing module or manager."""
         return self._model.allows(use, self._model.now(use)) and (
             use.startswith("mod:") or not self._is_started(use[4:])
         )
@@ -182,7 +182,7 @@ class _Deciding:
                 left.remove(worse)
 
     def _is_as_good(self, name: str, better: Assignment, worse: Assignment) -> bool:
-        """Whether one fate costs no more than another, whatever becomes of all others."""
+        """Return whether one assignment costs no more than another, whatever the others become."""
         paid = sum(self._price(use) for use in better.uses - worse.uses - self._paid)
         more = better.cost - worse.cost + paid
         for pair in self._pairs[name]:
@@ -227,7 +227,7 @@ class _Deciding:
         return clusters
 
     def _matters(self, pair: Pair) -> bool:
-        """Whether what two cost together has to do with what becomes of them."""
+        """Return whether what two cost together has to do with what becomes of them."""
         ones, others = self._left[pair.one], self._left[pair.other]
         first = self._cost(pair, ones[0], others[0])
         return any(self._cost(pair, one, other) != first for one in ones for other in others)

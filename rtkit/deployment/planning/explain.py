@@ -1,4 +1,4 @@
-"""Why there is no plan: wishes that cannot hold together, and what stands behind them."""
+"""Explains why there is no plan: desired values in conflict, and the reasons of each."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Wished = tuple[str, Wish]
 
 
 class NoPlan(Impossible):
-    """Nothing leads to what is wished.
+    """Nothing leads to the desired state.
 
     Attributes:
         wishes: Of which each can be left out, and then the others can hold: ``VARIABLE=VALUE``.

@@ -1,4 +1,4 @@
-"""What is known beforehand of components that are to be made: whether they can be, their ports."""
+"""Feasibility of components to create: whether a manager can create them, and their ports."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Making = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Feasibility:
-    """What is known of components before they are made.
+    """Knowledge about components before they are created.
 
     Attributes:
         lacks: By instance name, why it cannot be made: its module or its type is not found.
@@ -57,7 +57,7 @@ def create_text(component: WantedComponent, live: LiveIndex) -> str:
 
 
 def is_place_open(create: CreateString) -> bool:
-    """Whether the manager chooses the process: by the address that is told, or by the members."""
+    """Return whether the manager chooses the process: by the address stated, or by the members."""
     return not create.place and bool(create.address or create.options.get("members"))
 
 

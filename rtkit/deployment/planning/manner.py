@@ -1,4 +1,4 @@
-"""What a component is beside its parameters, as keys of a model: name, rates, policy, making."""
+"""Settings of components beside parameters, as keys of a model: name, rates, policy, making."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ AS_WANTED = "as the profile says"
 
 
 class ComponentSetting(NamedTuple):
-    """One of them.
+    """A setting of a component.
 
     Attributes:
         parameter: What it is called among the parameters of its component.
@@ -88,7 +88,7 @@ def _rates(
 
 
 def _has_left(was: ComponentFacts, facts: ComponentFacts | None) -> bool:
-    """Whether a component is not where it was, so that its rates have to be given to it again."""
+    """Return whether a component is not where it was, so that its rates must be set again."""
     return not was.zombie and (facts is None or facts.process != was.process)
 
 

@@ -1,9 +1,9 @@
-"""A deployment as state variables: what there may be, what is, and what is wished.
+"""Models a deployment as state variables: their domains, present values and desired values.
 
 A variable is a text, ``mgr:M`` (down, up), ``mod:M/X`` (absent, loaded), ``cmp:C`` (absent, or a
 place), ``act:C`` (inactive, active, error), ``cfg:C.KEY`` (a value), ``con:K`` (no, yes, other:
-of that name, but not as wished). A place is ``M:inproc`` or ``M:slave``, with ``/NAME`` behind it
-where a certain slave is meant.
+of that name, but not as desired). A place is ``M:inproc`` or ``M:slave``, with ``/NAME`` behind it
+for a certain slave.
 """
 
 from __future__ import annotations
@@ -47,13 +47,13 @@ INTERRUPTIONS = ("deactivate", "delete", "reset")
 
 
 def is_cost(number: float) -> bool:
-    """Whether a step may cost so much."""
+    """Return whether a step may cost so much."""
     return 0 < number < inf
 
 
 @dataclass(frozen=True, slots=True)
 class ComponentVariable:
-    """A component as it may be.
+    """Component variable: the places and states that a component may have.
 
     Attributes:
         module: What must be loaded to make it; empty for nothing.
@@ -104,7 +104,7 @@ class ConnectionVariable:
 
 @dataclass(frozen=True)
 class Model:
-    """All that a deployment may be, what it is, and what is wished.
+    """Model of a deployment: all variables, present values, and desired values.
 
     Attributes:
         managers: Modules that each manager finds; None where it may find any.
@@ -138,7 +138,7 @@ class Model:
         return self.usual(variable) if found is None else found
 
     def allows(self, variable: str, value: str) -> bool:
-        """Whether a value of a variable is as wished."""
+        """Return whether a value of a variable is as desired."""
         wish = self.desired.get(variable)
         return wish is None or is_granted(wish, value)
 
@@ -165,7 +165,7 @@ class Model:
 
     @cached_property
     def wholes_of(self) -> dict[str, list[str]]:
-        """Who is composed of each component, by its name."""
+        """Return the composites of each component, by its name."""
         found: dict[str, list[str]] = {name: [] for name in self.units}
         for unit in self.units.values():
             for member in unit.members:
@@ -209,7 +209,7 @@ def cost_name(costs: Container[str], kind: str, subject: str) -> str:
 
 
 def is_granted(wish: Wish, value: str) -> bool:
-    """Whether a value is what is wished."""
+    """Return whether a value is the desired one."""
     if isinstance(wish, tuple):
         return any(is_granted(each, value) for each in wish)
     return value != ABSENT if wish == ANY else value == wish
@@ -231,5 +231,5 @@ def manager_of(place: str) -> str:
 
 
 def is_inproc(place: str) -> bool:
-    """Whether a place is the process of the manager itself."""
+    """Return whether a place is the process of the manager itself."""
     return place.endswith(":inproc")

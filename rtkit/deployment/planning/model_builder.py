@@ -1,4 +1,4 @@
-"""From a wanted system and what lives to a model: what is, what may be, what is wished."""
+"""Builds the model of a deployment from the wanted system and the live one."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ NO_STATES: Mapping[str, LifeCycleState | None] = {}
 
 @dataclass(frozen=True)
 class BuiltModel:
-    """A model of what lives and what is wanted.
+    """A model of the live system and the wanted one.
 
     Attributes:
         notes: What of the wanted system is left out, because it cannot be.

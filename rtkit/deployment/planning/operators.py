@@ -1,4 +1,4 @@
-"""The commands of a deployment: what each needs, what it changes, what it costs."""
+"""Operators: the commands of a deployment, with preconditions, effects and costs."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from rtkit.fast_dataclass import dataclass
 
 
 class Requirement(NamedTuple):
-    """What must hold of a variable: one of these values, or none of them."""
+    """Requirement on a variable: one of these values, or none of them."""
 
     variable: str
     values: tuple[str, ...]
     is_not: bool = False
 
     def holds(self, value: str) -> bool:
-        """Whether it holds of a value."""
+        """Return whether it holds of a value."""
         return (value in self.values) != self.is_not
 
     def __str__(self) -> str:
@@ -42,7 +42,7 @@ class Requirement(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Operator:
-    """One command.
+    """A command of a deployment.
 
     Attributes:
         kind: Of the table of costs.
@@ -269,7 +269,7 @@ class Operators:
         return self._model.wires[name].text or name
 
     def finds(self, name: str) -> bool:
-        """Whether a manager finds a module: ``M/X``."""
+        """Return whether a manager finds a module: ``M/X``."""
         manager, _, module = name.partition("/")
         found = self._model.managers.get(manager, frozenset())
         return found is None or module in found

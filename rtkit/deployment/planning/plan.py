@@ -1,4 +1,4 @@
-"""The plan of a deployment: decided, put in order, judged before anybody sees it."""
+"""Plans a deployment: decides assignments, puts the steps in order, verifies the result."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ NO_RANKS: Mapping[str, int] = {}
 
 @dataclass(frozen=True)
 class DeploymentPlan:
-    """Steps from what lives to what is wished.
+    """Steps from the live state to the desired state.
 
     Attributes:
         moves: In an order in which they can be done one after the other.
@@ -40,7 +40,7 @@ class DeploymentPlan:
 
     @property
     def cost(self) -> float:
-        """What all steps cost together."""
+        """Return the cost of all steps together."""
         return sum(move.cost for move in self.moves)
 
     @cached_property
@@ -50,7 +50,7 @@ class DeploymentPlan:
 
     @property
     def kept(self) -> tuple[int, int, int]:
-        """How many managers, components and connections live and are not ended by any step."""
+        """Return how many managers, components and connections live and are ended by no step."""
         model = self.model
         ended = {(move.kind, move.subject) for move in self.moves}
         managers = sum(model.now(f"mgr:{name}") == UP for name in model.managers)

@@ -1,6 +1,6 @@
-"""The same deployment as one problem of the planner, with every variable and every command.
+"""Reference model: the same deployment as one problem of the planner, with all variables.
 
-For judging plans, and for comparing with a search that knows nothing of how plans are made.
+It verifies plans, and it serves as comparison: its search knows nothing of how plans are made.
 """
 
 from __future__ import annotations

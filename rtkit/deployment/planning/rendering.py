@@ -1,4 +1,4 @@
-"""A plan of a deployment as text for people, as JSON, and as a graph."""
+"""Renders a deployment plan as text for people, as JSON, and as a graph."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The way back: what lived before as what is wished now, less what turned out impossible."""
+"""Rollback goals: desire the state before a plan, less what turned out impossible."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from rtkit.fast_dataclass import replace
 
 
 class Rollback:
-    """The goal that everything is as it was; what cannot be is given up, and the rest goes on."""
+    """Goal of the state before a plan; impossible parts are given up, and the rest goes on."""
 
     def __init__(self, survey: Callable[[Snapshot], Model], before: Snapshot) -> None:
         """Prepare the way back to what lived `before`; `survey` returns the model of a snapshot."""

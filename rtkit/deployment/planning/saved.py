@@ -1,7 +1,7 @@
-"""A plan with all that it was made from, as text: kept in a file, and carried out later as it is.
+"""Saved plans: a plan with all its inputs, as text, to be kept in a file and carried out later.
 
-It holds what lived and what was wished as the planner saw it (a `Model`), so that it can be told
-what has changed since.
+A saved plan holds the live state and the desired state as the planner saw them (a `Model`). So a
+later run reports what has changed since.
 """
 
 from __future__ import annotations

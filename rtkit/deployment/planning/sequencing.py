@@ -1,4 +1,4 @@
-"""From what becomes of each component to steps in a valid order, and which may be done at once."""
+"""Sequences a plan: turns assignments into steps in a valid order, with parallel layers."""
 
 from __future__ import annotations
 

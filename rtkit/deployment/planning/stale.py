@@ -1,7 +1,7 @@
-"""Components that run code which has changed since it was loaded, and what helps.
+"""Stale code: finds components whose module files changed after loading, and the remedy.
 
-A process loads a module once. So a slave has to end with all it holds, for a new one to load what
-is in the file now; the manager's own process does so only when it begins anew.
+A process loads a module once. So a new slave has to replace the old one, with all components in
+it, to load the present file; the manager's own process loads it only when it starts again.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Names of what steps of a deployment are done to, as the costs of single steps give them."""
+"""Subjects of steps: the names by which stated costs refer to single steps of a deployment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The actions of a manager that carry out the steps of a plan."""
+"""Converts the steps of a plan into actions of a manager."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _TRANSITIONS = {
 
 
 class ActionBuilder:
-    """Turns steps into actions, by what is wanted, what lived before, and what lives by then."""
+    """Turns steps into actions, by the wanted system and the snapshots before and now."""
 
     def __init__(self, system: WantedSystem, before: LiveIndex) -> None:
         self._system = system

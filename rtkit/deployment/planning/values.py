@@ -1,4 +1,4 @@
-"""The configuration of a component as keys of a model: what is wanted, what is kept, what fits."""
+"""Configuration values of a component as keys of a model: wanted, kept, checked for validity."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The states of a system: what it is to be like in each, what leads from one to another."""
+"""System states: the configuration of a system in each, and the events between them."""

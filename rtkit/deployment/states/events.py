@@ -1,4 +1,4 @@
-"""Conditions under which events happen: components that are lost, properties that have a value."""
+"""Event conditions: components that are lost, properties that have a value."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _CONDITION = re.compile(r"(\S+?)\s*(<=|>=|!=|<|>|=)\s*(.*)", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class EventCondition:
-    """When an event happens.
+    """Condition under which an event happens.
 
     Attributes:
         name: Of its property, as ``rtget`` has it; empty where the component is lost.
@@ -43,13 +43,13 @@ class EventCondition:
 
     @property
     def needs_metrics(self) -> bool:
-        """Whether it can only be judged with figures."""
+        """Return whether it can only be judged with figures."""
         return self.name.endswith(".count")
 
     def holds(
         self, snapshot: Snapshot, metrics: Mapping[str, ComponentMetrics] | None = None
     ) -> bool:
-        """Whether it holds; what nobody knows holds not."""
+        """Return whether it holds; what nobody knows holds not."""
         facts = snapshot.component(self.component)
         is_lost = facts is None or bool(facts.zombie)
         if not self.name or is_lost or facts is None:

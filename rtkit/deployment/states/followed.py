@@ -1,4 +1,4 @@
-"""What is told of a system whose events its manager follows."""
+"""Status of a followed system: its state and events, as its manager reports them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ AT_FIRST, IS_SO, BY_OTHERS = "at first", "is so", "by others"
 
 @dataclass(frozen=True, slots=True)
 class Followed:
-    """What is told of a system that is followed.
+    """Status of a system whose events its manager follows.
 
     Attributes:
         system: Identity of its profile.

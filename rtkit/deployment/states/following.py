@@ -1,4 +1,4 @@
-"""Which state a system is in, seen from what lives, and where its events lead it."""
+"""Follows the state of a system: derives it from the facts, and finds where events lead it."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def state_now(machine: SystemStates, holds: Holds, snapshot: Snapshot, last: str
 
 
 class SystemTransition(NamedTuple):
-    """From one state to another; without event somebody else led the system there."""
+    """Transition from one state to another; without event somebody else led the system there."""
 
     before: str
     event: str

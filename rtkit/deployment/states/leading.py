@@ -1,4 +1,4 @@
-"""Leads a system from state to state; one that cannot be reached leads on by ``failed``."""
+"""Leads a system from state to state; an unreachable state leads on by the event ``failed``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The states of a system and the events that lead from one to another, checked before use."""
+"""State machine of a system: its states and the events between them, checked before use."""
 
 from __future__ import annotations
 

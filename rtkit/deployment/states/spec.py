@@ -1,4 +1,4 @@
-"""What a system is followed by, as text: kept by its manager, which reads no profiles."""
+"""Serializes the states of a system as text for its manager, which reads no profiles."""
 
 from __future__ import annotations
 

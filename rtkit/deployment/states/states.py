@@ -1,4 +1,4 @@
-"""The states of one system over its goal: which of them holds, and the ways to others."""
+"""States of one system over its goal: finds the present one and plans the ways to others."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rtkit.errors import Impossible
 
 
 class Way(NamedTuple):
-    """From what lives to one state.
+    """Way from the live system to one state.
 
     Attributes:
         why: Why there is no plan; empty where there is one.
@@ -50,7 +50,7 @@ class States:
         return state_now(self.machine, self.holds, snapshot, last)
 
     def holds(self, state: str, snapshot: Snapshot) -> bool:
-        """Whether all that is wished in a state is so."""
+        """Return whether the desired state of the system in one of its states holds."""
         return self._goals[state].holds(snapshot)
 
     def way(self, state: str, snapshot: Snapshot) -> Way:

@@ -1,4 +1,4 @@
-"""What is wished of a system in one of its states: differences from its profile."""
+"""Variants of a system: the desired differences from its profile in one of its states."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WORDS: Mapping[str, str] = {
 
 
 class StateDifference(NamedTuple):
-    """One difference.
+    """A desired difference from the profile.
 
     Attributes:
         component: By name; ``*`` for all of which nothing else is said.
@@ -35,7 +35,7 @@ class StateDifference(NamedTuple):
 
 @dataclass(frozen=True)
 class Variant:
-    """A system as it is to be in one of its states.
+    """A system as desired in one of its states.
 
     Attributes:
         states: Life-cycle states of components; None for as it is. Of others: Active.
