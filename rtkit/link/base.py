@@ -1,4 +1,4 @@
-"""What every transport offers; its makes are `rtkit.link.zenoh` and `rtkit.link.inproc`."""
+"""Interface of a transport; `rtkit.link.zenoh` and `rtkit.link.inproc` implement it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 class Link(Protocol):
-    """A way to reach services, and to offer one."""
+    """Transport that reaches services and offers services."""
 
     def send(self, key: str, payload: str | None, timeout_s: float) -> Callable[[], Reply]:
         """Send a GET (payload None) or SET of the property at `key`; return what awaits the reply.

@@ -1,4 +1,4 @@
-"""Which unix sockets have a process behind them: a pid alone may be that of a stranger by now."""
+"""Checks which unix sockets have a living process behind them, even where its pid was reused."""
 
 from __future__ import annotations
 

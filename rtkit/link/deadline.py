@@ -1,4 +1,4 @@
-"""Deadlines of requests: how the time-out of a client travels to the process that serves it.
+"""Deadlines of requests: carry the time-out of a client to the process that serves it.
 
 Processes of one host share a monotonic clock, as long as the machine runs: there a deadline holds
 also for a request that lay in a queue, or before a process that was stopped. A process elsewhere

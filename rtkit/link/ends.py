@@ -1,4 +1,4 @@
-"""The ends of connectors between two processes: of streams of values, of pulling, of calls."""
+"""Ends of connectors between two processes: value streams, pull streams and service calls."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _question(key: object) -> str:
 
 
 class Outlet:
-    """The sending end of one stream; `put` may be called from any one thread at a time."""
+    """Sending end of one stream; `put` may be called from one thread at a time."""
 
     def __init__(
         self,
@@ -97,7 +97,7 @@ class Outlet:
 
 
 class Inlet:
-    """The end of one stream that listens: it receives values, or is asked for them.
+    """Receiving end of one stream: values are pushed to it, or asked of it.
 
     Attributes:
         lost: Values that were sent and did not arrive, where the sender numbers them.
@@ -168,7 +168,7 @@ class Inlet:
 
 
 class Fetcher:
-    """The end of one pull stream that asks for values."""
+    """Asking end of one pull stream."""
 
     def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
         self._session = session
@@ -194,7 +194,7 @@ class Fetcher:
 
 
 class ProviderEnd:
-    """The end of a service connector that is called: answers one call after the other.
+    """Provider's end of a service connector: answers one call after the other.
 
     It does so on a thread of its own, which may be inside a provider that never comes back:
     nothing waits for it.
@@ -228,7 +228,7 @@ class ProviderEnd:
 
 
 class CallerEnd:
-    """The end of a service connector that calls."""
+    """Caller's end of a service connector."""
 
     def __init__(self, session: zenoh.Session, key: str, release: Callable[[], None]) -> None:
         self._session = session

@@ -1,4 +1,4 @@
-"""Hears from the kernel what happens to the files of a folder (inotify(7))."""
+"""Watches the files of a folder with inotify(7)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _ROOM = 65_536
 
 
 class Folder:
-    """An ear at one folder: for files that are made, written, moved or removed in it."""
+    """Watch on one folder: reports files that are made, written, moved or removed in it."""
 
     def __init__(self, path: str) -> None:
         """Begin to hear.

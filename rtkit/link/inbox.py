@@ -1,4 +1,4 @@
-"""Events that have come and were not taken: of a property the latest, or all."""
+"""Inbox of events that have come and were not taken: the latest of each property, or all."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rtkit.property.messages import PropertyEvent
 
 
 class Inbox:
-    """Keeps events for who takes them one by one, however slowly."""
+    """Keeps events for a consumer that takes them one by one, however slowly."""
 
     def __init__(self) -> None:
         self._events: deque[PropertyEvent] = deque()

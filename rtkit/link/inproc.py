@@ -1,4 +1,4 @@
-"""A link inside one process: the fake for fast tests, and for tools that host a manager."""
+"""Link inside one process: the fake for fast tests, and for tools that host a manager."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rtkit.property.exchange import Reply, Request
 
 
 class InprocLink:
-    """Every service offered on this object is reachable through it."""
+    """Reaches every service that is offered on the same object."""
 
     def __init__(self) -> None:
         self._services: dict[str, Callable[[Request], object]] = {}

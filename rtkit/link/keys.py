@@ -1,4 +1,4 @@
-"""Layout and escaping of keys: the only place that knows where things live on the wire.
+"""Layout and escaping of zenoh keys; no other module knows the layout.
 
 ==================================================  =============================================
 ``rt/<realm>/<host>/<manager>[/<instance>]/@/P``    property P of a manager or component

@@ -1,4 +1,4 @@
-"""Where sockets, locks and logs lie on this host, and that nobody else may reach them."""
+"""Paths of sockets, locks and logs on this host; keeps other users out of their folders."""
 
 from __future__ import annotations
 

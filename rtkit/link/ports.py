@@ -1,4 +1,4 @@
-"""Who listens on a TCP port of this host, as far as the kernel tells this user."""
+"""Finds the process that listens on a TCP port, as far as the kernel shows it to this user."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SERVANT = "rtkit TCP port"
 
 
 class PortHolder(NamedTuple):
-    """Who listens; `pid` is 0 where the process is another user's."""
+    """Process that listens on a port; `pid` is 0 where the process is another user's."""
 
     uid: int
     pid: int = 0

@@ -1,4 +1,4 @@
-"""Watches processes of this host by descriptors: an id that is used again is another one."""
+"""Watches processes of this host by descriptors, so that a reused pid is not mistaken."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import select
 
 
 class ProcessWatch:
-    """A process from now to its end."""
+    """Watch on one process, from now until it exits."""
 
     def __init__(self, pid: int) -> None:
         """Begin to watch.

@@ -1,4 +1,4 @@
-"""Which managers of this user run on this host: those that hold the lock of their name.
+"""Lists the managers of this user that run on this host: those that hold the lock of their name.
 
 And why one does not that was asked for.
 """

@@ -1,4 +1,4 @@
-"""The secret of a user: whoever knows it may use the TCP doors of that user's managers.
+"""Secret of a user: admits clients to the TCP endpoints of that user's managers.
 
 It is made once, at random, and lies in a file that nobody else can read.
 """
@@ -19,7 +19,7 @@ _LARGEST = 4096
 
 
 class Secret(NamedTuple):
-    """User and password."""
+    """User name and password."""
 
     user: str
     password: str

@@ -1,4 +1,4 @@
-"""Shared memory that zenoh leaves in ``/dev/shm`` when a process ends, killed or not."""
+"""Removes shared memory that zenoh leaves in ``/dev/shm`` when a process ends, killed or not."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from rtkit.link.ends import CallerEnd, Deliver, Fetcher, Inlet, Outlet, Provider
 
 
 class _Sender:
-    """The session to one endpoint, shared by all streams that go there."""
+    """Session to one endpoint, shared by all streams that go there."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
@@ -31,7 +31,7 @@ class _Sender:
 
 
 class Streams:
-    """All streams of one process; sessions are opened at first use and shared.
+    """Opens all streams of one process; sessions are opened at first use and shared.
 
     Args:
         pattern: Path of its socket, ``%p`` for the pid of the process that listens.

@@ -1,4 +1,4 @@
-"""The front door of a manager: a TCP port of this host for who knows the user's secret.
+"""TCP endpoint of a manager: a port of this host, for clients that know the user's secret.
 
 It is a session of its own, in front of the one on the Unix socket, because one session cannot ask
 for a password on one of its doors only.
@@ -34,7 +34,7 @@ rest."""
 
 
 class Identity(NamedTuple):
-    """Who a manager is: its host, its name there, and its id in direct addresses."""
+    """Identity of a manager: its host, its name there, and its id in direct addresses."""
 
     host: str
     manager: str

@@ -1,4 +1,4 @@
-"""Threads that may not be had: a host, or a user of it, can run out of them."""
+"""Starts threads and reports when the host, or the user's limit, allows no more of them."""
 
 from __future__ import annotations
 

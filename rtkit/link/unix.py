@@ -1,4 +1,4 @@
-"""Connections to unix sockets, of this user only: the kernel tells who is at the other end."""
+"""Connects unix sockets to processes of this user only; the kernel identifies the peer."""
 
 from __future__ import annotations
 

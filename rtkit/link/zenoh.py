@@ -1,4 +1,4 @@
-"""The zenoh link: sessions, queries and replies. No other file of the control path knows zenoh.
+"""Zenoh link: sessions, queries and replies. No other file of the control path knows zenoh.
 
 Rules kept here, each a hang or a loss that was measured otherwise: explicit endpoints and no
 scouting; bounded channels with consolidation off for every get; direct callbacks that only

@@ -1,1 +1,1 @@
-"""Property Service: the exchange of GET and SET between a client and the owner of a property."""
+"""Property Service: exchange of GET and SET between a client and the owner of a property."""

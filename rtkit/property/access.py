@@ -1,4 +1,4 @@
-"""Who may do what through which door, and how much: rules in an order, the first that fits decides.
+"""Access policy: rules in an order, the first that fits decides, and limits of each endpoint.
 
 One rule or limit a line; ``#`` begins a remark::
 
@@ -34,7 +34,7 @@ _MOST_KNOWN = 4096
 
 
 class AccessRule(NamedTuple):
-    """One line of them."""
+    """One rule of an access policy: a line of its text."""
 
     allows: bool
     endpoint: str
@@ -58,7 +58,7 @@ class AccessRule(NamedTuple):
 
 
 class Access:
-    """What the rules of one door come to."""
+    """Rules that hold at one endpoint."""
 
     def __init__(self, rules: Iterable[AccessRule] = ()) -> None:
         self._rules = tuple(rules)
@@ -90,7 +90,7 @@ class Access:
 
 
 class EndpointLimits(NamedTuple):
-    """How much one door gives.
+    """Limits of one endpoint.
 
     Attributes:
         connections: Clients at a time.
@@ -112,7 +112,7 @@ _OF_DOOR = {"http": EndpointLimits(connections=128, door_listeners=64, rate=2000
 
 
 class AccessPolicy:
-    """Rules and limits of all doors of a service."""
+    """Rules and limits of all endpoints of a service."""
 
     def __init__(
         self, rules: Iterable[AccessRule] = (), limits: Iterable[tuple[str, str, int]] = ()

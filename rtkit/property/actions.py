@@ -1,4 +1,4 @@
-"""Requests about functional properties: how an action stands, start it, stop it."""
+"""Requests about functional properties: read the state of an action, start it, stop it."""
 
 from __future__ import annotations
 

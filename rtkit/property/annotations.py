@@ -1,4 +1,4 @@
-"""What annotations of a class tell of its properties: type, unit, range, choices.
+"""Reads type, unit, range and choices of properties from the annotations of a class.
 
 ``speed: Annotated[float, Unit("m/s"), Range(-1, 1)]``. A bare text is a unit too; what has ``ge``,
 ``gt``, ``le``, ``lt`` (the package annotated-types) is a range.
@@ -27,7 +27,7 @@ class Unit(NamedTuple):
 
 
 class Range(NamedTuple):
-    """Bounds of a number, and what a slider moves it by."""
+    """Bounds of a number, and the step of its slider."""
 
     minimum: float | None = None
     maximum: float | None = None

@@ -1,4 +1,4 @@
-"""Lines that carry a check, for wires that damage what they carry: ``line ~XXXX``.
+"""Checked lines, for wires that damage what they carry: ``line ~XXXX``.
 
 The check is CRC-16/CCITT-FALSE over the bytes before the blank, four hexadecimal digits. A message
 with bytes behind its line (``{n}``) is one line here, too: each byte in it that would end the line,
@@ -54,7 +54,7 @@ def _unstuff(found: re.Match[bytes]) -> bytes:
 
 
 class CheckedRequests(Requests):
-    """What a client sends over a line that may damage it; nothing of it ends the conversation.
+    """Reads requests from a line that may damage them; damage never ends the conversation.
 
     Args:
         wanted: Whether there have to be checks; None: if the client makes them.
@@ -119,7 +119,7 @@ class CheckedRequests(Requests):
 
 
 class CheckedReplies:
-    """What a service sends over such a line: replies, events, and lines that tell nothing."""
+    """Reads replies, events and damaged lines that a service sends over such a line."""
 
     def __init__(self, longest: int = 1 << 26) -> None:
         self._splitter = Splitter(longest)

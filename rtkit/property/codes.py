@@ -1,4 +1,4 @@
-"""Errors of the Property Service: the codes that travel, and what each of them means.
+"""Error codes of the Property Service: the codes that travel, and the meaning of each.
 
 Source: `property-service` reference, section 5. An error reply is ``code`` blank ``human text``.
 """
@@ -11,7 +11,7 @@ from rtkit import errors
 
 
 class ErrorCode(NamedTuple):
-    """What a code means: its HTTP status, whether to try again helps, its exit detail."""
+    """Meaning of a code: its HTTP status, whether to try again helps, its exit detail."""
 
     http: int
     may_retry: bool
@@ -51,7 +51,7 @@ _OF_KIND = {
 
 
 class PropertyError(errors.RtkitError):
-    """A request that was answered with a code.
+    """Request that was answered with an error code.
 
     Attributes:
         code: One of `CODES`.

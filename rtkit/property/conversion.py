@@ -1,4 +1,4 @@
-"""Between objects of Python and values of properties.
+"""Converts between Python objects and values of properties.
 
 numpy is known where somebody has imported it: its arrays become vectors or lists of them.
 """

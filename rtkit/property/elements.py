@@ -1,4 +1,4 @@
-"""From text to elements: the part of XML that values know.
+"""Reads elements from text: the part of XML that values use.
 
 No document types, no processing instructions, no CDATA, no mixed content, five named entities.
 A leaf is read as a value once its entities are decoded; what is no value is a string.
@@ -27,7 +27,7 @@ _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class _Open:
-    """An element whose end has not been read yet."""
+    """Element whose end has not been read yet."""
 
     __slots__ = ("attributes", "children", "name", "text")
 

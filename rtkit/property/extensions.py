@@ -1,4 +1,4 @@
-"""What can be asked about a property: names below it, parameters, GUI, listeners, meta, history.
+"""Extensions of a property: names below it, parameters, GUI, listeners, meta, history.
 
 Source: `property-service` reference, section 2.
 """

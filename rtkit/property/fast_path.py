@@ -1,4 +1,4 @@
-"""Request lines of the kind that most are, answered as bytes with as little as it takes.
+"""Fast path: answers the most frequent kind of request lines as bytes, with the least work.
 
 That is ``GET name`` or ``SET name value``, with nothing else to it, of a property that is kept
 here. Everything else goes the long way, `Service.handle`, which comes to the same.
@@ -20,7 +20,7 @@ _MOST_KNOWN = 4096
 
 
 class FastPath:
-    """The short way to the properties of a service."""
+    """Fast path to the properties of a service."""
 
     def __init__(self, service: Service) -> None:
         self._service = service

@@ -1,4 +1,4 @@
-"""Objects of Python for values, as an annotation or the present object says; else refused.
+"""Builds Python objects from values after an annotation or the present object, or refuses.
 
 numpy is known where somebody has imported it.
 """

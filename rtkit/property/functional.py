@@ -1,4 +1,4 @@
-"""Functional properties: SET starts an action, GET tells how it stands and what came of it.
+"""Functional properties: SET starts an action, GET reports its state and its outcome.
 
 Who runs the work (at once, or on a thread) is given from outside; the outcome comes back through
 the owner of the service, so state is touched by one thread only.
@@ -23,7 +23,7 @@ Run = Callable[[Work, Finished], None]
 
 
 class FunctionalProperty:
-    """An action with its arguments.
+    """Action with its arguments.
 
     What is called and yields can be stopped whenever it yields; what it yields is how far it is. A
     coroutine can be stopped whenever it waits.

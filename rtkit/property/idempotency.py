@@ -1,4 +1,4 @@
-"""A request that is repeated with its id acts once: the answer is remembered, for a while."""
+"""Idempotency cache: a request that is repeated with its id acts once; answers are kept a while."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Answering = Callable[[Answer], object]
 
 
 class IdempotencyCache:
-    """Answers by id, and who waits for those that are not there yet."""
+    """Keeps answers by id, and the callers that wait for answers under way."""
 
     def __init__(self) -> None:
         self._answers: OrderedDict[Hashable, Answer | list[Answering]] = OrderedDict()

@@ -1,4 +1,4 @@
-"""Which requests may call user code, and which of them wait for each other.
+"""Assigns requests that call user code to lanes; those of one lane wait for each other.
 
 A request that calls none is answered at once. The others go beside the loop, each in the lane of
 the property that it is about, so that one property is got and set in the order of the requests.

@@ -1,4 +1,4 @@
-"""The line protocol: requests, replies and events as bytes, read piece by piece, memory bounded.
+"""Line protocol: requests, replies and events as bytes, read piece by piece, memory bounded.
 
 ::
 
@@ -28,7 +28,7 @@ _LOOKS_LIKE_BLOCK = re.compile(r"\{\d*\}")
 
 
 class LineRequest(NamedTuple):
-    """A request, or what cannot be one.
+    """Request, or the error of a line that cannot be one.
 
     Attributes:
         payload: None of a GET.
@@ -44,14 +44,14 @@ class LineRequest(NamedTuple):
 
 
 class _Block(NamedTuple):
-    """A request of which the bytes are still to come."""
+    """Request whose bytes are still to come."""
 
     asked: LineRequest
     length: int
 
 
 class Splitter:
-    """Takes bytes as they come; gives lines, and blocks of bytes where a line announces one."""
+    """Splits bytes into lines, and into blocks of bytes where a line announces one."""
 
     def __init__(self, longest: int = LONGEST_LINE) -> None:
         self._longest = longest
@@ -132,7 +132,7 @@ class Splitter:
 
 
 class Requests:
-    """What a client sends, as requests."""
+    """Reads requests from the bytes of a client."""
 
     def __init__(self, longest: int = LONGEST_LINE) -> None:
         self._longest = longest
@@ -261,7 +261,7 @@ def _tail(payload: Payload) -> bytes:
 
 
 class Replies:
-    """What a service sends, as replies and events.
+    """Reads replies and events from the bytes of a service.
 
     Attributes:
         is_idle: Nothing has begun that was not given.

@@ -1,4 +1,4 @@
-"""Who listens to a service: registers, tells changes, ends leases."""
+"""Listeners of a service: registers them, sends them changes, ends their leases."""
 
 from __future__ import annotations
 

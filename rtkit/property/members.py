@@ -1,4 +1,4 @@
-"""Which members of an object are to be properties, and of what kind; nothing private ever.
+"""Finds the members of an object that become properties, and their kind; never private ones.
 
 Nothing of the object is called or changed here but what reading its properties takes.
 Source: `property-service` reference, section 8.
@@ -24,7 +24,7 @@ _PLAIN = (bool, int, float, str, bytes, bytearray, Enum, type(None), list, tuple
 
 
 class Member(NamedTuple):
-    """One thing of an object.
+    """Member of an object.
 
     Attributes:
         kind: ``attribute``, ``accessors`` or ``method``.

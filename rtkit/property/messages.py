@@ -1,4 +1,4 @@
-"""What passes between a door and a service: asks, answers, events; and who asks."""
+"""Messages between an endpoint and a service: requests, answers, events, and the requester."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Mark = tuple[int, float, str, str, Payload]
 
 
 class Answer(NamedTuple):
-    """What one request led to: the value, or the code and text of an error."""
+    """Outcome of one request: the value, or the code and text of an error."""
 
     payload: Payload
     error: str = ""
@@ -46,7 +46,7 @@ def failed(error: BaseException) -> Answer:
 
 
 class Requester:
-    """Who asks, through which door: what a service knows of the far side.
+    """Sender of requests through an endpoint, as far as a service knows it.
 
     Attributes:
         identity: A name that the door has made sure of; empty for anybody.
@@ -86,7 +86,7 @@ OWNER = Requester("owner")
 
 
 class PropertyRequest(NamedTuple):
-    """A GET (no payload) or SET.
+    """GET (no payload) or SET of a property.
 
     Attributes:
         target: As it was asked for, service cut off.
@@ -104,7 +104,7 @@ class PropertyRequest(NamedTuple):
 
 
 class PropertyEvent(NamedTuple):
-    """A change as a listener hears of it.
+    """Change of a property as a listener receives it.
 
     Attributes:
         time: When the value came into force [s since 1970].

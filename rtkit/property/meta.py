@@ -1,4 +1,4 @@
-"""What ``.meta`` tells of a property: what is declared of it, and of its value."""
+"""Builds ``.meta`` of a property: its declaration, and the state of its value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of properties and what may follow them: segments, escapes, parameters.
+"""Names of properties and their suffixes: segments, escapes, parameters.
 
 A name is segments joined by dots; what is no letter, digit, ``_ - + ~`` is escaped as ``%XX``.
 Two spellings of one name are the same name. Source: `property-service` reference, section 2.
@@ -27,7 +27,7 @@ _NOT_IN_PARAMETER = re.compile(r"[&?=;#%\x00-\x20\x7f]")
 
 
 class RequestTarget(NamedTuple):
-    """What a request is for.
+    """Target of a request, read from its text.
 
     Attributes:
         name: In its one canonical spelling.

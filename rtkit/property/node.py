@@ -1,4 +1,4 @@
-"""One property: what is declared of it, its value, who reads and writes it, who listens."""
+"""Property node: the declaration of a property, its value, its accessors and its listeners."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ENDS = re.compile(r"[\r\n]")
 
 
 class PropertyNode:
-    """A property; there may be very many, so it holds no more than it must.
+    """One property; it is kept small because there may be very many.
 
     Attributes:
         revision: Grows with each change of the value.

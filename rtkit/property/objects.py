@@ -1,4 +1,4 @@
-"""Class Property Service: any object as properties, its class as it is.
+"""Class Property Service: exports any object as properties, without a change to its class.
 
 Attributes, properties, getters and setters become properties, other public methods actions, nested
 objects sub-properties. Source: `property-service` reference, section 8.
@@ -36,7 +36,7 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
 class _Found(NamedTuple):
-    """A member of the object, or of one that it holds.
+    """Member of the object, or of one that it holds.
 
     Attributes:
         holder: Returns the object whose member it is.
@@ -55,7 +55,7 @@ class _Found(NamedTuple):
 
 
 class Exported:
-    """An object as properties of a service.
+    """Exports an object as properties of a service.
 
     Names are listed without a call of its getters: what is nested in an object that only a getter
     tells is known when somebody has asked for it.

@@ -1,4 +1,4 @@
-"""Replies in the order of their requests; those to requests with an id as soon as they come."""
+"""Orders replies as their requests; sends those to requests with an id as soon as they come."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 
 class InOrder:
-    """What is still to be answered on one connection.
+    """Keeps the unanswered requests of one connection in their order.
 
     Args:
         put: Takes replies in the order in which they are to be sent.

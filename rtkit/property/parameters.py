@@ -1,4 +1,4 @@
-"""Parameters of requests as values: those of all properties, and those that one declares."""
+"""Reads parameters of requests as values: common ones, and those that a property declares."""
 
 from __future__ import annotations
 

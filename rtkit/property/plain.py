@@ -1,4 +1,4 @@
-"""Values as JSON has them, for programs that do not know the grammar."""
+"""Converts values to and from JSON, for programs that do not know the grammar."""
 
 from __future__ import annotations
 

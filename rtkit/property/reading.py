@@ -1,4 +1,4 @@
-"""From text to values: the grammar, read in one pass without recursion into brackets.
+"""Reads values from text: the grammar, in one pass without recursion into brackets.
 
 Source: `property-service` reference, section 3. Nothing is repaired: what cannot be read is
 ``syntax OFFSET WHAT WAS EXPECTED``, what goes over a limit is ``too-large``.
@@ -14,7 +14,7 @@ from rtkit.property.values import Value, Word
 
 
 class ValueLimits(NamedTuple):
-    """How large a value may be: text [characters], nesting of brackets and elements, items."""
+    """Limits of a value: text [characters], nesting of brackets and elements, items."""
 
     text: int = 1 << 20
     depth: int = 64
@@ -45,7 +45,7 @@ _ESCAPED = {'"': '"', "\\": "\\", "n": "\n", "r": "\r", "t": "\t"}
 
 
 class Budget:
-    """What may still be read: counts items over groups, elements and leaves."""
+    """Counts items over groups, elements and leaves, and bounds what may still be read."""
 
     __slots__ = ("items", "limits")
 

@@ -1,4 +1,4 @@
-"""The names of a service: which there are, what lies below them, what a name stands for."""
+"""Registry of the names of a service: lists them, their children, and resolves each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WITH_FIELD = frozenset({"gui", "meta"})
 
 
 class NameEntry(NamedTuple):
-    """What a name stands for.
+    """Property, or part of one, that a name stands for.
 
     Attributes:
         name: Of the property, or of the inner node, that the rest belongs to.

@@ -1,4 +1,4 @@
-"""A service: named properties with one owner, who answers GET and SET and tells changes.
+"""Property service of one owner: answers GET and SET of named properties, and sends changes.
 
 Pure: asks come in, answers and events go out through what they were given; clocks are given too.
 Only one thread at a time may be inside; what calls user code lets others in meanwhile.
@@ -39,7 +39,7 @@ _NONE: dict[str, Value] = {}
 
 
 class Service:
-    """The properties of one owner.
+    """Properties of one owner.
 
     Attributes:
         on_refusal: Hears of each request that was denied: who, method, target.

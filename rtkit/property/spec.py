@@ -1,4 +1,4 @@
-"""What is declared of a property: type, access, unit, range, choices, alarms, parameters, GUI."""
+"""Declaration of a property: type, access, unit, range, choices, alarms, parameters, GUI."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtkit.property.writing import write
 
 
 class RequestParameter(NamedTuple):
-    """A key that may follow the question mark, or an argument of a functional property."""
+    """Key that may follow the question mark, or an argument of a functional property."""
 
     key: str
     type: Type
@@ -33,7 +33,7 @@ _ANY = parse_type("any")
 
 @dataclass(frozen=True, slots=True)
 class PropertySpec:
-    """What is declared; many properties may share one.
+    """Declaration of a property; many properties may share one.
 
     Attributes:
         access: ``r``, ``w`` or ``rw``.

@@ -1,4 +1,4 @@
-"""The one queue between a property and whoever listens to it.
+"""Queue between a property and one listener.
 
 By default it holds the latest value only. Nothing here knows of clocks or connections: time comes
 in as an argument [s, of a clock that never goes back]. Source: `property-service` reference,
@@ -19,7 +19,7 @@ LONGEST_LEASE_S = 86_400.0
 
 
 class SubscriptionOptions(NamedTuple):
-    """How somebody wants to listen.
+    """Options of a subscription.
 
     Attributes:
         queue: Events that are kept while they cannot be sent; the oldest goes first.
@@ -41,7 +41,7 @@ class SubscriptionOptions(NamedTuple):
 
 
 class Listener:
-    """One who listens to one property, or to a part of it."""
+    """Subscription to one property, or to a part of it."""
 
     __slots__ = (
         "_at", "_baseline", "_dropped", "_events", "_offered", "caller", "ends_at", "has_ended",

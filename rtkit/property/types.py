@@ -1,4 +1,4 @@
-"""Declared types of properties: what a value must be, and how the payload of a request is read.
+"""Declared types of properties: check values and read the payload of a request.
 
 Source: `property-service` reference, section 3: ``number integer boolean word string text bytes
 vector vector[n] list list<T> marker element any``.
@@ -26,7 +26,7 @@ _OF = r"list<(.+)>"
 
 
 class Type(NamedTuple):
-    """A declared type.
+    """Declared type of a property.
 
     Attributes:
         name: As it was declared.

@@ -1,4 +1,4 @@
-"""Calls of user code by a service: guarded, beside its loop, awaited; one place for all of them.
+"""Calls user code for a service: guarded, beside its loop, or awaited; no other module does.
 
 Readers, writers, getters, setters, actions and what lists names pass here. A service by itself
 calls them at once; one with endpoints has `rtkit.serving.workers`.
@@ -91,11 +91,11 @@ def result_of(outcome: GuardedResult, bad: tuple[type[BaseException], ...] = ())
 
 
 class Unfolded(Exception):
-    """A property turned out to hold an object with properties of its own: look it up again."""
+    """Property that turned out to hold an object with properties of its own: look it up again."""
 
 
 class AtOnce:
-    """Calls user code on the thread of whoever asks: a service without endpoints."""
+    """Calls user code on the thread of the requester: for a service without endpoints."""
 
     def call(self, work: Work) -> GuardedResult:
         """See `UserCode.call`."""

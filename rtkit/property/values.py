@@ -20,7 +20,7 @@ Value: TypeAlias = Union[int, float, bool, "Word", str, "Element", tuple["Value"
 
 
 class Word(str):
-    """A name: what is neither number nor boolean, and needs no quotes."""
+    """Name that is neither number nor boolean, and needs no quotes."""
 
     __slots__ = ()
 
@@ -37,7 +37,7 @@ class Word(str):
 
 
 class Element:
-    """A piece of XML: attributes, and either children or one value, the leaf.
+    """Piece of XML: attributes, and either children or one value, the leaf.
 
     Attributes:
         name: Of the tag.

@@ -1,4 +1,4 @@
-"""From values to text, in the one canonical way: what is equal is written alike.
+"""Writes values as canonical text: equal values are written alike.
 
 Laws: ``read(write(value)) == value``, and ``write(read(text))`` is a fixed point.
 """

@@ -1,1 +1,1 @@
-"""Calls and events carried on between any two doors; values are not understood here."""
+"""Proxy: carries calls and events between any two endpoints, without a look at values."""

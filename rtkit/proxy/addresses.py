@@ -1,4 +1,4 @@
-"""What an address stands for: at one side of a proxy an owner to ask, at the other a door to open.
+"""Resolves addresses of a proxy: an owner to ask on one side, an endpoint to open on the other.
 
 An address is ``SCHEME:REST``, or a path of the tree. Each scheme is a row of `SOURCES` or `DOORS`.
 """
@@ -24,7 +24,7 @@ _HERE = ("", "localhost", "127.0.0.1")
 
 
 class ProxySettings(NamedTuple):
-    """What addresses are read in.
+    """Settings that addresses are read with.
 
     Attributes:
         cwd: Working directory in the tree.
@@ -37,7 +37,7 @@ class ProxySettings(NamedTuple):
 
 
 class ProviderAddress(NamedTuple):
-    """An owner to ask.
+    """Address of an owner to ask.
 
     Attributes:
         wire: Makes connections to it.

@@ -1,4 +1,4 @@
-"""A connection of a proxy to an owner that only has calls which wait: threads make them."""
+"""Connection of a proxy to an owner whose calls block: threads make them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MOST_AT_ONCE = 8
 
 
 class BlockingConnection:
-    """Connections of which each waits for one thing.
+    """Pool of connections, each of which waits for one answer.
 
     Args:
         end: For requests.

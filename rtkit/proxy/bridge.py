@@ -1,4 +1,4 @@
-"""A proxy as a whole: the way to an owner, a relay of it, and the door that is opened for it."""
+"""Proxy as a whole: the uplink to an owner, a relay of it, and the endpoint opened for it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 
 
 class Bridge(Closing):
-    """A proxy that runs; close it, or use it as a context.
+    """Running proxy; close it, or use it as a context.
 
     Attributes:
         address: Where its door is.
@@ -31,7 +31,7 @@ class Bridge(Closing):
 
 
 class _Word:
-    """What is said about the owner: only when it comes and goes, and from the first time on."""
+    """Reports about the owner: only when it comes and goes, and from the first time on."""
 
     def __init__(self, said: Callable[[str], None]) -> None:
         self._said = said

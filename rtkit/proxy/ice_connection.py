@@ -1,4 +1,4 @@
-"""A connection of a proxy to its owner over Ice."""
+"""Connection of a proxy to its owner over Ice."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rtkit.wires.ice.session import IceSession, Outcome
 
 
 class IceConnection:
-    """A session with an Ice door, used by nobody else.
+    """Session with an Ice endpoint, used by nobody else.
 
     Args:
         address: Of the service.

@@ -1,4 +1,4 @@
-"""Silence of a far side that owes something: it is asked for a sign of life, then given up."""
+"""Keepalive of a peer that owes an answer: asks it for a sign of life, then gives it up."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ DEAD_S = 15.0
 
 
 class Keepalive:
-    """How long nothing has been heard."""
+    """Measures how long nothing has been received."""
 
     def __init__(self) -> None:
         self._since = monotonic()

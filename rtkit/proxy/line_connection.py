@@ -1,4 +1,4 @@
-"""A connection of a proxy to its owner that speaks the line protocol, on the loop of the host."""
+"""Connection of a proxy to its owner over the line protocol, on the loop of the host."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MOST_LISTENINGS = 1000
 
 
 class LineConnection:
-    """One connection.
+    """One connection over the line protocol.
 
     Args:
         end: A connected socket, of somebody who knows already who asks.

@@ -13,7 +13,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 
 
 class LoopInbox:
-    """The events of one listening.
+    """Inbox of the events of one subscription.
 
     Args:
         wish: Parameters of the listening; the queue is one of them.

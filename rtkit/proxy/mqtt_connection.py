@@ -1,4 +1,4 @@
-"""A connection of a proxy to its owner through an MQTT broker."""
+"""Connection of a proxy to its owner through an MQTT broker."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class _Ear(NamedTuple):
 
 
 class MqttConnection:
-    """A session with a broker, below a topic of which a service is.
+    """Session with a broker, below the topic of a service.
 
     Args:
         address: With the topic of the service.

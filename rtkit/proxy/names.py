@@ -1,4 +1,4 @@
-"""What names are called on the two sides of a proxy, and which of them may be set through it."""
+"""Translates names between the two sides of a proxy, and restricts which may be set."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def _items(value: Value) -> tuple[Value, ...]:
 
 
 class Allowed:
-    """Which properties may be set: the names that a pattern matches."""
+    """Properties that may be set: those whose names match a pattern."""
 
     def __init__(self, patterns: Sequence[str] = ()) -> None:
         self._patterns = patterns

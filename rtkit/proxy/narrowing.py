@@ -1,4 +1,4 @@
-"""Tells in meta data what may be set through a proxy: what the owner alone would let be, may not.
+"""Narrows meta data to what may be set through a proxy, where the owner alone allows more.
 
 The one place where a proxy reads what an owner says of a property; its values stay unread.
 """

@@ -1,4 +1,4 @@
-"""A connection to the owner that a proxy stands for, and how one is made."""
+"""Interface of a connection to the owner that a proxy stands for, and of its maker."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STATUS = "~proxy.status"
 
 
 class ProviderConnection(Protocol):
-    """A connection to an owner, used by the loop only; whatever it calls is called there."""
+    """Connection to an owner, used by the loop only; its callbacks run there."""
 
     def start(self, gone: Gone) -> None:
         """Begin; `gone` hears, once, that it has ended and why."""

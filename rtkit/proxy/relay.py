@@ -1,4 +1,4 @@
-"""A service that owns nothing: it asks another one, whose answers and events it hands on.
+"""Relay service without properties of its own: asks another one, and forwards answers and events.
 
 Nothing here understands a value; but names pass through `Names`, and what may be set is decided
 here. What begins with ``~proxy`` it answers itself: whom it stands for, and whether that is there.
@@ -33,7 +33,7 @@ ITSELF = "that would be a proxy of itself"
 
 
 class Relay:
-    """Stands for the owner of properties; an `Owner` to the doors.
+    """Stands for the owner of properties; a `PropertyProvider` to the endpoints.
 
     Args:
         said: Called with why whenever the owner is gone, and with nothing when it is back.

@@ -1,4 +1,4 @@
-"""Which requests may be under way at once where each of them has a connection of its own.
+"""Schedules requests that may be under way at once, each on a connection of its own.
 
 What has no effect on another overtakes it; what has waits until the other is answered, so that all
 looks as if they had been asked one after the other.
@@ -14,7 +14,7 @@ _ALL = "properties"
 
 
 class ScheduledRequest:
-    """A request.
+    """Request in the schedule.
 
     Args:
         target: What is asked for.
@@ -34,7 +34,7 @@ class ScheduledRequest:
 
 
 class RequestScheduler:
-    """Requests in the order in which they came.
+    """Keeps requests in the order in which they came.
 
     Args:
         most: How many may be under way at once.

@@ -1,4 +1,4 @@
-"""A connection of a proxy to an owner at the far end of a serial line: one thread has the line."""
+"""Connection of a proxy to an owner at the far end of a serial line, which one thread uses."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ENDED = Answer("the connection has ended", "no-service")
 
 
 class SerialConnection:
-    """One conversation, in which each request waits for the one before it."""
+    """Conversation in which each request waits for the one before it."""
 
     def __init__(self, host: PropertyEventLoop, client: SerialClient) -> None:
         self._host = host

@@ -1,4 +1,4 @@
-"""Listening through a proxy: one listening at the owner serves all who wish the same.
+"""Subscriptions through a proxy: one at the owner serves all that have the same options.
 
 The queue of each of them is here, so a slow one costs what it may hold and delays nobody. Who comes
 later first hears what the others heard last, once the owner has confirmed that it is in force.
@@ -34,7 +34,7 @@ _AGAIN_S = 1.0
 
 
 class RelayedOptions(NamedTuple):
-    """How somebody wants to listen, as far as a proxy understands it.
+    """Options of a subscription, as far as a proxy understands them.
 
     Attributes:
         text: Parameters that the owner is asked with.
@@ -78,7 +78,7 @@ def _number(text: str | None, default: float) -> float:
 
 
 class RelayedListener(Listener):
-    """One who listens through the proxy: holds what the owner sent until it can be sent on."""
+    """Listener through the proxy: holds what the owner sent until it can be sent on."""
 
     __slots__ = ("_lost", "_waiting", "text")
 
@@ -117,7 +117,7 @@ class RelayedListener(Listener):
 
 
 class RelayedSubscription:
-    """A listening at the owner, and those here whom it serves.
+    """Subscription at the owner, and the listeners here that it serves.
 
     Attributes:
         contact: At which the owner was asked; None while nothing is in force.
@@ -146,7 +146,7 @@ class RelayedSubscription:
 
 
 class RelayedSubscriptions:
-    """All listening through one proxy.
+    """All subscriptions through one proxy.
 
     Args:
         outward: Gives the name by which events are known here.

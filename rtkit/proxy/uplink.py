@@ -1,4 +1,4 @@
-"""The way to the owner: made, lost, made again; and the connections that it consists of.
+"""Uplink to the owner: connects, reconnects, and keeps the connections that it consists of.
 
 One connection carries the requests and what is listened to; another one is made where somebody
 wishes to listen to a property in another way. When one of them ends, all are made anew.

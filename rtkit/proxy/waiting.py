@@ -1,4 +1,4 @@
-"""Who waits for answers over a connection, each by the number of its request."""
+"""Keeps the callers that wait for answers over a connection, by the number of the request."""
 
 from __future__ import annotations
 

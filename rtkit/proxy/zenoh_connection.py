@@ -1,4 +1,4 @@
-"""A connection of a proxy to its owner over zenoh: queries, and a key for each listening."""
+"""Connection of a proxy to its owner over zenoh: queries, and a key for each subscription."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class _Ear(NamedTuple):
 
 
 class ZenohConnection:
-    """A session to the owner, used by nobody else.
+    """Session to the owner, used by nobody else.
 
     Args:
         service_key: Of the owner.

@@ -1,1 +1,1 @@
-"""Properties of this process, served: the loop that owns them, and its doors."""
+"""Serves the properties of this process: the loop that owns them, and its endpoints."""

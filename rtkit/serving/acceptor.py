@@ -1,4 +1,4 @@
-"""Sockets that take clients: as many as there is room for, others are turned away with a word."""
+"""Accepts clients on sockets, as many as the quota allows; sends the others a reason."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _BACKLOG = 128
 
 
 class AdmittedClient(QuotaClient, Protocol):
-    """A client that has been let in."""
+    """Client that has been admitted."""
 
     @property
     def is_open(self) -> bool:
@@ -25,7 +25,7 @@ class AdmittedClient(QuotaClient, Protocol):
 
 
 class Acceptor(ABC):
-    """A socket at which clients knock; a tenant of its host.
+    """Listening socket that clients connect to; an `IOHandler` of its host.
 
     Args:
         end: Bound; it is listened at from now on.

@@ -1,4 +1,4 @@
-"""A loop of asyncio on a thread of its own, begun by the first coroutine of a service."""
+"""Runs a loop of asyncio on a thread of its own, begun by the first coroutine of a service."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Threads for the few clients that ask one thing after another.
+"""Dedicated workers: threads for the few clients that ask one thing after another.
 
 Who waits at one socket is woken sooner, and has less to do, than a loop that looks at all of them:
 so a request costs not twice, but half as much again as a bare echo. An attendant answers only what
@@ -24,7 +24,7 @@ _PAUSE = struct.pack("@ll", int(PAUSE_S), int(PAUSE_S % 1 * 1e6))
 
 
 class WorkerExit(NamedTuple):
-    """How an attendant leaves a client.
+    """Reason for which a dedicated worker leaves a client.
 
     Attributes:
         data: What came and is not answered; empty if the client has hung up, None at a pause.
@@ -36,7 +36,7 @@ class WorkerExit(NamedTuple):
 
 
 class DedicatedWorkers:
-    """All of one host.
+    """All dedicated workers of one host.
 
     Args:
         lock: Of the host.

@@ -1,4 +1,4 @@
-"""The loop that owns the properties of a process: its sockets, what other threads ask, time.
+"""Event loop that owns the properties of a process: its sockets, calls of other threads, time.
 
 Whoever touches a service holds the lock of the host; user code runs on workers, beside the loop.
 """
@@ -27,7 +27,7 @@ _LONGEST_WAIT_S = 3600.0
 
 
 class ByteStream(Protocol):
-    """What the loop can wait for, read and write: a socket, or a device."""
+    """Socket or device that the loop can wait for, read and write."""
 
     def fileno(self) -> int:
         """Return its descriptor."""
@@ -51,7 +51,7 @@ class ByteStream(Protocol):
 
 
 class IOHandler(Protocol):
-    """Something with a socket that the loop serves."""
+    """Handler of a socket that the loop serves."""
 
     def ready(self, mask: int) -> bool | None:
         """Hear that the socket can be read or written; return True if nothing is left to do."""

@@ -1,4 +1,4 @@
-"""What doors and the loop need of a service: one that owns properties, or stands for who does."""
+"""Interface of a service for endpoints and the loop: it owns properties, or stands for an owner."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a door has room for, and what may be done through it: shared by its clients."""
+"""Quota of an endpoint and its access rules, shared by its clients."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rtkit.serving.rate_limit import RateLimit
 
 
 class QuotaClient(Protocol):
-    """One who may listen."""
+    """Client that may listen."""
 
     @property
     def listening(self) -> int:
@@ -21,7 +21,7 @@ class QuotaClient(Protocol):
 
 
 class EndpointQuota:
-    """Rules and limits of one door.
+    """Rules and limits of one endpoint.
 
     Args:
         policy: Of all doors.

@@ -1,10 +1,10 @@
-"""How many requests one client may make in a second: as many at once, then as they are earned."""
+"""Rate limit of one client: a burst of requests at once, then as many a second as are earned."""
 
 from __future__ import annotations
 
 
 class RateLimit:
-    """What one client has left.
+    """Requests that one client has left.
 
     Args:
         rate: Requests in a second; also how many may come at once.

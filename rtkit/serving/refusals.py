@@ -1,4 +1,4 @@
-"""What was denied, in the log: each of the first, then how many more, so that nobody fills it."""
+"""Logs denied requests: the first of each kind, then their number, so that nobody fills the log."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class _Told(NamedTuple):
 
 
 class Refusals:
-    """Hears of what is denied, by who holds the lock of the host; logs it."""
+    """Receives and logs denied requests; called under the lock of the host."""
 
     def __init__(self, log: Callable[[str], object] | None = None) -> None:
         self._log = log or (lambda line: getLogger("rtkit.properties").warning("%s", line))

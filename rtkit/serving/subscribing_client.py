@@ -1,4 +1,4 @@
-"""Who asks through a door and may listen there, as much as there is room for."""
+"""Client of an endpoint that may listen there, as much as the quota allows."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class SubscribingClient(Requester):
-    """A caller with listeners.
+    """Requester with listeners.
 
     Args:
         room: How much there is room for, and what may be done.

@@ -1,4 +1,4 @@
-"""Threads on which user code runs, what waits for them, and when it is waited for no longer.
+"""Worker threads for user code, the queue before them, and the time-outs of its requests.
 
 Whoever owns a service holds the lock of its host; a worker holds it, too, but while it calls user
 code. One worker runs at a time, so that objects of users are seldom called by two threads; where
@@ -31,7 +31,7 @@ LATE = Answer("the code behind it has not answered in time", "timeout")
 
 
 class _Job:
-    """Something that calls user code, and who is refused when that takes too long."""
+    """Call of user code, and the requester to refuse when it takes too long."""
 
     __slots__ = ("began_at", "is_slow", "lane", "refuse", "until", "work")
 

@@ -1,4 +1,4 @@
-"""Properties of other services that are SET to what changes here: listeners that are told where.
+"""Notifies properties of other services: SETs them to what changes here.
 
 Only services of the same user on this host, and of their properties those that the owner allows:
 else a service would SET whatever somebody names.
@@ -26,7 +26,7 @@ MOST_TARGETS = 64
 
 
 class Notified(Requester):
-    """A property of another service; each event is a SET of it.
+    """Property of another service; each event is a SET of it.
 
     Args:
         gone: Called when it is not to be told any more.
@@ -103,7 +103,7 @@ class Notified(Requester):
 
 
 class Notifying:
-    """Tells the listeners of one service that are properties elsewhere.
+    """Notifies the listeners of one service that are properties elsewhere.
 
     Args:
         allowed: Patterns of ``SERVICE/NAME``.

@@ -1,4 +1,4 @@
-"""Takes queries of transports that keep no connection to a service, and serves who listens so."""
+"""Query server: serves requests and listeners of transports that keep no connection."""
 
 from __future__ import annotations
 

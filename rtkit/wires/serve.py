@@ -1,4 +1,4 @@
-"""``rtkit.serve(thing, "name")``: an object as a property service with its doors."""
+"""Serves an object as a property service with endpoints: ``rtkit.serve(thing, "name")``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from rtkit.wires.line.endpoint import open_tcp, open_unix
 
 
 class ServedObject(Closing):
-    """A service with its doors; close it, or use it as a context.
+    """Service with its endpoints; close it, or use it as a context.
 
     Attributes:
         name: Under which it is found.

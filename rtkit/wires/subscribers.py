@@ -1,4 +1,4 @@
-"""Who listens through a transport that keeps no connection: one by itself, or a group of equals.
+"""Subscribers through a transport that keeps no connection: single ones, and groups of equals.
 
 The queue is here; what is sent is not waited for.
 """
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Subscriber(SubscribingClient):
-    """Who listens, on a key of its own.
+    """Single subscriber, on a key of its own.
 
     Attributes:
         asked: How many requests to listen are not answered yet.
@@ -81,7 +81,7 @@ class Subscriber(SubscribingClient):
 
 
 class SharedSubscription(Subscriber):
-    """Those who listen to the same in the same way: one listener, each event is sent once.
+    """Group of subscribers with equal options: one listener, each event is sent once.
 
     Whoever is slow or gone holds up nobody: the queues are with the members. Each has a lease.
     """

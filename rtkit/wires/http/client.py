@@ -1,4 +1,4 @@
-"""A client of the HTTP door: asks over one connection, listens over one more for each property."""
+"""Client of the HTTP endpoint: asks over one connection, listens over one more per property."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _PIECE = 1 << 16
 
 
 class HttpClient(Closing):
-    """A way to the services behind an HTTP door.
+    """Client of the services behind an HTTP endpoint.
 
     Args:
         service: The one that is asked; empty if targets name theirs.
@@ -252,7 +252,7 @@ class HttpClient(Closing):
 
 
 class _Stream:
-    """A connection that carries events; what has come of the next one.
+    """Connection that carries events, and the part of the next one that has come.
 
     Attributes:
         heard_at: When anything came last [s, monotonic].

@@ -1,4 +1,4 @@
-"""One client of the HTTP door: its requests one after the other, or one stream of events; bounded.
+"""One client of the HTTP endpoint: requests one after the other, or one event stream; bounded.
 
 What HTTP is, h11 knows; here are time, room and who is asked.
 """
@@ -59,7 +59,7 @@ _ALWAYS = (
 
 
 class HttpConnection(SubscribingClient):
-    """A client behind a socket.
+    """Client behind a socket.
 
     Args:
         room: How much there is room for, and what may be done.

@@ -1,4 +1,4 @@
-"""How an HTTP request shows that its sender knows the user's secret, without saying it.
+"""Digest proof of an HTTP request: its sender knows the user's secret, and does not send it.
 
 Digest authentication of RFC 7616 with SHA-256 and ``qop=auth`` and nothing else of it: what curl,
 browsers and libraries know already.

@@ -1,4 +1,4 @@
-"""The HTTP door: a port of this host, for who knows the user's secret."""
+"""HTTP endpoint: a port of this host, for clients that know the user's secret."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rtkit.serving.event_loop import PropertyEventLoop
 
 
 class HttpEndpoint(Acceptor):
-    """A socket that takes clients of HTTP."""
+    """Socket that accepts clients of HTTP."""
 
     def __init__(self, host: PropertyEventLoop, end: socket.socket) -> None:
         from rtkit.wires.http.connection import HttpConnection

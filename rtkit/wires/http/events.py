@@ -1,4 +1,4 @@
-"""Events as ``text/event-stream`` carries them.
+"""Writes and reads events as ``text/event-stream`` carries them.
 
 The value is the data; what comes with it (revision, time, quality …) is the id, which a browser
 gives to the page as ``lastEventId`` and back to the door when it connects again. What the stream
@@ -29,7 +29,7 @@ def write_sse(event: PropertyEvent) -> bytes:
 
 
 class SseProgress:
-    """What who connects again has heard last, so that it is not told twice.
+    """Last event that a client has received, so that it gets none twice when it reconnects.
 
     Args:
         id: As `write_sse` made it; anything else has heard nothing.

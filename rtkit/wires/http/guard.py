@@ -1,4 +1,4 @@
-"""Who may speak to the HTTP door: knows the secret, and is no page of another site.
+"""Guard of the HTTP endpoint: admits clients that know the secret, and no page of another site.
 
 A page that somebody visits can have a browser send requests to this host. So the name under which
 the door is asked for must be one of this host's own (a name that was rebound to it is another), and
@@ -26,7 +26,7 @@ _OWN_SITES = frozenset({"same-origin", "none"})
 
 
 class Verdict(NamedTuple):
-    """Who somebody is, or what to say instead.
+    """Identity of a client, or the refusal to send it.
 
     Attributes:
         identity: Empty for who has not shown it.

@@ -1,4 +1,4 @@
-"""What an HTTP request asks of a service, and what an answer is as a response.
+"""Translates HTTP requests to requests of a service, and answers to HTTP responses.
 
 ``GET /ps/SERVICE/NAME?parameters`` is a GET, ``PUT`` or ``POST`` a SET, ``/ps/SERVICE`` stands for
 the names it has, ``/ps`` for the services. A revision is an entity tag.
@@ -30,7 +30,7 @@ _DEEPEST_JSON = 64
 
 
 class HttpRequest(NamedTuple):
-    """What a request is for.
+    """Request of a service, read from HTTP.
 
     Attributes:
         service: Empty where the list of services is meant.
@@ -42,7 +42,7 @@ class HttpRequest(NamedTuple):
 
 
 class Response(NamedTuple):
-    """What is said in return."""
+    """HTTP response."""
 
     status: int
     content_type: str

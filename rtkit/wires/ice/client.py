@@ -1,4 +1,4 @@
-"""A client of an Ice door: asks and listens over one connection, and waits for what comes."""
+"""Client of an Ice endpoint: asks and listens over one connection, and waits for what comes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_EVENTS = 10_000
 
 
 class IceClient(Closing):
-    """A way to the services behind an Ice door.
+    """Client of the services behind an Ice endpoint.
 
     Args:
         address: Its service is asked where a target names none.

@@ -1,4 +1,4 @@
-"""The Ice door: a port of this host, for who knows the user's secret; each service is an object.
+"""Ice endpoint: a port, for clients that know the user's secret; each service is an object.
 
 Threads of Ice read and write; requests are answered on the loop, or at once where nothing of the
 user's is called.
@@ -38,7 +38,7 @@ Settling = Callable[[Answer], None]
 
 
 class IceEndpoint:
-    """An adapter of Ice; a tenant of its host.
+    """Adapter of Ice; an `IOHandler` of its host.
 
     Attributes:
         port: At which it listens.

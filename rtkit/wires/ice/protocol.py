@@ -1,4 +1,4 @@
-"""Ice: addresses, what both ends of a connection set, and values as they travel.
+"""Ice protocol: addresses, settings of both ends of a connection, and values as they travel.
 
 The interface is in ``property_service.ice``. Ice itself (the package zeroc-ice, GPL-2) is imported
 only here, by who needs it; it has no types.
@@ -45,7 +45,7 @@ _OF_CLIENT = {
 
 
 class IceAddress(NamedTuple):
-    """A door, and a service behind it."""
+    """Address of an Ice endpoint, and of a service behind it."""
 
     host: str
     port: int
@@ -68,7 +68,7 @@ def read_address(text: str) -> IceAddress:
 
 
 class Runtime(NamedTuple):
-    """What Ice brings: its module, and the one that it makes of the interface."""
+    """Ice runtime: its module, and the module that it generates from the interface."""
 
     ice: Any
     slice: Any

@@ -1,4 +1,4 @@
-"""One client of the Ice door: who it is, how much it may still send, and who listens for it."""
+"""One client of the Ice endpoint: its identity, its remaining quota, and its listeners."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _LONGEST_IDENTITY = 255
 
 
 class IceRequest(NamedTuple):
-    """A request as it came.
+    """Request as it came.
 
     Attributes:
         payload: None of a GET, and of who wants to listen.
@@ -53,7 +53,7 @@ class IceRequest(NamedTuple):
 
 
 class ServedIceClient(Requester):
-    """A client behind a connection; used on the loop, or by who holds the lock of the host.
+    """Client behind a connection; used on the loop, or under the lock of the host.
 
     Args:
         connection: Of Ice.

@@ -1,4 +1,4 @@
-"""A connection to an Ice door: requests under way, and what is listened to, on threads of Ice."""
+"""Session with an Ice endpoint: requests under way and subscriptions, on threads of Ice."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class _Ear(NamedTuple):
 
 
 class IceSession(Closing):
-    """A connection on which is known who asks; it is not made again when it ends.
+    """Authenticated connection; it does not reconnect when it ends.
 
     Args:
         timeout_s: Bound on connecting [s].
@@ -273,7 +273,7 @@ class IceSession(Closing):
 
 
 class _TooLarge(Exception):
-    """It would end the connection."""
+    """Message that would end the connection by its size."""
 
 
 def _check_size(payload: Payload) -> None:

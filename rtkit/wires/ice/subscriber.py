@@ -1,4 +1,4 @@
-"""One that listens over Ice: a call at a time, with all that has come since the last one."""
+"""Subscriber over Ice: one call at a time, with all events since the last one."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST_FAILURES = 3
 
 
 class IceSubscriber(SubscribingClient):
-    """One that listens: what comes while it is being called waits here, bounded, for the next call.
+    """Subscriber: events that come during a call wait here, bounded, for the next call.
 
     Args:
         key: The identity of who is called.

@@ -1,1 +1,1 @@
-"""The line protocol over unix sockets and TCP: client, endpoint, and what both share."""
+"""Line protocol over unix sockets and TCP: client, endpoint, and what both share."""

@@ -1,4 +1,4 @@
-"""A client of the line protocol: asks and listens over a unix socket or TCP."""
+"""Client of the line protocol: asks and listens over a unix socket or TCP."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One client of the line protocol: its requests, the replies in their order, its events; bounded.
+"""One client of the line protocol: its requests, replies in order, its events; bounded.
 
 Limits: a line, what waits to be sent, how long half a line may be, how long nothing is read.
 """
@@ -43,7 +43,7 @@ IN_A_ROW = 32
 
 
 class Connection(SubscribingClient):
-    """A client behind a socket, or something that behaves as one.
+    """Client behind a socket, or behind something that behaves as one.
 
     Args:
         host: Whose loop serves it.

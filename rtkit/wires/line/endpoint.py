@@ -1,4 +1,4 @@
-"""The doors of the line protocol: a unix socket of the user, and TCP for who knows the secret."""
+"""Endpoints of the line protocol: a unix socket of the user, and TCP with the user's secret."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rtkit.wires.line.login import Login
 
 
 class LineEndpoint(Acceptor):
-    """A socket that takes clients of the line protocol.
+    """Socket that accepts clients of the line protocol.
 
     Args:
         service: The one that clients mean where they name none.

@@ -1,4 +1,4 @@
-"""How a client of a TCP door shows that it knows the user's secret, without saying it.
+"""Login of a client of a TCP endpoint: proves that it knows the secret, and does not send it.
 
 It asks for a nonce (``GET door/nonce``), then sets ``door/identity`` to ``USER PROOF``, the proof
 being the HMAC-SHA256 of the nonce under the secret. Whoever else listens on the port learns nothing
@@ -19,7 +19,7 @@ PATIENCE_S = 10.0
 
 
 class Login:
-    """The state of one client before it is known; a wrong proof ends the connection."""
+    """State of one client before it is known; a wrong proof ends the connection."""
 
     def __init__(self, secret: Secret, now: float, services: Iterable[str]) -> None:
         self.ends_at = now + PATIENCE_S

@@ -1,4 +1,4 @@
-"""The MQTT door of a service: requests that come through a broker, and values that it retains.
+"""MQTT endpoint of a service: requests that come through a broker, and values that it retains.
 
 The door is open while there is a session with the broker; it opens nothing itself. Who asks is
 known to the broker only: what may be set is decided before.
@@ -35,7 +35,7 @@ _IDENTITY = "mqtt"
 
 
 class MqttEndpoint:
-    """A service at a broker.
+    """Service at a broker.
 
     Args:
         address: Of the topic below which the service is put.

@@ -1,4 +1,4 @@
-"""Values of a service as retained messages, with what is told of them as ``$``-attributes.
+"""Publishes values of a service as retained messages, with their meta data as ``$``-attributes.
 
 In the style of Homie: ``$name``, ``$properties`` of the service; ``$datatype``, ``$unit``,
 ``$format``, ``$settable`` of a property. What is removed is taken off the broker too.
@@ -38,7 +38,7 @@ class Publishing(Protocol):
 
 
 class Feed:
-    """Keeps what a broker retains as it is at the service.
+    """Keeps the retained messages of a broker equal to the values of the service.
 
     Args:
         root: The topic of the service.
@@ -199,7 +199,7 @@ class Feed:
 
 
 class _Ear(Requester):
-    """One who listens to properties for the broker, or to which there are.
+    """Listener of properties, or of their names, for the broker.
 
     Attributes:
         heard: Called for an event instead of publishing it.

@@ -33,7 +33,7 @@ _LATE = "no answer within"
 
 
 class MqttAddress(NamedTuple):
-    """A place at a broker.
+    """Address of a topic at a broker.
 
     Attributes:
         path: The topic below which everything is.
@@ -78,7 +78,7 @@ def name_of(topic: str) -> str:
 
 
 class Message(NamedTuple):
-    """What is published.
+    """Message to publish.
 
     Attributes:
         payload: Characters are marked as such.
@@ -99,7 +99,7 @@ class Message(NamedTuple):
 
 
 class MqttSession:
-    """A session with a broker, which is made again when it ends until it is closed.
+    """Session with a broker; it reconnects whenever it ends until it is closed.
 
     Args:
         will: Topic of the state, which the broker sets to `LOST` when this is not heard of.

@@ -1,1 +1,1 @@
-"""The line protocol over serial lines: client, endpoint, and what both share."""
+"""Line protocol over serial lines: client, endpoint, and what both share."""

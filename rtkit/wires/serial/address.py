@@ -1,4 +1,4 @@
-"""Serial lines: how they are named, ``serial:/dev/ttyACM0?baud=115200``, and how one is opened."""
+"""Addresses of serial lines, ``serial:/dev/ttyACM0?baud=115200``; opens the line behind one."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _CHECK = {"auto": None, "1": True, "0": False}
 
 
 class SerialAddress(NamedTuple):
-    """A serial line.
+    """Address of a serial line.
 
     Attributes:
         baud: Speed [bit/s].
@@ -68,7 +68,7 @@ def split_target(text: str) -> tuple[str, str]:
 
 
 class SerialEnd:
-    """An open serial line; reads and writes what there is, as a socket that does not wait.
+    """Open serial line; reads and writes what there is, as a socket that does not wait.
 
     Raises:
         Unreachable: There is no such device, or it cannot be opened (now).

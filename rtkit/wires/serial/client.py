@@ -1,4 +1,4 @@
-"""A client of the line protocol over a serial line, which may lose and damage what it carries.
+"""Client of the line protocol over a serial line, which may lose and damage what it carries.
 
 Requests bear an id, so one that may not have arrived is asked again: repeated with its id it acts
 once. Who answers without checks, or without ids, is talked to as it can; without ids only what has
@@ -54,7 +54,7 @@ _Told = tuple[str, Answer] | PropertyEvent | bytes
 
 
 class SerialClient(Closing):
-    """One conversation over a serial line; `connect_serial` makes it.
+    """Conversation over a serial line; `connect_serial` makes it.
 
     Args:
         timeout_s: Bound on each request, beside the time that its bytes take [s].

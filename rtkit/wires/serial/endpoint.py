@@ -1,4 +1,4 @@
-"""The serial door of a service: the line protocol over a device that may damage lines, or be gone.
+"""Serial endpoint of a service: the line protocol over a device that may damage lines, or be gone.
 
 Nobody knows who is at the far end of a serial line: what may be set is told by name. Nobody hears
 it leave either: who listens has a lease.
@@ -96,7 +96,7 @@ class SerialEndpoint:
 
 
 class _SerialConnection(Connection):
-    """Whoever is at the other end, as long as the device is there."""
+    """Client at the other end, as long as the device is there."""
 
     _requests: CheckedRequests
 

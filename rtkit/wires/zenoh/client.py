@@ -1,4 +1,4 @@
-"""A client of one property service over zenoh: asks and listens."""
+"""Client of one property service over zenoh: asks and listens."""
 
 from __future__ import annotations
 

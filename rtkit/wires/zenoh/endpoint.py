@@ -1,4 +1,4 @@
-"""The zenoh door of a service: queries of what is kept are answered at once, others on the loop."""
+"""Zenoh endpoint of a service: answers queries of kept values at once, others on the loop."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ _FOR_ONE = ("every", "deadband")
 
 
 class EventPosition(NamedTuple):
-    """Where an event stands among those that are sent on its key.
+    """Position of an event among those that are sent on its key.
 
     Attributes:
         run: Since when it counts: which life of the listening, or of the group.
@@ -55,7 +55,7 @@ def new_run() -> EventPosition:
 
 
 class EventProgress:
-    """How far one has heard who listens on a key of its own."""
+    """Events that a subscriber on a key of its own has received so far."""
 
     def __init__(self) -> None:
         self._at = EventPosition("", 0)
@@ -70,7 +70,7 @@ class EventProgress:
 
 
 class Joined(NamedTuple):
-    """What a member of a group is told.
+    """Message to a member that joins a group.
 
     Attributes:
         event: The value to begin with, or the last event; None if there is none.
@@ -90,7 +90,7 @@ class Answering(Protocol):
 
 
 class Queried(NamedTuple):
-    """A query as the service takes it.
+    """Query as the service takes it.
 
     Attributes:
         subscription: The listener that the request is about, if it is one of `Ears`.

@@ -1,4 +1,4 @@
-"""Who listens over zenoh, on its side: queues of events, and groups that share a key."""
+"""Subscriptions over zenoh at the client: queues of events, and groups that share a key."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MOST_KEPT = 10_000
 
 
 class Asking(Protocol):
-    """Who asks the service."""
+    """Client that asks the service."""
 
     def ask_to_listen(self, target: str, subscription: str, group: str) -> Joined | None:
         """See `PropertyClient.ask_to_listen`."""
@@ -38,7 +38,7 @@ class Asking(Protocol):
 
 
 class ZenohSubscription:
-    """One who listens: a bounded queue of events, the oldest goes first.
+    """Subscription: a bounded queue of events, the oldest goes first.
 
     Args:
         target: ``P.listen?…``.
@@ -180,7 +180,7 @@ class ZenohSubscription:
 
 
 class SharedSubscriptions:
-    """Those who listen through one session: what comes for a group is read once for all of them."""
+    """Subscriptions of one session: events for a group are read once for all of them."""
 
     def __init__(self, session: zenoh.Session, service_key: str) -> None:
         self._session = session
