@@ -36,7 +36,7 @@ class Link(Protocol):
         ...
 
     def announce(self, key: str, listened: Callable[[bool], object]) -> Callable[[str], object]:
-        """Open a line on which texts are told; return what tells one, to all who listen.
+        """Open a topic of texts; return the function that sends one to all subscribers.
 
         It never waits: who does not keep up misses some. `listened` is told, on the transport's
         threads, when the first one begins to listen and when nobody does any more.
@@ -44,7 +44,7 @@ class Link(Protocol):
         ...
 
     def listen(self, key: str, heard: Callable[[str], object]) -> Callable[[], object]:
-        """Have `heard` called with each text on a line; return what ends that.
+        """Subscribe `heard` to the texts of a topic; return the function that ends it.
 
         It is called on the transport's threads and must only enqueue.
         """

@@ -6,7 +6,7 @@ import os
 
 
 def is_abandoned(path: str, pid: int) -> bool:
-    """Whether the process that bound a socket, which had that pid, is no more.
+    """Return whether the process that bound a socket, which had that pid, is no more.
 
     The kernel lists which paths are bound in a network namespace; who lives in another one is
     believed to be the owner.

@@ -56,7 +56,7 @@ class Outlet:
         return True
 
     def flush(self, timeout_s: float) -> bool:
-        """Wait until the receiver has everything that was put before; False when it did not tell.
+        """Wait until the receiver has all that was put before; False when it did not confirm.
 
         A mark follows the values, which the receiver sends back when it comes to it.
         """
@@ -85,7 +85,7 @@ class Outlet:
             )
 
     def close(self) -> None:
-        """End this end; the other one just hears nothing more."""
+        """Close this end; the other one receives nothing more."""
         if self._asked is not None:
             with contextlib.suppress(zenoh.ZError):
                 self._asked.undeclare()  # type: ignore[no-untyped-call]
@@ -111,7 +111,7 @@ class Inlet:
         self.lost = 0
 
     def receive(self, session: zenoh.Session, key: str, deliver: Deliver) -> None:
-        """Have `deliver` called with each value from now on."""
+        """Call `deliver` with each value from now on."""
 
         def heard(sample: zenoh.Sample) -> None:
             attachment = sample.attachment
@@ -131,7 +131,7 @@ class Inlet:
         self._ask = lambda: session.put(_question(key), b"")
 
     def settle(self, timeout_s: float) -> bool:
-        """Count what was lost behind the last value too; False when the sender does not tell.
+        """Count losses behind the last value too; False when the sender does not report them.
 
         It is for streams whose values are numbered.
         """

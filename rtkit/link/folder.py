@@ -17,10 +17,10 @@ class Folder:
     """Watch on one folder: reports files that are made, written, moved or removed in it."""
 
     def __init__(self, path: str) -> None:
-        """Begin to hear.
+        """Begin to watch.
 
         Raises:
-            Refused: The folder is not there, or the kernel has no more ears.
+            Refused: The folder is not there, or the kernel has no more inotify watches.
         """
         libc = ctypes.CDLL(None, use_errno=True)
         self._descriptor: int = libc.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
@@ -53,7 +53,7 @@ class Folder:
                 start += length
 
     def close(self) -> None:
-        """Hear no more."""
+        """End the watch."""
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1

@@ -79,7 +79,7 @@ def to_target(name: str, *, is_extension: bool) -> str:
 
 
 def introduction() -> str:
-    """Return the key on which a manager says who it is, for those who know only its address."""
+    """Return the key of a manager's identity, for clients that know only its address."""
     return f"rtw/{realm()}"
 
 
@@ -94,7 +94,7 @@ def extension_key(service_key: str, name: str) -> str:
 
 
 def line_key(service_key: str, line: str) -> str:
-    """Return the key on which a manager tells something to all who listen."""
+    """Return the key of a topic on which a manager sends texts to all subscribers."""
     return f"{service_key}/@x/line/{line}"
 
 

@@ -62,7 +62,7 @@ def usual_state_dir() -> str:
 
 
 def _can_be_written(path: str) -> bool:
-    """Whether files can be made in a folder, or it can be made itself."""
+    """Return whether files can be made in a folder, or it can be made itself."""
     while not os.path.lexists(path):
         path = os.path.dirname(path) or "/"
     return os.access(path, os.W_OK | os.X_OK)
@@ -249,7 +249,7 @@ def owner(manager: str) -> int | None:
 
 
 def is_claimed(manager: str) -> bool:
-    """Whether this process itself is the manager of that name."""
+    """Return whether this process itself is the manager of that name."""
     return manager in _claimed
 
 

@@ -19,7 +19,7 @@ class ProcessWatch:
 
     @property
     def is_over(self) -> bool:
-        """Whether it has ended."""
+        """Return whether it has ended."""
         return self.await_end(0.0)
 
     def await_end(self, timeout_s: float) -> bool:

@@ -1,6 +1,6 @@
 """Lists the managers of this user that run on this host: those that hold the lock of their name.
 
-And why one does not that was asked for.
+Explains also why a manager that was asked for does not run.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def traces(name: str) -> list[str]:
 
 
 def why_absent(name: str) -> str:
-    """Return what to tell of a manager that does not run, and what would help."""
+    """Return the message about a manager that does not run, with a hint."""
     folder = places.runtime_path()
     absent = f"manager {name!r} is not running"
     if os.path.lexists(folder):

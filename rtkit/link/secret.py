@@ -48,7 +48,7 @@ def read() -> Secret:
     """Return the secret.
 
     Raises:
-        Unreachable: There is none: no manager of this user ever had a door.
+        Unreachable: There is none: no manager of this user ever had an endpoint.
         Refused: Others can read it, or it was tampered with.
     """
     path = file()

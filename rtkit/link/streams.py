@@ -224,7 +224,7 @@ class Streams:
 
 
 def _ignore(text: str) -> None:
-    """Hear of something and do nothing."""
+    """Ignore a call."""
 
 
 def remove_socket(path: str) -> None:

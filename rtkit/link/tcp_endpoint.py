@@ -1,7 +1,7 @@
 """TCP endpoint of a manager: a port of this host, for clients that know the user's secret.
 
 It is a session of its own, in front of the one on the Unix socket, because one session cannot ask
-for a password on one of its doors only.
+for a password on one of its endpoints only.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Identity(NamedTuple):
 
 
 def introduce(session: zenoh.Session, identity: Identity) -> Callable[[], object]:
-    """Have a manager's session say who it is; return what takes that back before it closes."""
+    """Answer for a manager's identity on its session; return the function that withdraws it."""
     key, text = keys.introduction(), json.dumps(identity)
 
     def asked(query: zenoh.Query) -> None:
@@ -57,7 +57,7 @@ def open_endpoint(port: int, inner_endpoint: str, secret_file: str) -> zenoh.Ses
     """Open a port to those who know the secret; it leads to the session at `inner_endpoint`.
 
     Raises:
-        Unreachable: The port is taken, or the door leads nowhere.
+        Unreachable: The port is taken, or the endpoint leads nowhere.
     """
     most = str(min(_MOST, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // _SHARE))
     more = {
@@ -84,7 +84,7 @@ def free_port() -> int:
 
 
 def is_free(port: int) -> bool:
-    """Whether a port can be listened on."""
+    """Return whether a port can be listened on."""
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -96,7 +96,7 @@ def is_free(port: int) -> bool:
 
 
 def log_in(port: int, secret: Secret, timeout_s: float) -> zenoh.Session:
-    """Open a client session through a door.
+    """Open a client session through an endpoint.
 
     Raises:
         Unreachable: Nobody listens there, or not to this secret.
@@ -109,7 +109,7 @@ def log_in(port: int, secret: Secret, timeout_s: float) -> zenoh.Session:
 
 
 def ask_identity(session: zenoh.Session, timeout_s: float) -> Identity:
-    """Ask who the manager behind a door is.
+    """Return the identity of the manager behind an endpoint.
 
     Raises:
         Unreachable: None answers.
@@ -134,7 +134,7 @@ def _identity(text: str) -> Identity:
 
 
 def _await_route(session: zenoh.Session) -> None:
-    """Return when a question at the door reaches the manager behind it."""
+    """Wait until a query at the endpoint reaches the manager behind it."""
     deadline = time.monotonic() + _ROUTE_S
     querier = session.declare_querier(keys.introduction())
     matched = threading.Event()
@@ -153,7 +153,7 @@ def _await_route(session: zenoh.Session) -> None:
         try:
             ask_identity(session, _ROUTE_S)
         except Unreachable:
-            # It knows of the manager, but its tables are not computed; nothing tells when they are.
+            # It knows of the manager, but its tables are not computed; no event follows.
             if time.monotonic() > deadline:
                 raise
             time.sleep(_AGAIN_S)

@@ -30,7 +30,7 @@ def connect(path: str, timeout_s: float | None = None) -> socket.socket:
 
 
 def is_answering(path: str) -> bool:
-    """Whether a process listens on a unix socket, be it of another user."""
+    """Return whether a process listens on a unix socket, be it of another user."""
     try:
         connect(path).close()
     except PermissionError:

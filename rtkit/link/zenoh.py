@@ -93,7 +93,7 @@ def open_client(
 
 
 def _in_background(work: Callable[[], zenoh.Session]) -> zenoh.Session | zenoh.ZError:
-    # zenoh.open does not hear a Ctrl-C before it is done, a wait for a thread does.
+    # zenoh.open is not interrupted by Ctrl-C before it is done, a wait for a thread is.
     outcome: list[zenoh.Session | zenoh.ZError] = []
 
     def run() -> None:
@@ -138,7 +138,7 @@ def open_listener(
 
 
 def _bare(error: zenoh.ZError) -> str:
-    """Return what zenoh says of an error, without the line of its source."""
+    """Return the message of an error of zenoh, without the line of its source."""
     return re.sub(r" at /\S+\.rs:\d+\.?", "", str(error)).rstrip(".")
 
 

@@ -7,10 +7,10 @@ One rule or limit a line; ``#`` begins a remark::
     deny   *     *        GET  diary
     limit  tcp   rate     100
 
-A rule names a door (``unix tcp http zenoh serial mqtt ice`` or ``*``), who asks (a pattern;
+A rule names an endpoint (``unix tcp http zenoh serial mqtt ice`` or ``*``), who asks (a pattern;
 ``nobody`` is who has not shown who it is), ``GET``, ``SET`` or ``*``, and a pattern of names: it
 holds for what lies below them too, and for all that is asked about them. Listening is a GET. Where
-no rule fits, GET is for all that the door lets in, SET for who is known. What a property itself
+no rule fits, GET is for all that the endpoint lets in, SET for who is known. What a property itself
 refuses stays refused.
 """
 
@@ -43,7 +43,7 @@ class AccessRule(NamedTuple):
     target: str
 
     def concerns(self, identity: str, method: str, name: str) -> bool:
-        """Whether it is about a request; what lets somebody unknown SET has to say so."""
+        """Return whether it is about a request; what lets somebody unknown SET has to say so."""
         if self.method not in (_ANY, method):
             return False
         if self.allows and method == "SET" and not identity and self.identity != NOBODY:
@@ -66,11 +66,11 @@ class Access:
 
     @property
     def lets_all_get(self) -> bool:
-        """Whether there is nothing that somebody may not get."""
+        """Return whether there is nothing that somebody may not get."""
         return not self._rules
 
     def may(self, identity: str, method: str, name: str) -> bool:
-        """Whether somebody may GET or SET a property, or whatever is asked about it."""
+        """Return whether somebody may GET or SET a property, or whatever is asked about it."""
         if not self._rules:
             return method == "GET" or bool(identity)
         key = (identity, method, name)
@@ -108,7 +108,7 @@ class EndpointLimits(NamedTuple):
 
 
 _OF_DOOR = {"http": EndpointLimits(connections=128, door_listeners=64, rate=2000)}
-"""Where a door differs from the others."""
+"""Where an endpoint differs from the others."""
 
 
 class AccessPolicy:
@@ -121,12 +121,12 @@ class AccessPolicy:
         self._limits = tuple(limits)
 
     def access(self, endpoint: str, last: Iterable[AccessRule] = ()) -> Access:
-        """Return what holds at a door; `last` are rules of its own, behind the others."""
+        """Return the rules of an endpoint; `last` are rules of its own, behind the others."""
         ours = [each for each in self.rules if each.endpoint in (_ANY, endpoint)]
         return Access([*ours, *last])
 
     def limits(self, endpoint: str) -> EndpointLimits:
-        """Return how much a door gives; of two lines about one limit the first counts."""
+        """Return the limits of an endpoint; the first of two lines about one limit counts."""
         limits = _OF_DOOR.get(endpoint, EndpointLimits())
         for where, what, number in reversed(self._limits):
             if where in (_ANY, endpoint):

@@ -101,12 +101,12 @@ def taken(function: object) -> Any:
 
 
 def is_final(hint: Any) -> bool:
-    """Whether an annotation says that the attribute is not to be changed."""
+    """Return whether an annotation says that the attribute is not to be changed."""
     return hint is typing.Final or get_origin(hint) is typing.Final
 
 
 def bare(hint: Any) -> Any:
-    """Return an annotation without what is said about it."""
+    """Return an annotation without its metadata and qualifiers."""
     while get_origin(hint) in (typing.Annotated, typing.Final, typing.ClassVar):
         hint = get_args(hint)[0]
     return None if hint in (typing.Final, typing.ClassVar, typing.Any) else hint

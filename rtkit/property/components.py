@@ -94,7 +94,7 @@ def _index(value: tuple[Value, ...], name: str, labels: Sequence[str]) -> int | 
 
 
 def _has_several(value: Element, name: str, rest: Sequence[str]) -> bool:
-    """Whether the next step is which of several children of a name is meant."""
+    """Return whether the next step is which of several children of a name is meant."""
     if not rest or not (rest[0].isascii() and rest[0].isdigit()) or len(rest[0]) > 7:
         return False
     return sum(child.name == name for child in value.children) > 1

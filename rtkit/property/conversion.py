@@ -61,7 +61,7 @@ def _composed(thing: Any, depth: int) -> Content:
 
 
 def _has_text(thing: object) -> bool:
-    """Whether the text of an object says more than where it lies in memory."""
+    """Return whether the text of an object says more than where it lies in memory."""
     cls = type(thing)
     is_told = any("__str__" in vars(base) for base in cls.__mro__ if base is not object)
     return is_told or cls.__module__ == "builtins"
@@ -73,7 +73,7 @@ def _item(thing: object, depth: int) -> Value:
 
 
 def is_array(thing: object) -> bool:
-    """Whether something is an array or a number of numpy."""
+    """Return whether something is an array or a number of numpy."""
     module = type(thing).__module__
     return module.partition(".")[0] == "numpy" and hasattr(thing, "tolist")
 
@@ -82,7 +82,7 @@ _BUILTIN = frozenset({int, float, bool, str, bytes, bytearray, type(None), Word}
 
 
 def is_builtin(thing: object) -> bool:
-    """Whether no code of a user is called to make a value of an object."""
+    """Return whether no code of a user is called to make a value of an object."""
     kind = type(thing)
     if kind in _BUILTIN or isinstance(thing, Enum):
         return True

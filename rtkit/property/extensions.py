@@ -57,7 +57,7 @@ def get_extension(
 
 
 def _check_part(service: Service, place: NameEntry) -> None:
-    """Refuse to tell anything about a part that a property does not have.
+    """Refuse requests about a part that a property does not have.
 
     Raises:
         PropertyError: ``unknown``.

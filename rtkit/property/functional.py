@@ -101,7 +101,7 @@ class FunctionalProperty:
 
     @staticmethod
     def _only(parameter: RequestParameter, value: tuple[Value, ...]) -> tuple[Value, ...]:
-        """Tell a group that is the only argument from a group that holds it."""
+        """Distinguish a group that is the only argument from a group that holds it."""
         if parameter.type.base == "any" and len(value) > 1:
             return (value,)
         if parameter.type.base in ("vector", "list") and not (
@@ -193,7 +193,7 @@ class FunctionalProperty:
         self._stop = cancel
 
     def _tell(self, user_code: UserCode, changed: Callable[[], None], step: object) -> None:
-        """Have what was yielded told; of what comes faster than it is told, the latest."""
+        """Report yielded values; of those that come too fast to be sent, only the latest."""
         if step is None:
             return
         self._progress = self._convert(step)

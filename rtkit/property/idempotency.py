@@ -88,12 +88,12 @@ def shared(*parts: str) -> str:
 
 
 def is_shared(id: str | None) -> bool:
-    """Whether an id was made by `shared`."""
+    """Return whether an id was made by `shared`."""
     return id is not None and _SHARED.fullmatch(id) is not None
 
 
 def marked(payload: Payload | None) -> Hashable:
-    """Return what tells a payload from others and takes little to remember."""
+    """Return a digest that identifies a payload and takes little memory."""
     if payload is None or len(payload) <= _SHORT:
         return payload
     is_text = isinstance(payload, str)

@@ -72,7 +72,7 @@ class Splitter:
 
     @property
     def waits(self) -> bool:
-        """Whether something has begun and is not complete."""
+        """Return whether something has begun and is not complete."""
         return bool(self._buffer) or bool(self._whole) or self._is_skipping
 
     def line(self) -> bytes | None:
@@ -145,7 +145,7 @@ class Requests:
 
     @property
     def waits(self) -> bool:
-        """Whether something has begun and is not complete."""
+        """Return whether something has begun and is not complete."""
         return self._splitter.waits or self._block is not None
 
     def next(self) -> LineRequest | None:

@@ -39,11 +39,11 @@ class Listeners:
 
     @property
     def is_any(self) -> bool:
-        """Whether anybody listens to anything."""
+        """Return whether anybody listens to anything."""
         return bool(self._all)
 
     def register(self, place: NameEntry, wish: SubscriptionOptions, caller: Requester) -> Listener:
-        """Have a caller listen; who listens already gets the new wish and lease.
+        """Register a caller as listener; one that listens already gets the new options and lease.
 
         Raises:
             PropertyError: ``denied``: it listens to too much, or cannot; as GET of the value.
@@ -96,7 +96,7 @@ class Listeners:
         return PropertyEvent("", text, self._service.wall(), self._revision_of_names)
 
     def changed(self, node: PropertyNode, has_changed: bool) -> None:
-        """Tell those who listen to a property that it was set."""
+        """Notify the listeners of a property that it was set."""
         for listener in node.listeners or ():
             if not has_changed and not listener.wish.is_all:
                 continue
@@ -105,7 +105,7 @@ class Listeners:
                 listener.caller.wake()
 
     def names_changed(self, added: str = "", removed: str = "") -> None:
-        """Tell those who listen to which names there are."""
+        """Notify the listeners of listings that names have changed."""
         self._revision_of_names += 1
         name = added or removed
         for place, listeners in self.of_names.items():
@@ -123,7 +123,7 @@ class Listeners:
                     listener.caller.wake()
 
     def end_all(self, node: PropertyNode) -> None:
-        """Tell those who listen to a property that it is gone, as the last event."""
+        """Send the listeners of a property the last event: it is gone."""
         for listener in node.listeners or ():
             last = PropertyEvent(
                 listener.name, "", self._service.wall(), node.revision, "bad", 0, "unknown"
@@ -135,7 +135,7 @@ class Listeners:
         node.listeners = None
 
     def end(self, listener: Listener) -> None:
-        """Have a listener hear nothing any more."""
+        """End a listener: it receives nothing more."""
         self._forget(listener)
         listener.has_ended = True
         node = self._service.registry.nodes.get(_property_of(listener))
@@ -210,7 +210,7 @@ class Listeners:
         self._polled.discard(node)
 
     def _mark_bad(self, node: PropertyNode, _why: Answer | None = None) -> None:
-        """Tell who listens that a value cannot be had."""
+        """Notify the listeners that a value cannot be had."""
         if node.quality != "bad" and node.value is not None:
             node.put(node.value, self._service.wall(), "bad")
             self.changed(node, True)
@@ -223,7 +223,7 @@ def _property_of(listener: Listener) -> str:
 
 
 def _event(node: PropertyNode, listener: Listener) -> tuple[PropertyEvent, Content | None] | None:
-    """Return what a listener of a property, or of a part of it, is to hear."""
+    """Return the event for a listener of a property, or of a part of it."""
     value, payload = node.value, node.payload
     if listener.path:
         whole = value if value is not None and not isinstance(value, bytes) else ""

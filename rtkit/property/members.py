@@ -82,7 +82,7 @@ def members(thing: object, hidden: frozenset[str] = frozenset()) -> list[Member]
 
 
 def is_public(name: str, hidden: frozenset[str]) -> bool:
-    """Whether a name may be seen."""
+    """Return whether a name may be seen."""
     return bool(name) and not name.startswith("_") and name not in hidden
 
 
@@ -101,7 +101,7 @@ def _is_method(static: object) -> bool:
 
 
 def _is_plain(thing: object, name: str, static: object) -> bool:
-    """Whether an attribute can be read without a call of what its class defines."""
+    """Return whether an attribute can be read without a call of what its class defines."""
     if type(thing).__getattribute__ is not object.__getattribute__:
         return False
     if isinstance(static, property):
@@ -139,7 +139,7 @@ def _accessor(cls: type, name: str, static: object) -> tuple[str, str] | None:
 
 
 def _of_library(function: object) -> bool:
-    """Whether a function comes with Python: its names follow no convention of getters."""
+    """Return whether a function comes with Python: its names follow no convention of getters."""
     module = getattr(function, "__module__", None) or "builtins"
     return module.partition(".")[0] in sys.stdlib_module_names
 
@@ -176,14 +176,14 @@ def _is_read_only(static: object) -> bool:
 
 
 def _is_slotless(cls: type, name: str) -> bool:
-    """Whether instances have no place of their own for an attribute of the class."""
+    """Return whether instances have no place of their own for an attribute of the class."""
     return not any("__dict__" in vars(base) for base in cls.__mro__) and any(
         name in vars(base) for base in cls.__mro__
     )
 
 
 def is_nested(value: object) -> bool:
-    """Whether an object is to be shown by its own members rather than as a value.
+    """Return whether an object is to be shown by its own members rather than as a value.
 
     Objects of the standard library that are no data (locks, loggers, files) never are.
     """
@@ -198,7 +198,7 @@ def is_nested(value: object) -> bool:
 
 
 def is_data(value: object) -> bool:
-    """Whether an object that is not nested can be told as a value."""
+    """Return whether an object that is not nested can be told as a value."""
     if isinstance(value, _PLAIN) or is_array(value):
         return True
     return type(value).__module__ in ("datetime", "decimal", "fractions", "pathlib", "uuid")
@@ -209,7 +209,7 @@ def _first_line(doc: str) -> str:
 
 
 def _documented(cls: type) -> dict[str, str]:
-    """Return what the section ``Attributes:`` of a doc string says, by name."""
+    """Return the texts of the section ``Attributes:`` of a doc string, by name."""
     lines = iter((inspect.getdoc(cls) or "").splitlines())
     found: dict[str, str] = {}
     for line in lines:

@@ -49,9 +49,9 @@ class Requester:
     """Sender of requests through an endpoint, as far as a service knows it.
 
     Attributes:
-        identity: A name that the door has made sure of; empty for anybody.
+        identity: A name that the endpoint has made sure of; empty for anybody.
         origin: Whose requests, repeated with their id, are the same ones.
-        access: What the door lets whom do.
+        access: What the endpoint lets whom do.
     """
 
     access = Access()
@@ -61,14 +61,14 @@ class Requester:
         self.origin: Hashable = self
 
     def may(self, method: str, name: str) -> bool:
-        """Whether it may GET or SET a property, or what is asked about it."""
+        """Return whether it may GET or SET a property, or what is asked about it."""
         return self.access.may(self.identity, method, name)
 
     def listen(self, listener: Listener) -> None:
         """Take on what is to be sent to this caller.
 
         Raises:
-            PropertyError: ``denied``: the door cannot carry events, or it has enough listeners.
+            PropertyError: ``denied``: the endpoint cannot carry events, or it has enough listeners.
         """
         from rtkit.property.codes import PropertyError
 
@@ -78,7 +78,7 @@ class Requester:
         """Forget a listener that has ended."""
 
     def wake(self) -> None:
-        """Hear that a listener of it has something to send."""
+        """Note that a listener of it has something to send."""
 
 
 OWNER = Requester("owner")
@@ -123,5 +123,5 @@ class PropertyEvent(NamedTuple):
 
     @property
     def mark(self) -> Mark:
-        """What two events have in common when the second repeats the first, lest it was lost."""
+        """Return the mark that an event shares with a repetition of it."""
         return self.revision, self.time, self.quality, self.code, self.payload

@@ -24,7 +24,7 @@ def meta(
     *,
     calls_user_code: bool = True,
 ) -> Element:
-    """Return the element; of a part of a value it tells the type of that part.
+    """Return the element; for a part of a value it has the type of that part.
 
     Args:
         service: Whose property it is.
@@ -72,7 +72,7 @@ def _access(node: PropertyNode, caller: Requester) -> str:
 
 
 def _look(service: Service, node: PropertyNode) -> None:
-    """Have time, quality and revision tell of the present value, where it can be had."""
+    """Update time, quality and revision to the present value, where it can be had."""
     try:
         service.value_of(node)
     except PropertyError:

@@ -88,7 +88,7 @@ class PropertyNode:
         return pair
 
     def put(self, value: Content, time: float, quality: str = "good") -> bool:
-        """Have a value in force; return whether it differs from the one before.
+        """Put a value in force; return whether it differs from the one before.
 
         Raises:
             PropertyError: ``bad-value``, ``too-large``: no text stands for it; nothing changed.
@@ -114,7 +114,7 @@ class PropertyNode:
 
     @property
     def calls_user_code(self) -> bool:
-        """Whether getting or setting it calls user code, which may take any time."""
+        """Return whether getting or setting it calls user code, which may take any time."""
         if self.reader is None and self.writer is None:
             return False
         return self.is_quick is None or not self.is_quick()

@@ -80,7 +80,7 @@ class Exported:
         service.on_names = self.refresh
 
     def refresh(self) -> None:
-        """Look which members there are now; tell what came and what went.
+        """Compare with the members that there are now; report those that came and went.
 
         Raises:
             PropertyError: ``internal``: it cannot be looked at.
@@ -163,7 +163,7 @@ class Exported:
         return held
 
     def _read(self, thing: Any, member: Member, named: Mapping[str, Any] = _NOTHING) -> Any:
-        """Return what a member holds now; awaited where it is told by a coroutine function.
+        """Return the value of a member now; awaited where its getter is a coroutine function.
 
         Raises:
             BaseException: As the code of the user did.
@@ -219,7 +219,7 @@ class Exported:
             node.is_quick = _quickness(holder, member, type(holder()))
 
     def _unfold(self, name: str, present: object) -> None:
-        """Have what a getter has told be known by its members, from the next look on."""
+        """Show the object that a getter has returned by its members, from the next refresh on."""
         self._unfolded[name] = present
         raise Unfolded(name)
 
@@ -256,7 +256,7 @@ def _spec(member: Member, present: object) -> PropertySpec:
 
 
 def _quickness(holder: Callable[[], Any], member: Member, cls: type) -> Callable[[], bool]:
-    """Return what tells whether a plain attribute can still be read and set without user code."""
+    """Return a test that a plain attribute can still be read and set without user code."""
     if not (member.access == "r" or cls.__setattr__ in _PLAIN_SETS):
         return lambda: False
     name, of_mapping = member.name, issubclass(cls, Mapping)
@@ -316,7 +316,7 @@ def _assign(thing: Any, member: Member, value: object, named: dict[str, Any]) ->
 def _parameters(
     method: Callable[..., object],
 ) -> tuple[tuple[RequestParameter, ...] | None, dict[str, Any]]:
-    """Return the arguments of a method, None if it does not tell them or takes any number."""
+    """Return the arguments of a method, None if they are unknown or of any number."""
     import typing
 
     try:

@@ -88,7 +88,7 @@ class Registry:
         return list(self._children.get(name, ()))
 
     def below(self, name: str, depth: int | None = None) -> Iterator[str]:
-        """Yield the names below a place, parents first, as deep as is told; without recursion."""
+        """Yield the names below a place, parents first, to a given depth; without recursion."""
         prefix = f"{name}." if name else ""
         stack = [(prefix + each, 1) for each in reversed(self.children(name))]
         while stack:
@@ -108,7 +108,7 @@ class Registry:
         return text
 
     def is_inner(self, name: str) -> bool:
-        """Whether there are names below."""
+        """Return whether there are names below."""
         return bool(self._children.get(name)) or not name
 
     def find(self, name: str) -> NameEntry:

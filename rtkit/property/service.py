@@ -127,7 +127,7 @@ class Service:
         return node
 
     def remember(self, pattern: str, most: int) -> None:
-        """Have a history of each property that a pattern matches and that is added from now on.
+        """Keep a history of each property that a pattern matches and that is added from now on.
 
         Args:
             pattern: Of names; of several that match, the first one counts.
@@ -139,7 +139,7 @@ class Service:
         return next((most for each, most in self._histories if fnmatchcase(name, each)), 0)
 
     def remove(self, name: str) -> None:
-        """Take a property off with all below it; who listens hears it as the last event.
+        """Remove a property with all below it; its listeners receive the removal as the last event.
 
         Raises:
             PropertyError: ``unknown``.
@@ -152,7 +152,7 @@ class Service:
                 self.listeners.names_changed(removed=node.name)
 
     def update(self, name: str, value: Content, quality: str = "good") -> None:
-        """Have a value in force, whatever its access: the owner's way to change one.
+        """Put a value in force, whatever its access: the owner's way to change one.
 
         Raises:
             PropertyError: ``unknown``; ``bad-value``: it does not fit what is declared.
@@ -187,7 +187,7 @@ class Service:
             raise PropertyError("busy", f"not answered at once: {target}")
         return answers[0].value()
 
-    # What doors do.
+    # What endpoints do.
 
     def set_plain(self, node: PropertyNode, payload: Payload) -> None:
         """Carry out a SET of a property with nothing else to it, for who may.
@@ -210,12 +210,12 @@ class Service:
         return None if node is None else node.revision
 
     def is_text(self, name: str) -> bool:
-        """Whether a property holds text that is no value."""
+        """Return whether a property holds text that is no value."""
         node = self._nodes.get(name)
         return node is not None and node.spec.type.base == "text"
 
     def is_plain(self, name: str) -> bool:
-        """Whether a property is kept here and nothing is called when it is got or set."""
+        """Return whether a property is kept here and nothing is called when it is got or set."""
         node = self._nodes.get(name)
         return node is not None and not (node.reader or node.writer or node.function)
 
@@ -287,7 +287,7 @@ class Service:
 
     @property
     def is_polled(self) -> bool:
-        """Whether something that is listened to is to be read anew from time to time."""
+        """Return whether something that is listened to is to be read anew from time to time."""
         listeners = self.listeners
         is_heard = listeners.is_any and bool(listeners.of_names or listeners.computed())
         return is_heard or bool(self.remembered)
@@ -305,7 +305,7 @@ class Service:
         self._is_looking = False
 
     def names_now(self) -> None:
-        """Have the names be those that there are now.
+        """Update the names to those that there are now.
 
         Raises:
             PropertyError: ``internal``: user code that tells them failed.
@@ -322,7 +322,7 @@ class Service:
         self.listeners.end_caller(caller)
 
     def permit(self, caller: Requester, method: str, name: str) -> None:
-        """Refuse what the rules of a door do not let a caller do.
+        """Refuse a request that the rules of an endpoint deny to a caller.
 
         Raises:
             PropertyError: ``denied``.
@@ -392,7 +392,7 @@ class Service:
         return value
 
     def seen(self, node: PropertyNode, value: Content) -> None:
-        """Take note of a computed value: if it has changed, tell who listens."""
+        """Record a computed value: if it has changed, notify its listeners."""
         if node.value is None:
             node.put(value, self.wall())
             node.revision = 1
@@ -442,7 +442,7 @@ class Service:
     def apply(
         self, node: PropertyNode, value: Content, parameters: dict[str, Value] = _NONE
     ) -> None:
-        """Put a value that was checked in force, and tell it.
+        """Put a checked value in force, and notify its listeners.
 
         Raises:
             PropertyError: What the writer raised; the old value is in force.

@@ -22,7 +22,7 @@ class RequestParameter(NamedTuple):
     doc: str = ""
 
     def described(self) -> Value:
-        """Return it as ``.parameters`` tells it: ``(key type default choices doc)``."""
+        """Return it as ``.parameters`` shows it: ``(key type default choices doc)``."""
         default: Value = () if self.default is None else self.default
         return (Word(self.key), Word(self.type.name), default, self.choices, self.doc)
 
@@ -133,7 +133,7 @@ _WIDGETS = {
 
 
 def gui(spec: PropertySpec) -> Element:
-    """Return the GUI component that suits a property, as ``.gui`` tells it."""
+    """Return the GUI component that suits a property, as ``.gui`` shows it."""
     numeric = spec.type.base in ("number", "integer")
     if spec.is_functional:
         kind = "button"

@@ -68,7 +68,7 @@ class Listener:
         self.ends_at = now + self.wish.lease_s if self.wish.lease_s else None
 
     def offer(self, event: PropertyEvent, value: object, *, is_first: bool = False) -> bool:
-        """Take note of an event if it is one for this listener; return whether it is."""
+        """Queue an event if it is one for this listener; return whether it is."""
         wish = self.wish
         if not is_first and not wish.is_all:
             if event.payload == self._offered and not event.code:
@@ -85,7 +85,7 @@ class Listener:
         return True
 
     def _is_within(self, value: object) -> bool:
-        """Whether numbers differ by less than the deadband from those last sent."""
+        """Return whether numbers differ by less than the deadband from those last sent."""
         before = self._baseline
         pairs: list[tuple[Value, Value]] = []
         if is_number(value) and is_number(before):
@@ -117,7 +117,7 @@ class Listener:
 
     @property
     def pending(self) -> int:
-        """How many events wait."""
+        """Return how many events wait."""
         return len(self._events)
 
 

@@ -66,7 +66,7 @@ class UserCode(Protocol):
 
 
 def is_coroutine(thing: object) -> TypeGuard[Coroutine[Any, Any, object]]:
-    """Whether something is what a coroutine function returns."""
+    """Return whether something is what a coroutine function returns."""
     return isinstance(thing, CoroutineType)
 
 

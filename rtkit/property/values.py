@@ -80,12 +80,12 @@ class Element:
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a number; true and false are none."""
+    """Return whether a value is a number; true and false are none."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def is_vector(value: object) -> bool:
-    """Whether a value is a group of numbers only; the empty group is vector and list."""
+    """Return whether a value is a group of numbers only; the empty group is vector and list."""
     return isinstance(value, tuple) and all(map(is_number, value))
 
 

@@ -112,7 +112,7 @@ def _leaf(value: Value, depth: int) -> str:
 
 
 def _is_bare(text: str) -> bool:
-    """Whether a string needs no quotes in a leaf: because it reads as nothing else."""
+    """Return whether a string needs no quotes in a leaf: because it reads as nothing else."""
     if not text or text != text.strip(" \t\r\n") or bad_character(text):
         return False
     try:

@@ -63,10 +63,10 @@ def source_of(address: str, setting: ProxySettings) -> ProviderAddress:
 
 
 def open_endpoint(address: str, owner: PropertyProvider, setting: ProxySettings) -> str:
-    """Open the door that an address stands for, on the loop; return where it is.
+    """Open the endpoint of an address, on the loop; return its full address.
 
     Raises:
-        RtkitError: It is no address, or the door cannot be opened.
+        RtkitError: It is no address, or the endpoint cannot be opened.
     """
     scheme, mark, rest = address.partition(":")
     if not mark or "/" in scheme:
@@ -204,7 +204,7 @@ SOURCES: dict[str, Callable[[str, ProxySettings], ProviderAddress]] = {
 }
 
 
-# Doors
+# Endpoints
 
 
 def _named(path: str, owner: PropertyProvider, setting: ProxySettings) -> str:

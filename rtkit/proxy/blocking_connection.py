@@ -53,7 +53,7 @@ class BlockingConnection:
         self._gone: Gone = lambda why: None
 
     def start(self, gone: Gone) -> None:
-        """See `Contact.start`."""
+        """See `ProviderConnection.start`."""
         self._gone = gone
 
     def ask(
@@ -64,7 +64,7 @@ class BlockingConnection:
         answer: Answering,
         until: float = math.inf,
     ) -> None:
-        """See `Contact.ask`."""
+        """See `ProviderConnection.ask`."""
         if not self._is_open:
             answer(Answer("the connection has ended", "no-service"))
             return
@@ -92,7 +92,7 @@ class BlockingConnection:
         self._begin()
 
     def _begin(self) -> None:
-        """Have those requests made whose turn it is, on a thread each."""
+        """Begin the requests that the scheduler releases, on a thread each."""
         for turn in self._turns.begin():
             turn.work()
             if self._idle:
@@ -103,11 +103,11 @@ class BlockingConnection:
             threading.Thread(target=self._work, args=(end,), name="calls", daemon=True).start()
 
     def has_room(self, name: str) -> bool:
-        """See `Contact.has_room`."""
+        """See `ProviderConnection.has_room`."""
         return name not in self._listening
 
     def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
-        """See `Contact.listen`."""
+        """See `ProviderConnection.listen`."""
         is_over = self._listening[name] = threading.Event()
         target = f"{name}?{wish}" if wish else name
         inbox = LoopInbox(self._host, wish, lambda event: None if is_over.is_set() else hear(event))
@@ -157,16 +157,16 @@ class BlockingConnection:
                 self._host.post(lambda: self._fail(why))
 
     def leave(self, name: str) -> None:
-        """See `Contact.leave`."""
+        """See `ProviderConnection.leave`."""
         is_over = self._listening.pop(name, None)
         if is_over is not None:
             is_over.set()
 
     def check(self, now: float) -> None:
-        """See `Contact.check`: each call has a bound of its own."""
+        """See `ProviderConnection.check`: each call has a bound of its own."""
 
     def close(self) -> None:
-        """See `Contact.close`."""
+        """See `ProviderConnection.close`."""
         if not self._is_open:
             return
         self._is_open = False

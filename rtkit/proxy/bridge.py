@@ -18,7 +18,7 @@ class Bridge(Closing):
     """Running proxy; close it, or use it as a context.
 
     Attributes:
-        address: Where its door is.
+        address: Where its endpoint is.
     """
 
     def __init__(self, host: PropertyEventLoop, address: str) -> None:
@@ -26,7 +26,7 @@ class Bridge(Closing):
         self.address = address
 
     def close(self) -> None:
-        """End it: the door is closed, whoever waits is told."""
+        """Close the proxy: its endpoint closes, and waiting callers get an error."""
         self._host.close()
 
 
@@ -40,7 +40,7 @@ class _Word:
         self.is_known = threading.Event()
 
     def __call__(self, why: str) -> None:
-        # Why it cannot be reached may change with each attempt; that it is a loop is news.
+        # Why it cannot be reached may change with each attempt; a loop is reported by itself.
         delta: bool | str = why if why == ITSELF else not why
         if self._told is None:
             self.why = why
@@ -63,11 +63,11 @@ def bridge(
     said: Callable[[str], None] = lambda why: None,
     on_refusal: Callable[[str, str, str], object] | None = None,
 ) -> Bridge:
-    """Open a door behind which the properties of another service are.
+    """Open an endpoint for the properties of another service.
 
     Args:
         source: Its address.
-        target: Address of the door.
+        target: Address of the endpoint.
         prefix: Put in front of all names.
         allow_set: Patterns of the names that may be set; actions are started by that too.
         cwd: Working directory in the tree, for paths.
@@ -77,7 +77,7 @@ def bridge(
 
     Raises:
         RtkitError: An address is none; the owner cannot be reached, or is this proxy itself; the
-            door cannot be opened.
+            endpoint cannot be opened.
     """
     host = PropertyEventLoop()
     setting = ProxySettings(host, cwd, timeout_s)
@@ -114,7 +114,7 @@ def _locked(host: PropertyEventLoop, work: Callable[[], None]) -> None:
 
 
 def _on_loop(host: PropertyEventLoop, work: Callable[[], str]) -> str:
-    """Have the loop do something, and wait for it."""
+    """Run a function on the loop, and wait for it."""
     done = threading.Event()
     results: list[str] = []
     failures: list[BaseException] = []

@@ -27,7 +27,7 @@ class IceConnection:
     Raises:
         Refused: Ice is not there.
         Unreachable: Nobody answers there.
-        PropertyError: ``denied``: the door knows another secret.
+        PropertyError: ``denied``: the endpoint knows another secret.
     """
 
     def __init__(self, host: PropertyEventLoop, address: IceAddress, timeout_s: float) -> None:
@@ -41,7 +41,7 @@ class IceConnection:
         self._session = IceSession(address, secret.read(), timeout_s, went=self._went)
 
     def start(self, gone: Gone) -> None:
-        """See `Contact.start`."""
+        """See `ProviderConnection.start`."""
         self._gone = gone
 
     def ask(
@@ -52,7 +52,7 @@ class IceConnection:
         answer: Answering,
         until: float = math.inf,
     ) -> None:
-        """See `Contact.ask`."""
+        """See `ProviderConnection.ask`."""
         if not self._is_open:
             answer(Answer("the connection has ended", "no-service"))
             return
@@ -65,11 +65,11 @@ class IceConnection:
         )
 
     def has_room(self, name: str) -> bool:
-        """See `Contact.has_room`: each listening has an object of its own."""
+        """See `ProviderConnection.has_room`: each listening has an object of its own."""
         return name not in self._subscriptions
 
     def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
-        """See `Contact.listen`."""
+        """See `ProviderConnection.listen`."""
         inbox = LoopInbox(self._host, wish, lambda event: self._take(name, key, hear, event))
 
         def take(events: list[PropertyEvent]) -> None:
@@ -90,19 +90,19 @@ class IceConnection:
         self._subscriptions[name] = key
 
     def leave(self, name: str) -> None:
-        """See `Contact.leave`."""
+        """See `ProviderConnection.leave`."""
         key = self._subscriptions.pop(name, None)
         if key is not None:
             self._session.leave(key)
 
     def check(self, now: float) -> None:
-        """See `Contact.check`."""
+        """See `ProviderConnection.check`."""
         if self._waiting or self._subscriptions:
             probe = partial(self.ask, STATUS, None, "", lambda _: None)
             self._silence.check(now, probe, self._fail)
 
     def close(self) -> None:
-        """See `Contact.close`."""
+        """See `ProviderConnection.close`."""
         self._close(Answer("the connection has ended", "no-service"))
 
     # Its own

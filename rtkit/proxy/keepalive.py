@@ -19,7 +19,7 @@ class Keepalive:
         self._is_asked = False
 
     def end(self) -> None:
-        """Hear something, or owe nothing."""
+        """Note that the peer was heard from, or owes nothing."""
         self._since, self._is_asked = monotonic(), False
 
     def check(

@@ -28,7 +28,7 @@ class LineConnection:
 
     Args:
         end: A connected socket, of somebody who knows already who asks.
-        service: Which one is meant; empty for that of the door.
+        service: Which one is meant; empty for that of the endpoint.
     """
 
     def __init__(self, host: PropertyEventLoop, end: socket.socket, service: str = "") -> None:
@@ -49,7 +49,7 @@ class LineConnection:
     # Contact
 
     def start(self, gone: Gone) -> None:
-        """See `Contact.start`."""
+        """See `ProviderConnection.start`."""
         self._gone = gone
         self._end.settimeout(0)
         self._host.register(self._end, self)
@@ -62,7 +62,7 @@ class LineConnection:
         answer: Answering,
         until: float = math.inf,
     ) -> None:
-        """See `Contact.ask`.
+        """See `ProviderConnection.ask`.
 
         What could have to wait at the owner has an id, so that replies to others overtake its own.
         """
@@ -84,11 +84,11 @@ class LineConnection:
         self._send()
 
     def has_room(self, name: str) -> bool:
-        """See `Contact.has_room`: there is one listener of a property on each connection."""
+        """See `ProviderConnection.has_room`: a connection has one listener per property."""
         return slot(name) not in self._hearing and len(self._hearing) < _MOST_LISTENINGS
 
     def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
-        """See `Contact.listen`."""
+        """See `ProviderConnection.listen`."""
         key = slot(name)
         self._hearing[key] = hear
 
@@ -100,26 +100,26 @@ class LineConnection:
         self.ask(_listen(name, wish), "self", "", answered)
 
     def leave(self, name: str) -> None:
-        """See `Contact.leave`; until the owner has heard it, its events are still to come."""
+        """See `ProviderConnection.leave`; events come until the owner has received it."""
         key = slot(name)
         if key in self._hearing:
             self._hearing[key] = None
             self.ask(_listen(name, "remove"), "self", "", lambda _: self._hearing.pop(key, None))
 
     def check(self, now: float) -> None:
-        """See `Contact.check`."""
+        """See `ProviderConnection.check`."""
         if self._is_waited_for or self._hearing:
             probe = partial(self.ask, STATUS, None, "", lambda _: None)
             self._silence.check(now, probe, self._end_with)
 
     def close(self) -> None:
-        """See `Contact.close`."""
+        """See `ProviderConnection.close`."""
         self._close(Answer("the connection has ended", "no-service"))
 
-    # Tenant
+    # IOHandler
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`."""
+        """See `IOHandler.ready`."""
         if mask & select.EPOLLOUT:
             self._send()
         if not self._is_open or not mask & ~select.EPOLLOUT:
@@ -143,7 +143,7 @@ class LineConnection:
             self._end_with(f"no line protocol: {error}")
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
+        """See `IOHandler.flush`."""
         return None
 
     # Its own
@@ -201,5 +201,5 @@ class LineConnection:
 
 
 def _listen(name: str, wish: str) -> str:
-    """Return the target to which is said who listens."""
+    """Return the target of a request to listen."""
     return f"{name}.listen".lstrip(".") + (f"?{wish}" if wish else "")

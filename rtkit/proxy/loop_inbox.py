@@ -31,7 +31,7 @@ class LoopInbox:
         self._lock = threading.Lock()
 
     def put(self, event: PropertyEvent, lost: int = 0) -> None:
-        """Take an event, before which some were lost; the oldest one makes room."""
+        """Take an event, before which some were lost; a full queue drops its oldest."""
         with self._lock:
             if self._events.maxlen != 1:
                 event = event._replace(dropped=event.dropped + lost)

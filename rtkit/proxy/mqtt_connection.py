@@ -73,7 +73,7 @@ class MqttConnection:
             raise Unreachable(f"no service at {address}: {state}")
 
     def start(self, gone: Gone) -> None:
-        """See `Contact.start`."""
+        """See `ProviderConnection.start`."""
         self._gone = gone
 
     def ask(
@@ -84,15 +84,15 @@ class MqttConnection:
         answer: Answering,
         until: float = math.inf,
     ) -> None:
-        """See `Contact.ask`."""
+        """See `ProviderConnection.ask`."""
         self._request(with_id(target, id), payload, f"{self._own}/0", answer, until)
 
     def has_room(self, name: str) -> bool:
-        """See `Contact.has_room`: each listening has a topic of its own."""
+        """See `ProviderConnection.has_room`: each listening has a topic of its own."""
         return name not in self._subscriptions
 
     def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
-        """See `Contact.listen`."""
+        """See `ProviderConnection.listen`."""
         self._number += 1
         more = f"{wish}&lease={LEASE_S:g}" if wish else f"lease={LEASE_S:g}"
         target = f"{name}.listen".lstrip(".") + f"?{more}"
@@ -108,14 +108,14 @@ class MqttConnection:
         self._request(target, "self", topic, answered)
 
     def leave(self, name: str) -> None:
-        """See `Contact.leave`."""
+        """See `ProviderConnection.leave`."""
         subscription = self._subscriptions.pop(name, None)
         if subscription is not None:
             target = f"{subscription.target.partition('?')[0]}?remove"
             self._request(target, "self", subscription.topic, lambda reply: None)
 
     def check(self, now: float) -> None:
-        """See `Contact.check`: that somebody is there the broker tells; leases are renewed."""
+        """See `ProviderConnection.check`: renew leases; the broker reports whether the owner is there."""
         for name, subscription in self._subscriptions.items():
             if now - subscription.renewed_at[0] > LEASE_S / 3:
                 subscription.renewed_at[0] = now
@@ -127,7 +127,7 @@ class MqttConnection:
                 )
 
     def close(self) -> None:
-        """See `Contact.close`."""
+        """See `ProviderConnection.close`."""
         if not self._is_open:
             return
         self._is_open = False

@@ -112,7 +112,7 @@ class Allowed:
         self._patterns = patterns
 
     def __call__(self, name: str) -> bool:
-        """Whether a name may be set; a list of names only if all that it could hold may."""
+        """Return whether a name may be set; a list of names only if all that it could hold may."""
         if name == _LISTED or name.endswith(f".{_LISTED}"):
             below = name.removesuffix(_LISTED)
             return any(_covers(pattern, below) for pattern in self._patterns)
@@ -120,7 +120,7 @@ class Allowed:
 
 
 def _covers(pattern: str, below: str) -> bool:
-    """Whether a pattern matches every name that begins so."""
+    """Return whether a pattern matches every name that begins so."""
     plain = pattern[:-1]
     is_plain = not any(mark in plain for mark in "*?[")
     return pattern.endswith("*") and is_plain and below.startswith(plain)

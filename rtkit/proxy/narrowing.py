@@ -1,6 +1,6 @@
 """Narrows meta data to what may be set through a proxy, where the owner alone allows more.
 
-The one place where a proxy reads what an owner says of a property; its values stay unread.
+No other module of a proxy reads the meta data of a property; no module reads its values.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ MaySet = Callable[[str], bool]
 
 
 def tells_access(name: str, parameters: dict[str, str | None]) -> bool:
-    """Whether the answer to a GET tells how properties may be accessed."""
+    """Return whether the answer to a GET tells how properties may be accessed."""
     is_listing = name == _LISTED or name.endswith(f".{_LISTED}")
     return name.endswith((_META, _ACCESS)) or (is_listing and "meta" in parameters)
 

@@ -21,7 +21,7 @@ class ProviderConnection(Protocol):
     """Connection to an owner, used by the loop only; its callbacks run there."""
 
     def start(self, gone: Gone) -> None:
-        """Begin; `gone` hears, once, that it has ended and why."""
+        """Start the connection; `gone` is called once with the reason when it ends."""
         ...
 
     def ask(
@@ -41,7 +41,7 @@ class ProviderConnection(Protocol):
         ...
 
     def has_room(self, name: str) -> bool:
-        """Whether it can listen to this beside what it listens to."""
+        """Return whether it can listen to this beside what it listens to."""
         ...
 
     def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
@@ -57,7 +57,7 @@ class ProviderConnection(Protocol):
         ...
 
     def close(self) -> None:
-        """End it; whoever waits for an answer is told."""
+        """Close the connection; callers that wait for an answer get an error."""
         ...
 
 

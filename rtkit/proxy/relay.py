@@ -71,35 +71,35 @@ class Relay:
 
     @property
     def is_polled(self) -> bool:
-        """See `Owner.is_polled`: the owner does that."""
+        """See `PropertyProvider.is_polled`: the owner does that."""
         return False
 
     def poll(self) -> None:
-        """See `Owner.poll`."""
+        """See `PropertyProvider.poll`."""
 
     def quick(self, line: bytes, caller: Requester) -> bytes | None:
-        """See `Owner.quick`: nothing is kept here."""
+        """See `PropertyProvider.quick`: nothing is kept here."""
         return None
 
     def is_plain(self, name: str) -> bool:
-        """See `Owner.is_plain`: it takes a while."""
+        """See `PropertyProvider.is_plain`: it takes a while."""
         return False
 
     def is_text(self, name: str) -> bool:
-        """See `Owner.is_text`: only the owner knows."""
+        """See `PropertyProvider.is_text`: only the owner knows."""
         return False
 
     def revision(self, name: str) -> int | None:
-        """See `Owner.revision`: only the owner knows."""
+        """See `PropertyProvider.revision`: only the owner knows."""
         return None
 
     def tick(self) -> None:
-        """See `Owner.tick`."""
+        """See `PropertyProvider.tick`."""
         self._listenings.tick()
         self.uplink.check(monotonic())
 
     def forget(self, caller: Requester) -> None:
-        """See `Owner.forget`."""
+        """See `PropertyProvider.forget`."""
         if caller.origin is caller:
             self._numbers.pop(caller, None)
         self._listenings.forget(caller)
@@ -107,7 +107,7 @@ class Relay:
     # Requests
 
     def handle(self, ask: PropertyRequest) -> None:
-        """See `Owner.handle`."""
+        """See `PropertyProvider.handle`."""
         try:
             target = parse_target(ask.target)
             if target.service and target.service != self.name:

@@ -79,6 +79,6 @@ class RequestScheduler:
         return begun
 
     def end(self, turn: ScheduledRequest) -> None:
-        """Hear that one has been answered."""
+        """Remove a request that has been answered."""
         if self._turns.pop(turn, turn) is None:
             self._under_way -= turn.is_under_way

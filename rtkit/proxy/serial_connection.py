@@ -32,7 +32,7 @@ class SerialConnection:
         self._gone: Gone = lambda why: None
 
     def start(self, gone: Gone) -> None:
-        """See `Contact.start`."""
+        """See `ProviderConnection.start`."""
         self._gone = gone
         threading.Thread(target=self._work, name="serial line", daemon=True).start()
 
@@ -44,15 +44,15 @@ class SerialConnection:
         answer: Answering,
         until: float = math.inf,
     ) -> None:
-        """See `Contact.ask`."""
+        """See `ProviderConnection.ask`."""
         self._call(lambda: self._client.ask(target, payload, id, until), answer)
 
     def has_room(self, name: str) -> bool:
-        """See `Contact.has_room`: there is one listener of a property on each line."""
+        """See `ProviderConnection.has_room`: there is one listener of a property on each line."""
         return slot(name) not in self._mail
 
     def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
-        """See `Contact.listen`."""
+        """See `ProviderConnection.listen`."""
         key = slot(name)
         inbox = LoopInbox(self._host, wish, lambda e: hear(e) if is_mine() else None)
         self._mail[key] = inbox
@@ -72,15 +72,15 @@ class SerialConnection:
         self._call(begin, answered)
 
     def leave(self, name: str) -> None:
-        """See `Contact.leave`."""
+        """See `ProviderConnection.leave`."""
         if self._mail.pop(slot(name), None) is not None:
             self._call(lambda: self._client.leave(name), lambda reply: None)
 
     def check(self, now: float) -> None:
-        """See `Contact.check`: each request has a bound of its own, and leases are renewed."""
+        """See `ProviderConnection.check`: renew leases; each request has a time-out of its own."""
 
     def close(self) -> None:
-        """See `Contact.close`."""
+        """See `ProviderConnection.close`."""
         if self._is_open:
             self._is_open = False
             self._client.wake()
@@ -92,7 +92,7 @@ class SerialConnection:
     # Its own
 
     def _call(self, work: Callable[[], Answer], answer: Answering) -> None:
-        """Have the thread of the line do something, and its outcome told on the loop."""
+        """Run a function on the thread of the line; its outcome is passed on the loop."""
         if not self._is_open:
             answer(_ENDED)
             return
@@ -114,7 +114,7 @@ class SerialConnection:
         self._client.wake()
 
     def _work(self) -> None:
-        """Make the calls one after the other; in between hear what comes."""
+        """Make the calls one after the other; in between receive events."""
         try:
             while self._is_open:
                 try:

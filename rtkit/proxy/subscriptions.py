@@ -49,7 +49,7 @@ class RelayedOptions(NamedTuple):
 
 
 def wished(parameters: dict[str, str | None]) -> RelayedOptions:
-    """Read a wish; what cannot be understood is left to the owner, with its refusal."""
+    """Read options; those that cannot be understood are left to the owner, which refuses them."""
     given = dict(parameters)
     lease = _number(given.get("lease"), 0.0)
     if 0 <= lease <= LONGEST_LEASE_S:
@@ -91,7 +91,7 @@ class RelayedListener(Listener):
         self.renew(now)
 
     def pass_on(self, event: PropertyEvent) -> None:
-        """Take an event; the oldest one makes room."""
+        """Take an event; a full queue drops its oldest."""
         if len(self._waiting) >= self.wish.queue:
             self._lost += 1 + self._waiting.popleft().dropped
         self._waiting.append(event)
@@ -112,7 +112,7 @@ class RelayedListener(Listener):
 
     @property
     def pending(self) -> int:
-        """How many events wait."""
+        """Return how many events wait."""
         return len(self._waiting)
 
 
@@ -141,7 +141,7 @@ class RelayedSubscription:
 
     @property
     def is_used(self) -> bool:
-        """Whether anybody listens, or is about to."""
+        """Return whether anybody listens, or is about to."""
         return bool(self.relayed or self.waiting or self.joining)
 
 
@@ -168,7 +168,7 @@ class RelayedSubscriptions:
     def begin(
         self, name: str, parameters: dict[str, str | None], caller: Requester, answer: Answering
     ) -> None:
-        """Have a caller listen; who listens already gets the new wish and lease."""
+        """Register a caller as listener; an existing one gets the new options and lease."""
         wish = wished(parameters)
         mine = self._of.get(caller, {})
         known = mine.get(name)
@@ -206,7 +206,7 @@ class RelayedSubscriptions:
         answer(DONE)
 
     def forget(self, caller: Requester) -> None:
-        """Have a caller hear nothing any more."""
+        """End the listening of a caller."""
         for relayed, listening in list(self._of.pop(caller, {}).values()):
             self._end(relayed, listening)
         for listening in list(self._all):
@@ -248,7 +248,7 @@ class RelayedSubscriptions:
         self._uplink.place(listening.name, placed)
 
     def _answered(self, listening: RelayedSubscription, reply: Answer) -> None:
-        """Take what the owner said to the wish to listen."""
+        """Take the owner's answer to the request to listen."""
         listening.is_asked = False
         if listening not in self._all:
             return
@@ -328,10 +328,10 @@ class RelayedSubscriptions:
     # The connection
 
     def went(self) -> None:
-        """Tell all who listen that what they know is stale: the owner cannot be reached."""
+        """Notify all listeners that their values are stale: the owner cannot be reached."""
         for listening in list(self._all):
             if listening.connection is None:
-                continue  # it was told before
+                continue  # it was sent before
             listening.connection, listening.has_begun = None, False
             if listening.last is not None:
                 listening.last = listening.last._replace(quality="stale", dropped=0)
@@ -355,7 +355,7 @@ class RelayedSubscriptions:
     # Ends
 
     def _finish(self, listening: RelayedSubscription, code: str) -> None:
-        """Tell that there is nothing to listen to any more."""
+        """Notify that there is nothing to listen to any more."""
         at = listening.last or PropertyEvent(self._outward(listening.name), "", 0.0, 0)
         last = at._replace(payload="", quality="bad", dropped=0, code=code)
         for relayed in listening.relayed:
@@ -400,5 +400,5 @@ class RelayedSubscriptions:
 
 
 def _with_initial(text: str) -> str:
-    """Return a wish with the first value in it: after a gap it is what was missed."""
+    """Return options that ask for the first value too: after a gap it is what was missed."""
     return "&".join(each for each in text.split("&") if not each.startswith("initial"))

@@ -62,7 +62,7 @@ class Uplink:
 
     @property
     def is_up(self) -> bool:
-        """Whether the owner can be reached."""
+        """Return whether the owner can be reached."""
         return self._is_up
 
     def start(self) -> None:
@@ -77,7 +77,7 @@ class Uplink:
         answer: Answering,
         until: float = math.inf,
     ) -> None:
-        """GET, or SET, and be told what came of it."""
+        """GET, or SET, and pass on the outcome."""
         if not self._is_up:
             answer(Answer(self.why, "no-service"))
             return
@@ -174,7 +174,7 @@ class Uplink:
             self.place(name, placed)
 
     def _is_old(self, number: int, made: ProviderConnection | RtkitError) -> bool:
-        """Whether a connection comes too late."""
+        """Return whether a connection comes too late."""
         if number == self._round and not self._is_closed.is_set():
             return False
         if not isinstance(made, RtkitError):
@@ -198,7 +198,7 @@ class Uplink:
         self._pause_s = min(self._pause_s * 2, _LONGEST_PAUSE_S)
 
     def _lose(self, why: str, *, is_last: bool = False) -> None:
-        """End all connections, tell it, and begin to connect anew."""
+        """End all connections, report it, and begin to connect anew."""
         self._round += 1
         self._is_up, self.why = False, why
         contacts, self._connections = self._connections, []

@@ -19,19 +19,19 @@ class Waiting:
         return len(self._by_number)
 
     def expect(self, answer: Answering) -> int:
-        """Have somebody wait; return the number of its request."""
+        """Add a waiting caller; return the number of its request."""
         number = next(self._count)
         self._by_number[number] = answer
         return number
 
     def answer(self, number: int, reply: Answer) -> None:
-        """Tell whoever waits for it; nobody does once the connection has ended."""
+        """Answer the caller of a request; none waits once the connection has ended."""
         answer = self._by_number.pop(number, None)
         if answer is not None:
             answer(reply)
 
     def end(self, reply: Answer) -> None:
-        """Tell everybody: no answers come any more."""
+        """Answer all callers with an error: no answers come any more."""
         waiting, self._by_number = self._by_number, {}
         for answer in waiting.values():
             answer(reply)

@@ -64,7 +64,7 @@ class ZenohConnection:
         self._gone: Gone = lambda why: None
 
     def start(self, gone: Gone) -> None:
-        """See `Contact.start`."""
+        """See `ProviderConnection.start`."""
         self._gone = gone
 
     def ask(
@@ -75,16 +75,16 @@ class ZenohConnection:
         answer: Answering,
         until: float = math.inf,
     ) -> None:
-        """See `Contact.ask`."""
+        """See `ProviderConnection.ask`."""
         wait_s = min(_REQUEST_S, max(until - monotonic(), _LEAST_S))
         self._query(with_id(target, id), payload, "", wait_s, answer)
 
     def has_room(self, name: str) -> bool:
-        """See `Contact.has_room`: each listening has a key of its own."""
+        """See `ProviderConnection.has_room`: each listening has a key of its own."""
         return name not in self._subscriptions
 
     def listen(self, name: str, wish: str, hear: Hearing, answer: Answering) -> None:
-        """See `Contact.listen`."""
+        """See `ProviderConnection.listen`."""
         id = uuid.uuid4().hex
         inbox = LoopInbox(self._host, wish, lambda event: self._hear(id, hear, event))
         handler = zenoh.handlers.Callback(_receiver(inbox), indirect=False)
@@ -100,14 +100,14 @@ class ZenohConnection:
         self._query(target, "self", id, _REQUEST_S, answered)
 
     def leave(self, name: str) -> None:
-        """See `Contact.leave`."""
+        """See `ProviderConnection.leave`."""
         subscription = self._take_off(name)
         if subscription is not None:
             target = f"{subscription.target.partition('?')[0]}?remove"
             self._query(target, "self", subscription.id, _PROBE_S, lambda _: None)
 
     def check(self, now: float) -> None:
-        """See `Contact.check`: ask for a sign of life, and renew what has a lease."""
+        """See `ProviderConnection.check`: ask for a sign of life, and renew what has a lease."""
         for name, subscription in self._subscriptions.items():
             if now - subscription.renewed_at[0] > LEASE_S / 3:
                 subscription.renewed_at[0] = now
@@ -123,7 +123,7 @@ class ZenohConnection:
             self._query(STATUS, None, "", _PROBE_S, self._probed)
 
     def close(self) -> None:
-        """See `Contact.close`."""
+        """See `ProviderConnection.close`."""
         if self._is_open:
             self._end(Answer("the connection has ended", "no-service"))
             self._session.close()  # type: ignore[no-untyped-call]

@@ -43,14 +43,14 @@ class Acceptor(ABC):
 
     @abstractmethod
     def enter(self, client: socket.socket) -> AdmittedClient | str:
-        """Let a client in, or tell what it is turned away with: code, blank, words."""
+        """Admit a client, or return the refusal to send it: code, blank, words."""
 
     @abstractmethod
     def reject(self, why: str) -> bytes:
-        """Return how a client is told why it is turned away."""
+        """Return the bytes that give a rejected client the reason."""
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`."""
+        """See `IOHandler.ready`."""
         try:
             client, _ = self._end.accept()
         except OSError:
@@ -68,11 +68,11 @@ class Acceptor(ABC):
         client.close()
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
+        """See `IOHandler.flush`."""
         return None
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`."""
+        """See `IOHandler.check`."""
         self._forget()
 
     def _forget(self) -> None:

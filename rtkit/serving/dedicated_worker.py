@@ -1,9 +1,9 @@
 """Dedicated workers: threads for the few clients that ask one thing after another.
 
 Who waits at one socket is woken sooner, and has less to do, than a loop that looks at all of them:
-so a request costs not twice, but half as much again as a bare echo. An attendant answers only what
-takes a look, by the same rules and with the lock of the host; for anything else (another request,
-a reply that is not read, a pause) the client goes back to the loop.
+so a request costs not twice, but half as much again as a bare echo. A dedicated worker answers
+only requests that need no wait, by the same rules and with the lock of the host; for anything else
+(another request, a reply that is not read, a pause) the client goes back to the loop.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 MOST = 8
-"""Attendants of one host."""
+"""Dedicated workers of one host."""
 PAUSE_S = 0.25
 """How long one waits for the next request [s]."""
 _FEW = 1 << 12
@@ -58,7 +58,7 @@ class DedicatedWorkers:
             end: Its socket.
             answer: Returns the reply to what came, None if it takes more than a look; it is called
                 with the lock.
-            back: Takes the client back; on the thread of the attendant.
+            back: Takes the client back; on the thread of the dedicated worker.
         """
         if len(self._ends) >= MOST:
             return False
@@ -90,7 +90,7 @@ class DedicatedWorkers:
                 return WorkerExit(data)
             try:
                 sent = send(reply, at_once)
-            except OSError:  # it has gone, which the loop will hear, or it does not read
+            except OSError:  # it has gone, which the loop will notice, or it does not read
                 sent = 0
             if sent < len(reply):
                 return WorkerExit(None, reply[sent:])

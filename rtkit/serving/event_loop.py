@@ -42,7 +42,7 @@ class ByteStream(Protocol):
         ...
 
     def send(self, data: bytes | bytearray | memoryview, /) -> int:
-        """Send what there is room for; return how much that was."""
+        """Send as much as the receiver takes; return how much that was."""
         ...
 
     def close(self) -> None:
@@ -54,7 +54,7 @@ class IOHandler(Protocol):
     """Handler of a socket that the loop serves."""
 
     def ready(self, mask: int) -> bool | None:
-        """Hear that the socket can be read or written; return True if nothing is left to do."""
+        """Read or write the ready socket; return True if nothing is left to do."""
         ...
 
     def flush(self, now: float) -> float | None:
@@ -72,7 +72,7 @@ class PropertyEventLoop:
     Attributes:
         services: By name.
         lock: To be held by who touches a service.
-        policy: What may be done through which door.
+        policy: What may be done through which endpoint.
         user_code: Calls what is not ours.
     """
 
@@ -113,21 +113,21 @@ class PropertyEventLoop:
         self.services[service.name] = service
 
     def at_end(self, closer: Callable[[], object]) -> None:
-        """Have something called when the host closes; the last one first."""
+        """Register a function to call when the host closes; the last one first."""
         self._closers.append(closer)
 
     def post(self, work: Callable[[], object]) -> None:
-        """Have the loop do something, soon; from any thread."""
+        """Run a function on the loop, soon; from any thread."""
         self._posted.append(work)
         self.wake()
 
     @property
     def has_posted(self) -> bool:
-        """Whether something waits for the loop that was posted earlier."""
+        """Return whether something waits for the loop that was posted earlier."""
         return bool(self._posted)
 
     def wake(self) -> None:
-        """Have the loop look what there is to do; from any thread."""
+        """Wake the loop to check for work; from any thread."""
         if not self._is_woken:
             self._is_woken = True
             with contextlib.suppress(BlockingIOError, OSError):
@@ -161,7 +161,7 @@ class PropertyEventLoop:
         answer: Callable[[bytes], bytes | None],
         back: Callable[[WorkerExit], object],
     ) -> None:
-        """Have a client served by a thread of its own, if one is free; on the loop's thread.
+        """Hand a client to a dedicated worker, if one is free; on the loop's thread.
 
         Args:
             end: Its socket; of what is none, nothing changes.
@@ -183,7 +183,7 @@ class PropertyEventLoop:
             self._epoll.unregister(end.fileno())
 
     def mark(self, handler: IOHandler) -> None:
-        """Note that a tenant has something to send; by who holds the lock."""
+        """Note that a handler has something to send; called under the lock."""
         self._dirty.add(handler)
         self.wake()
 
@@ -207,7 +207,7 @@ class PropertyEventLoop:
                         is_quiet = False
                         with contextlib.suppress(BlockingIOError):
                             self._wake.recv(4096)
-                        # Only now: what wakes it before is not heard, but has been posted.
+                        # Only now: an earlier wake-up is lost, but its work has been posted.
                         self._is_woken = False
                 now = time.monotonic()
                 if is_quiet and not (self._dirty or self._posted) and now < tidy_at:
@@ -236,7 +236,7 @@ class PropertyEventLoop:
         return max(0.0, min(min(times) - now, _LONGEST_WAIT_S)) if times else None
 
     def _flush(self, now: float) -> list[float]:
-        """Have tenants send what is due; return when something will be."""
+        """Flush the handlers that have something due; return when something will be."""
         times: list[float] = []
         waiting, self._dirty = self._dirty, set()
         for handler in waiting:

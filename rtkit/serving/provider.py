@@ -20,7 +20,7 @@ class PropertyProvider(Protocol):
 
     @property
     def is_polled(self) -> bool:
-        """Whether something that is listened to is to be read anew from time to time."""
+        """Return whether something that is listened to is to be read anew from time to time."""
         ...
 
     def quick(self, line: bytes, caller: Requester) -> bytes | None:
@@ -28,11 +28,11 @@ class PropertyProvider(Protocol):
         ...
 
     def is_plain(self, name: str) -> bool:
-        """Whether nothing of the user's is called when a property is got or set."""
+        """Return whether nothing of the user's is called when a property is got or set."""
         ...
 
     def is_text(self, name: str) -> bool:
-        """Whether a property is known to hold text that is no value."""
+        """Return whether a property is known to hold text that is no value."""
         ...
 
     def revision(self, name: str) -> int | None:

@@ -16,7 +16,7 @@ class QuotaClient(Protocol):
 
     @property
     def listening(self) -> int:
-        """How much it listens to."""
+        """Return how many subscriptions it has."""
         ...
 
 
@@ -24,10 +24,10 @@ class EndpointQuota:
     """Rules and limits of one endpoint.
 
     Args:
-        policy: Of all doors.
+        policy: Of all endpoints.
         endpoint: What it is called there.
         clients: Those there are now.
-        last: Rules of the door itself, behind those of the policy.
+        last: Rules of the endpoint itself, behind those of the policy.
 
     Attributes:
         access: What may be done.

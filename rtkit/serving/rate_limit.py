@@ -17,7 +17,7 @@ class RateLimit:
         self._at = now
 
     def takes(self, now: float) -> bool:
-        """Whether one more request may be made; then it counts."""
+        """Return whether one more request may be made; then it counts."""
         self._left = min(self._rate, self._left + (now - self._at) * self._rate)
         self._at = now
         if self._left < 1:
@@ -27,5 +27,5 @@ class RateLimit:
 
 
 def too_fast(rate: int) -> str:
-    """Return what somebody is told who asks too often."""
+    """Return the refusal for a client that asks too often."""
     return f"more than {rate} requests a second"

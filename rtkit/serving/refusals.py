@@ -30,7 +30,7 @@ class Refusals:
         self._lock = threading.Lock()
 
     def __call__(self, identity: str, method: str, target: str) -> None:
-        """Take note of who was denied what."""
+        """Record a denied request."""
         what = f"{method} {target} by {identity!r}"
         with self._lock:
             now = monotonic()
@@ -51,7 +51,7 @@ class Refusals:
             self._told[identity] = told._replace(more=told.more + 1, last=what)
 
     def sum_up(self, identity: str) -> None:
-        """Tell how many there were that were not told one by one."""
+        """Log the number of denials that were not logged one by one."""
         with self._lock:
             self._summed(identity)
 

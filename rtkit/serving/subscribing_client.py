@@ -26,12 +26,12 @@ class SubscribingClient(Requester):
 
     @property
     def listening(self) -> int:
-        """How much it listens to."""
+        """Return how many subscriptions it has."""
         return len(self._listeners)
 
     @property
     def has_pending(self) -> bool:
-        """Whether an event waits to be sent."""
+        """Return whether an event waits to be sent."""
         return any(each.pending for each in self._listeners)
 
     def listen(self, listener: Listener) -> None:

@@ -163,7 +163,7 @@ class Workers:
             del self._jobs[job]
 
     def _engage(self) -> None:
-        """Have a worker look for what is due: one that waits, else a new one if all are slow."""
+        """Engage a worker for work that is due: one that waits, else a new one if all are slow."""
         if self._idle:
             self._wakeup.notify()
         elif len(self._threads) - self._slow < 1 and len(self._threads) < MOST_THREADS:

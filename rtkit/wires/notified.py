@@ -49,7 +49,7 @@ class Notified(Requester):
 
     @property
     def is_used(self) -> bool:
-        """Whether it listens to something."""
+        """Return whether it listens to something."""
         return self._listener is not None
 
     def listen(self, listener: Listener) -> None:
@@ -66,13 +66,13 @@ class Notified(Requester):
         self._host.mark(self)
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; it has no socket."""
+        """See `IOHandler.ready`; it has no socket."""
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`; it has a lease, or ends by failures."""
+        """See `IOHandler.check`; it has a lease, or ends by failures."""
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`: one event is on the way at a time, what comes meanwhile waits."""
+        """See `IOHandler.flush`: one event is on the way at a time, what comes meanwhile waits."""
         listener = self._listener
         if listener is None or self._is_busy:
             return None

@@ -66,7 +66,7 @@ class QueryServer:
         self._host.post(lambda: self.work(query))
 
     def resume(self) -> None:
-        """Send what had to wait: there is room again."""
+        """Send what had to wait: the receiver takes messages again."""
         for subscription in (*self._subscriptions.values(), *self._groups.values()):
             if subscription.has_pending:
                 self._host.mark(subscription)
@@ -125,7 +125,7 @@ class QueryServer:
             del self._subscriptions[id]
 
     def _join(self, query: Queried, subscription: Subscriber) -> Joined | None:
-        """Have one who listens be a member of its group; None if it has to stay by itself."""
+        """Make a subscriber a member of its group; None if it has to stay by itself."""
         if not query.group or query.group != group_of(query.target):
             return None
         group = self._groups.get(query.group)
@@ -140,7 +140,7 @@ class QueryServer:
         return Joined(first, group.enter(query.subscription))
 
     def _is_heard(self, target: str, group: SharedSubscription) -> bool:
-        """Have a group listen, or listen on; return whether it does."""
+        """Make a group listen, or listen on; return whether it does."""
         told: list[Answer] = []
         self._service.handle(PropertyRequest(_shared(target), "self", told.append, group))
         if told and not told[0].error:
@@ -185,7 +185,7 @@ class QueryServer:
 
 
 def _shared(target: str) -> str:
-    """Return a request to listen for a group: the first value is told to each by itself."""
+    """Return a request to listen for a group: each member gets the first value by itself."""
     name, _, tail = target.partition("?")
     kept = [each for each in tail.split("&") if each and not each.startswith("initial")]
     return _leased(f"{name}?{'&'.join([*kept, 'initial=0'])}")

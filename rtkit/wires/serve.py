@@ -25,9 +25,9 @@ class ServedObject(Closing):
     Attributes:
         name: Under which it is found.
         socket: The path of its unix socket.
-        port: Of its TCP door, None if it has none.
-        http: Port of its HTTP door, None if it has none.
-        ice: Port of its Ice door, None if it has none.
+        port: Of its TCP endpoint, None if it has none.
+        http: Port of its HTTP endpoint, None if it has none.
+        ice: Port of its Ice endpoint, None if it has none.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class ServedObject(Closing):
         self._host = host
 
     def update(self, name: str, value: object) -> None:
-        """Tell a new value of a property that is kept here."""
+        """Publish a new value of a property that is kept here."""
         from rtkit.property.conversion import to_value
 
         with self._host.lock:
@@ -110,7 +110,7 @@ def serve(
         ice: Also open this port of the host, 0 for any, for Ice, likewise.
         hide: Names that are not to be seen.
         history: Patterns of names, and how many values of each ``NAME.history`` tells.
-        rules: Who may do what through which door, and how much: `rtkit.property.access`.
+        rules: Who may do what through which endpoint, and how much: `rtkit.property.access`.
         notify: Patterns of ``SERVICE/NAME``, of your services on this host, to which events may be
             SET (``SET P.listen SERVICE/NAME``); none may, unless told.
         is_on_zenoh: Also answer zenoh queries, through the manager where one runs.

@@ -38,21 +38,21 @@ class Subscriber(SubscribingClient):
 
     @property
     def is_used(self) -> bool:
-        """Whether it listens to anything, or is about to."""
+        """Return whether it listens to anything, or is about to."""
         return bool(self._listeners or self.asked)
 
     def wake(self) -> None:
-        """See `Caller.wake`."""
+        """See `Requester.wake`."""
         self._host.mark(self)
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; it has no socket."""
+        """See `IOHandler.ready`; it has no socket."""
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`; it has a lease."""
+        """See `IOHandler.check`; it has a lease."""
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
+        """See `IOHandler.flush`."""
         due: list[float] = []
         for listener in list(self._listeners):
             while self._query_server.has_room() and (event := listener.take(now)) is not None:
@@ -94,30 +94,30 @@ class SharedSubscription(Subscriber):
 
     @property
     def listening(self) -> int:
-        """How many members there are."""
+        """Return how many members there are."""
         now = monotonic()
         for gone in [id for id, until in self._until.items() if until < now]:
             del self._until[gone]
         return len(self._until) if self._listeners else 0
 
     def listen(self, listener: Listener) -> None:
-        """See `Caller.listen`: there was room for whom it is."""
+        """See `Requester.listen`: there was room for whom it is."""
         self._listeners.append(listener)
 
     def has_member(self, id: str) -> bool:
-        """Whether somebody is one of those who hear this."""
+        """Return whether somebody is one of those who hear this."""
         return self.is_used and id in self._until
 
     def enter(self, id: str) -> EventPosition:
-        """Have somebody be a member; return up to where it knows what was sent."""
+        """Add a member; return the position up to which it has the events."""
         lease_s = max((each.wish.lease_s for each in self._listeners), default=0.0)
         self._until[id] = monotonic() + lease_s if lease_s else float("inf")
         return self._at
 
     def renew(self, id: str) -> Joined:
-        """Have a member be one for longer; return how the group stands."""
+        """Renew a member; return the position of the group."""
         return Joined(self._last, self.enter(id))
 
     def leave(self, id: str) -> None:
-        """Have somebody be no member any more."""
+        """Remove a member."""
         self._until.pop(id, None)

@@ -28,7 +28,7 @@ from rtkit.wires.http import digest
 DEADLINE = "rtkit-deadline"
 """Header of a SET: when it is given up, as `rtkit.link.deadline` writes it."""
 SILENT_S = 35.0
-"""How long a stream may be silent, heartbeats and all, until its door counts as gone [s]."""
+"""How long a stream may be silent, heartbeats and all, until its endpoint counts as gone [s]."""
 _ADDRESS = re.compile(r"http://([^/:@\s]+)(?::(\d{1,5}))?(?:/ps)?/?")
 _FREE = "/?&=()!*'$,;:@~%+"
 _ROOT = "/ps"
@@ -109,7 +109,7 @@ class HttpClient(Closing):
         return response, told
 
     def _close_if_hung_up(self) -> None:
-        """Begin anew where the door has closed the connection since the last answer."""
+        """Reconnect where the endpoint has closed the connection since the last answer."""
         end = self._http.sock
         if end is None:
             return
@@ -269,7 +269,7 @@ class _Stream:
 
     @property
     def has_more(self) -> bool:
-        """Whether a whole event is there."""
+        """Return whether a whole event is there."""
         return b"\n\n" in self._data
 
     def head(self) -> tuple[int, str]:
@@ -365,7 +365,7 @@ def parse_address(text: str) -> tuple[str, int] | None:
 
 
 def connect_http(address: str, timeout_s: float, service: str = "") -> HttpClient:
-    """Return a client of an HTTP door, with the user's secret; it connects when it asks.
+    """Return a client of an HTTP endpoint, with the user's secret; it connects when it asks.
 
     Raises:
         Malformed: It is no address.

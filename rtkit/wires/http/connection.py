@@ -101,20 +101,20 @@ class HttpConnection(SubscribingClient):
     # Caller
 
     def listen(self, listener: Listener) -> None:
-        """See `Caller.listen`; only what asks for a stream of events can listen."""
+        """See `Requester.listen`; only what asks for a stream of events can listen."""
         if not self._wants_events:
             raise PropertyError("denied", f"events are for a GET that accepts {EVENTS}")
         super().listen(listener)
 
     def wake(self) -> None:
-        """See `Caller.wake`."""
+        """See `Requester.wake`."""
         if self.is_open:
             self._host.mark(self)
 
-    # Tenant
+    # IOHandler
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`."""
+        """See `IOHandler.ready`."""
         if mask & select.EPOLLOUT:
             self._send()
         if mask & ~select.EPOLLOUT and self.is_open:
@@ -137,7 +137,7 @@ class HttpConnection(SubscribingClient):
             self._work()
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
+        """See `IOHandler.flush`."""
         due: list[float] = []
         for listener in list(self._listeners):
             while len(self._out) < _ROOM_FOR_EVENTS:
@@ -157,7 +157,7 @@ class HttpConnection(SubscribingClient):
         return min(due, default=None) if self.is_open else None
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`."""
+        """See `IOHandler.check`."""
         if self._out and now - self._moved_at > STUCK_S:
             self.close()
         elif self._linger_until is not None:
@@ -325,7 +325,7 @@ class HttpConnection(SubscribingClient):
         self._host.services[asked.service].handle(listening)
 
     def _listened(self, reply: Answer) -> None:
-        """Begin to send events, if the service says so."""
+        """Begin to send events, if the service agrees."""
         self._is_asked = False
         if not self.is_open:
             return

@@ -40,7 +40,7 @@ def response(secret: Secret, method: str, uri: str, nonce: str, count: str, own:
 
 
 def challenge(nonce: str, *, is_stale: bool = False) -> str:
-    """Return what asks for a proof; `is_stale` says that only the nonce was too old."""
+    """Return a challenge for a proof; `is_stale` means that only the nonce was too old."""
     more = ", stale=true" if is_stale else ""
     return f'Digest realm="{REALM}", qop="auth", algorithm=SHA-256, nonce="{nonce}"{more}'
 

@@ -1,7 +1,7 @@
 """Writes and reads events as ``text/event-stream`` carries them.
 
 The value is the data; what comes with it (revision, time, quality …) is the id, which a browser
-gives to the page as ``lastEventId`` and back to the door when it connects again. What the stream
+gives to the page as ``lastEventId`` and back to the endpoint when it reconnects. What the stream
 cannot carry is base64: bytes in an event of type ``base64``, texts with carriage returns in one of
 type ``base64-text``. The last event of a property that has been removed is of type ``end``.
 """
@@ -47,6 +47,6 @@ class SseProgress:
             self._last = (event.revision, event.time, event.quality)
 
     def is_new(self, event: PropertyEvent) -> bool:
-        """Whether an event is another than the one heard last; only the first one can be."""
+        """Return whether an event is another than the one heard last; only the first one can be."""
         last, self._last = self._last, None
         return last != (event.revision, event.time, event.quality) or bool(event.code)

@@ -1,8 +1,8 @@
 """Guard of the HTTP endpoint: admits clients that know the secret, and no page of another site.
 
-A page that somebody visits can have a browser send requests to this host. So the name under which
-the door is asked for must be one of this host's own (a name that was rebound to it is another), and
-whatever a browser says of where a request comes from must be the door itself.
+A page that somebody visits can have a browser send requests to this host. So the requested host
+name must be one of this host's own (a name that was rebound to it is another), and the origin that
+a browser reports must be the endpoint itself.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class Guard:
         return hmac.new(self._key, stamp.encode("utf-8", "replace"), "sha256").hexdigest()
 
     def _is_fresh(self, nonce: str, count: int, now: float) -> bool:
-        """Whether a nonce is one of ours, not old, and was not used with this count before."""
+        """Return whether a nonce is ours, not old, and was not used with this count before."""
         stamp, _, seal = nonce.partition(".")
         if not hmac.compare_digest(seal.encode("utf-8", "replace"), self._seal(stamp).encode()):
             return False

@@ -75,7 +75,7 @@ def wanted(uri: str, services: Iterable[str]) -> HttpRequest:
 
 
 def with_revision(target: str, if_match: str | None) -> str:
-    """Return a SET that is to happen only at the revision an entity tag tells.
+    """Return a SET that happens only at the revision of an entity tag.
 
     Raises:
         PropertyError: ``bad-parameter``: it is no such tag.

@@ -17,7 +17,7 @@ from rtkit.wires.ice.protocol import IceAddress, read_address
 from rtkit.wires.ice.session import IceSession, Outcome
 
 _MOST_EVENTS = 10_000
-"""Events that nobody has taken, above which the door is to send no more."""
+"""Events that nobody has taken, above which the endpoint is to send no more."""
 
 
 class IceClient(Closing):
@@ -30,7 +30,7 @@ class IceClient(Closing):
     Raises:
         Refused: Ice is not there.
         Unreachable: Nobody answers there.
-        PropertyError: ``denied``: the door knows another secret.
+        PropertyError: ``denied``: the endpoint knows another secret.
     """
 
     def __init__(self, address: IceAddress, secret: Secret, timeout_s: float) -> None:
@@ -114,13 +114,13 @@ def _answer(outcome: Outcome) -> Answer:
 
 
 def connect_ice(address: str, timeout_s: float) -> IceClient:
-    """Connect to the Ice door at ``ice://HOST:PORT[/SERVICE]``, with the user's secret.
+    """Connect to the Ice endpoint at ``ice://HOST:PORT[/SERVICE]``, with the user's secret.
 
     Raises:
         Malformed: It is no address.
         Refused: Ice is not there.
         Unreachable: There is no secret, or nobody answers there.
-        PropertyError: ``denied``: the door knows another secret.
+        PropertyError: ``denied``: the endpoint knows another secret.
     """
     from rtkit.link import secret
 

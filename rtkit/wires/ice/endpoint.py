@@ -135,13 +135,13 @@ class IceEndpoint:
             guest.leave()
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; its sockets are Ice's."""
+        """See `IOHandler.ready`; its sockets are Ice's."""
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`."""
+        """See `IOHandler.check`."""
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`: wait for those who have not said who they are."""
+        """See `IOHandler.flush`: wait for those who have not said who they are."""
         unknown = [each for each in self._guests.values() if not each.identity]
         for guest in unknown:
             guest.check(now)
@@ -152,7 +152,7 @@ class IceEndpoint:
     def _answer(self, future: Any, reply: Answer) -> None:
         with self._lock:
             settle = self._pending.pop(future, None)
-        if settle is not None:  # else the door was closed meanwhile
+        if settle is not None:  # else the endpoint was closed meanwhile
             settle(reply)
 
     def _close(self) -> None:

@@ -106,14 +106,14 @@ def communicator(settings: Mapping[str, float] = _OF_CLIENT) -> Any:
 
 @cache
 def _logger() -> Any:
-    """Return what hears the complaints of Ice: a line each in our log, no place in its files."""
+    """Return a logger for Ice: one line per complaint in our log, without its source positions."""
 
     def complain(self: object, message: str) -> None:
         line = " ".join(_PLACE.sub("", message).split())
         getLogger("rtkit.properties").warning("Ice: %s", line)
 
     def remark(self: object, *message: str) -> None:
-        """Say nothing of what is no complaint."""
+        """Ignore messages that are no complaint."""
 
     methods = {"error": complain, "warning": complain, "print": remark, "trace": remark}
     methods["getPrefix"] = lambda self: ""

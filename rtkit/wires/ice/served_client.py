@@ -48,7 +48,7 @@ class IceRequest(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many characters or bytes it has, about."""
+        """Return its approximate size [characters or bytes]."""
         return len(self.target) + len(self.payload or "")
 
 
@@ -80,7 +80,7 @@ class ServedIceClient(Requester):
 
     @property
     def listening(self) -> int:
-        """How much it listens to."""
+        """Return how many subscriptions it has."""
         return sum(each.listening for each in self._subscriptions.values())
 
     def listen(self, listener: Listener) -> None:
@@ -164,7 +164,7 @@ class ServedIceClient(Requester):
         return self._subscriptions[key]
 
     def _sent(self, size: int) -> None:
-        """Note an answer; nobody tells when it is read but a mark that is sent behind it."""
+        """Note an answer; only a mark that is sent behind it shows when it is read."""
         self._unread += size
         if self._unread <= _HIGH or self._marked:
             return
@@ -172,7 +172,7 @@ class ServedIceClient(Requester):
         try:
             mark = self._mark.ice_pingAsync()
         except protocol.runtime().ice.Exception:
-            return  # the connection has ended, which is heard of
+            return  # the connection has ended, which a callback reports
         mark.add_sent_callback(lambda *_: self._host.post(self._arrived))
 
     def _arrived(self) -> None:
@@ -192,7 +192,7 @@ class ServedIceClient(Requester):
             self.cut_off()
 
     def cut_off(self) -> None:
-        """End its connection, of which the door hears."""
+        """Close its connection, which the endpoint notices."""
         self._connection.close(protocol.runtime().ice.ConnectionClose.Forcefully)
 
     def leave(self) -> None:
@@ -215,7 +215,7 @@ class ServedIceClient(Requester):
 
 
 def _to_listen(target: str) -> str:
-    """Return the target to which is said who listens, with a lease."""
+    """Return the target of a request to listen, with a lease."""
     name, _, given = target.partition("?")
     is_leased = any(each.startswith(("lease=", "remove")) for each in given.split("&"))
     wishes = [each for each in (given, "" if is_leased else f"lease={LEASE_S:g}") if each]

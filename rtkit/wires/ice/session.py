@@ -21,7 +21,7 @@ from rtkit.wires.ice.protocol import DOOR, LEASE_S, LONGEST, IceAddress
 Outcome = Answer | Unreachable
 Told = Callable[[Outcome], object]
 Taking = Callable[[list[PropertyEvent]], object]
-"""Takes events; what it returns is what the door waits for before it sends more: nothing, or a
+"""Takes events; what it returns is what the endpoint waits for before it sends more: nothing, or a
 future."""
 LATE = "no answer within"
 _ROOM_FOR_TARGET = 1 << 14
@@ -113,7 +113,7 @@ class IceSession(Closing):
     def ask(
         self, target: str, payload: Payload | None, told: Told, until: float = math.inf
     ) -> None:
-        """GET, or SET; what came of it is told once, on a thread of Ice or at once.
+        """GET, or SET; the outcome is passed once, on a thread of Ice or at once.
 
         A SET that has not begun at `until`, by the monotonic clock here [s], never does.
         """
@@ -248,7 +248,7 @@ class IceSession(Closing):
             if isinstance(outcome, Unreachable):
                 self._lost(str(outcome))
             elif outcome.error:
-                self._take_off(key)  # it is there no longer, which an event has told
+                self._take_off(key)  # it is there no longer, which an event has reported
 
         bounded = subscription.service.ice_invocationTimeout(int(LEASE_S * 1000))
         try:

@@ -47,22 +47,22 @@ class IceSubscriber(SubscribingClient):
         self._failures = 0
 
     def listen(self, listener: Listener) -> None:
-        """See `Caller.listen`."""
+        """See `Requester.listen`."""
         self._quota.check_listeners(self._guest.listening)
         self._listeners.append(listener)
 
     def wake(self) -> None:
-        """See `Caller.wake`."""
+        """See `Requester.wake`."""
         self._host.mark(self)
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; its connection is Ice's."""
+        """See `IOHandler.ready`; its connection is Ice's."""
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`; each call has a bound."""
+        """See `IOHandler.check`; each call has a bound."""
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
+        """See `IOHandler.flush`."""
         if self._is_called:
             return None
         due: list[float] = []

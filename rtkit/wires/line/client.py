@@ -214,7 +214,7 @@ def connect_unix(path: str, timeout_s: float) -> LineClient:
 
 
 def connect_tcp(host: str, port: int, timeout_s: float) -> LineClient:
-    """Connect to a TCP door with the user's secret.
+    """Connect to a TCP endpoint with the user's secret.
 
     Raises:
         Unreachable: Nobody listens there, or there is no secret.

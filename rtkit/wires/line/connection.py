@@ -87,14 +87,14 @@ class Connection(SubscribingClient):
     # Caller
 
     def wake(self) -> None:
-        """See `Caller.wake`."""
+        """See `Requester.wake`."""
         if self.is_open:
             self._host.mark(self)
 
-    # Tenant
+    # IOHandler
 
     def ready(self, mask: int) -> bool:
-        """See `Tenant.ready`."""
+        """See `IOHandler.ready`."""
         if mask & select.EPOLLOUT:
             self._send()
         if mask & ~select.EPOLLOUT and self.is_open:
@@ -147,7 +147,7 @@ class Connection(SubscribingClient):
         return None if service is None else service.quick(data, self)
 
     def _take_back(self, left: WorkerExit) -> None:
-        """Serve on after an attendant."""
+        """Serve on after a dedicated worker."""
         self._moved_at = monotonic()
         self._out += left.unsent
         if left.data == b"":
@@ -188,7 +188,7 @@ class Connection(SubscribingClient):
             self._dispatch(asked, answer)
 
     def _write(self, message: bytes) -> None:
-        """Have a reply or an event sent."""
+        """Send a reply or an event."""
         self._out += message
 
     def _put(self, reply: bytes) -> None:
@@ -222,7 +222,7 @@ class Connection(SubscribingClient):
         service.handle(PropertyRequest(target, asked.payload, answer, self, asked.id, until))
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
+        """See `IOHandler.flush`."""
         due: list[float] = []
         for listener in list(self._listeners):
             while len(self._out) < _ROOM_FOR_EVENTS:
@@ -242,7 +242,7 @@ class Connection(SubscribingClient):
         self._write(write_event(event))
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`."""
+        """See `IOHandler.check`."""
         self._in_a_row = 0
         is_half = self._requests.waits or bool(self._out)
         login = self._login
@@ -287,7 +287,7 @@ class Connection(SubscribingClient):
 
 
 def peer(end: socket.socket) -> str:
-    """Return who is at the other end of a unix socket, as the kernel tells it; empty if another.
+    """Return the peer of a unix socket, as the kernel reports it; empty if another user.
 
     Raises:
         OSError: The socket is gone.

@@ -29,7 +29,7 @@ class Login:
         self._nonce = os.urandom(16).hex()
 
     def take(self, caller: Requester, service: str, name: str, payload: Payload | None) -> Answer:
-        """Answer what somebody asks the door itself."""
+        """Answer a request to the endpoint itself."""
         if service == "door" and name == "nonce" and payload is None:
             return Answer(f"n{self._nonce}")
         if service == "door" and name == "identity" and payload is None:

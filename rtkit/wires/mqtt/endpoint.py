@@ -1,6 +1,6 @@
 """MQTT endpoint of a service: requests that come through a broker, and values that it retains.
 
-The door is open while there is a session with the broker; it opens nothing itself. Who asks is
+The endpoint is open while there is a session with the broker; it opens nothing itself. Who asks is
 known to the broker only: what may be set is decided before.
 """
 

@@ -93,7 +93,7 @@ class Feed:
         self._host.mark(subscription)
 
     def emit(self, subscription: _Ear, now: float) -> float | None:
-        """Publish what an ear has heard, as far as there is room."""
+        """Publish the events of a listener, as far as the session takes them."""
         due: list[float] = []
         for listener in list(subscription.listeners):
             while self._has_room() and (event := listener.take(now)) is not None:
@@ -153,7 +153,7 @@ class Feed:
         if not self._subscriptions:
             return
         if answer.error:
-            # The owner is away. Its names are told when it is back, but it may never have gone.
+            # The owner is away. Its names are sent when it is back, but it may never have gone.
             self._later(self._names_changed)
             return
         described = _described(str(answer.payload))
@@ -227,18 +227,18 @@ class _Ear(Requester):
         self._feed.mark(self)
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; it has no socket."""
+        """See `IOHandler.ready`; it has no socket."""
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`; it goes when the session does."""
+        """See `IOHandler.check`; it goes when the session does."""
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`."""
+        """See `IOHandler.flush`."""
         return self._feed.emit(self, now)
 
 
 def _described(listing: str) -> dict[str, Element]:
-    """Return what is told of properties, by name; inner names have nothing."""
+    """Return the attributes of properties, by name; inner names have none."""
     told = read(listing)
     rows = told if isinstance(told, tuple) else ()
     found: dict[str, Element] = {}
@@ -249,7 +249,7 @@ def _described(listing: str) -> dict[str, Element]:
 
 
 def attributes_of(name: str, meta: Element) -> dict[str, str]:
-    """Return what is told of a property, by attribute."""
+    """Return the attributes of a property, by name."""
     found = {each.name: each.leaf for each in meta.children}
     kind, choices = str(found.get("type", "any")), found.get("choices")
     attributes = {

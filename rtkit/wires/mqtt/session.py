@@ -188,7 +188,7 @@ class MqttSession:
         self._client.publish(message.topic, payload, 1, is_kept, properties)
 
     def subscribe(self, topic: str, *, has_kept: bool) -> None:
-        """Hear what others publish.
+        """Subscribe to what others publish.
 
         Args:
             topic: A pattern.
@@ -235,7 +235,7 @@ class MqttSession:
         code: ReasonCode,
         properties: Properties | None,
     ) -> None:
-        if code.is_failure:  # else it was our wish
+        if code.is_failure:  # else we asked for it
             self._went(f"the broker has gone: {code}")
 
     def _received(self, client: Client, data: object, message: MQTTMessage) -> None:
@@ -255,6 +255,6 @@ class MqttSession:
 
 
 def _hurry(client: Client, data: object, end: object) -> None:
-    """Have small messages sent at once: others wait for them."""
+    """Send small messages at once: others wait for them."""
     assert isinstance(end, socket.socket)
     end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -120,7 +120,7 @@ class SerialEnd:
         return os.read(self._fd, size)
 
     def send(self, data: bytes | bytearray | memoryview, /) -> int:
-        """Send what there is room for; return how many bytes.
+        """Send as much as the receiver takes; return how many bytes.
 
         Raises:
             BlockingIOError: There is none.

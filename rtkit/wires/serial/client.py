@@ -77,7 +77,7 @@ class SerialClient(Closing):
 
     @property
     def has_checks(self) -> bool:
-        """Whether lines carry a check, in both directions."""
+        """Return whether lines carry a check, in both directions."""
         return isinstance(self._replies, CheckedReplies)
 
     # How the far side talks
@@ -190,7 +190,7 @@ class SerialClient(Closing):
                 raise self._silence()
 
     def _next_reply(self, id: str, until: float) -> tuple[str, Answer] | None:
-        """Return the reply to a request, or a refusal that says of no request; None in silence."""
+        """Return the reply to a request, or a refusal without a request; None in silence."""
         while (told := self._receive(until)) is not None:
             if isinstance(told, PropertyEvent):
                 self._keep(told)
@@ -237,7 +237,7 @@ class SerialClient(Closing):
             del self._leases[request]
 
     def wake(self) -> None:
-        """Have `event` return None at once, or as soon as it is called; from any thread."""
+        """Make `event` return None at once, or as soon as it is called; from any thread."""
         with self._closing:
             if self._waker >= 0:
                 os.eventfd_write(self._waker, 1)
@@ -269,7 +269,7 @@ class SerialClient(Closing):
             yield event
 
     def _renew(self) -> None:
-        """Go on listening; the far side then tells its last event again, in case it was lost."""
+        """Go on listening; the far side then repeats its last event, in case it was lost."""
         now = monotonic()
         for request in [each for each, at in self._leases.items() if at <= now]:
             self._leases[request] = now + LEASE_S / 3

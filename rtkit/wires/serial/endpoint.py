@@ -55,13 +55,13 @@ class SerialEndpoint:
         host.mark(self)
 
     def ready(self, mask: int) -> None:
-        """See `Tenant.ready`; the client behind it has the descriptor."""
+        """See `IOHandler.ready`; the client behind it has the descriptor."""
 
     def check(self, now: float) -> None:
-        """See `Tenant.check`."""
+        """See `IOHandler.check`."""
 
     def flush(self, now: float) -> float | None:
-        """See `Tenant.flush`: try again, if it is time to."""
+        """See `IOHandler.flush`: try again, if it is time to."""
         if self._is_open or (now >= self._try_at and self._open()):
             return None
         if now >= self._try_at:
@@ -89,7 +89,7 @@ class SerialEndpoint:
             getLogger("rtkit.properties").warning("%s; waiting for it", why)
 
     def lost(self) -> None:
-        """Hear that the device is gone."""
+        """Handle the loss of the device."""
         self._is_open = False
         self._try_at = monotonic() + _FIRST_RETRY_S
         self._host.mark(self)
@@ -129,7 +129,7 @@ class _SerialConnection(Connection):
         super()._tell(listener, event)
 
     def unlisten(self, listener: Listener) -> None:
-        """See `Caller.unlisten`."""
+        """See `Requester.unlisten`."""
         super().unlisten(listener)
         self._told.pop(listener, None)
 
@@ -160,7 +160,7 @@ class _SerialConnection(Connection):
 def open_serial(
     host: PropertyEventLoop, address: SerialAddress, service: str, settable: Sequence[str] = ()
 ) -> None:
-    """Open the serial door of a service, now or when the device is there.
+    """Open the serial endpoint of a service, now or when the device is there.
 
     Raises:
         Refused: It is no serial line, or pyserial is missing.

@@ -57,7 +57,7 @@ class PropertyClient:
         return answer_of(self._reply(selector, payload), self._timeout_s)
 
     def ask_to_listen(self, target: str, subscription: str, group: str) -> Joined | None:
-        """Have a listener served, or served on, or no longer; return how it stands in its group.
+        """Serve a listener, renew it or end it; return its state in its group.
 
         Raises:
             PropertyError: As the service answers.

@@ -61,7 +61,7 @@ class EventProgress:
         self._at = EventPosition("", 0)
 
     def lost(self, at: EventPosition) -> int | None:
-        """Return how many events were lost before this one, None if it was heard already."""
+        """Return how many events were lost before this one, None if it is a repetition."""
         before = self._at.number if self._at.run == at.run else 0
         if at.number <= before:
             return None

@@ -166,7 +166,7 @@ class ZenohSubscription:
         try:
             self.renew()
         except RtkitError:
-            if self._events.empty():  # else what has come is told first
+            if self._events.empty():  # else events that have come are passed first
                 raise
 
     def _counted(self, event: PropertyEvent) -> PropertyEvent:
@@ -190,7 +190,7 @@ class SharedSubscriptions:
         self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
 
     def enter(self, subscription: ZenohSubscription) -> None:
-        """Have somebody hear what comes for its group."""
+        """Add a subscriber to its group."""
         if not subscription.group:
             return
         with self._lock:
@@ -208,7 +208,7 @@ class SharedSubscriptions:
                 )
 
     def leave(self, subscription: ZenohSubscription) -> None:
-        """Have it hear nothing more."""
+        """Remove a subscriber from its group."""
         with self._lock:
             left = tuple(
                 each
