@@ -115,7 +115,7 @@ class MqttConnection:
             self._request(target, "self", subscription.topic, lambda reply: None)
 
     def check(self, now: float) -> None:
-        """See `ProviderConnection.check`: renew leases; the broker reports whether the owner is there."""
+        """See `ProviderConnection.check`: renew leases; the broker reports the owner."""
         for name, subscription in self._subscriptions.items():
             if now - subscription.renewed_at[0] > LEASE_S / 3:
                 subscription.renewed_at[0] = now

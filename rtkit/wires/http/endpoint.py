@@ -27,7 +27,7 @@ class HttpEndpoint(Acceptor):
         return self._connection(self._host, client, self._guard, self._quota)
 
     def reject(self, why: str) -> bytes:
-        """See `Acceptor.farewell`."""
+        """See `Acceptor.reject`."""
         text = f"{why}\n"
         head = "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nRetry-After: 1\r\n"
         return f"{head}Content-Length: {len(text)}\r\n\r\n{text}".encode()

@@ -44,7 +44,7 @@ class LineEndpoint(Acceptor):
         return Connection(self._host, client, self._service, identity, login, self._quota)
 
     def reject(self, why: str) -> bytes:
-        """See `Acceptor.farewell`."""
+        """See `Acceptor.reject`."""
         return f"! {why}\n".encode()
 
 
