@@ -1,7 +1,7 @@
 """Attaches a process that nobody here started: the manager shows and wires its components.
 
-Data tools are guests. What a guest holds is in the tree while it stays, is connected like anything
-else, and goes without a trace when the guest does; the manager neither starts nor ends a guest.
+Data tools attach. The components of an attached process are in the tree while it stays, are
+connected like any other, and vanish when it leaves; the manager neither starts nor ends it.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from rtkit.link import places
 from rtkit.link.streams import Streams
 
 _SETTLE_S = 0.5
-"""How long senders may take to tell how many values they have sent [s]."""
+"""Time in which senders report how many values they have sent [s]."""
 _LEAVE_S = 2.0
 """How long leaving may take: connectors are cut, components finalised [s]."""
 
 
 class AttachedProcess:
-    """A visit of this process at a manager.
+    """Attaches this process to a manager, until it leaves.
 
     Attributes:
         changed: Called after a component was ended, or a connection removed, from outside; by a
-            thread of the guest's own.
+            thread of the attached process's own.
     """
 
     def __init__(self, manager: str, host: str, name: str) -> None:
@@ -53,7 +53,7 @@ class AttachedProcess:
 
         Raises:
             Refused: A component does not initialise, or its name is taken.
-            Unreachable: The manager takes no guests, or does not answer in time.
+            Unreachable: The manager admits no attached processes, or does not answer in time.
         """
         self._start("holder", self._container.run)
         self._hold(components, timeout_s)
@@ -73,7 +73,7 @@ class AttachedProcess:
         return frozenset(self._held)
 
     def flush(self, timeout_s: float) -> bool:
-        """Wait until all that was sent has arrived; False when that cannot be said in time."""
+        """Wait until all that was sent has arrived; False when that is not known in time."""
         return self._wires.flush(timeout_s)
 
     def lost(self) -> int:
@@ -81,7 +81,7 @@ class AttachedProcess:
         return self._wires.lost(_SETTLE_S)
 
     def leave(self) -> None:
-        """End all components and the visit; without effect when that was done already."""
+        """End all components and detach; without effect when that was done already."""
         for instance in list(self._held):
             self._container.put({"op": "delete", "instance": instance})
         if self._held:
@@ -140,7 +140,7 @@ class AttachedProcess:
 
 
 class _Leave:
-    """The end of a visit, asked for by the guest itself."""
+    """Request of the attached process to leave its manager."""
 
     def __init__(self) -> None:
         self._read, self._write = os.pipe()

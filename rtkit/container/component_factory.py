@@ -1,7 +1,7 @@
 """Makes the components of a process, and loads the modules that they come from.
 
-It is apart from the holder because a guest brings its components, made already: what finds, loads
-and configures them is a third of what a holder imports.
+It is apart from the container because an attached process brings its components, made already:
+the code that finds, loads and configures them is a third of what a container imports.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from rtkit.rtc.serde import decode, encode
 
 
 class ComponentFactory:
-    """What a process can make, from the modules that its loader finds."""
+    """Makes the components of a process, from the modules that its loader finds."""
 
     def __init__(self, loader: Loader) -> None:
         self._loader = loader
 
     def configure(self, message: Message) -> None:
-        """Make this process what its manager says.
+        """Configure this process as its manager's message says.
 
         Raises:
             Refused: A processor is not there.
@@ -49,7 +49,7 @@ class ComponentFactory:
         return self._loader.unload(message["path"])
 
     def fingerprint(self, message: Message) -> int:
-        """Return what tells what is in the file of a module now, 0 if it cannot be read."""
+        """Return a fingerprint of the present file of a module, 0 if it cannot be read."""
         try:
             return self._loader.present_fingerprint(message["path"])
         except (NotFound, Refused):
@@ -60,7 +60,7 @@ class ComponentFactory:
         return self._loader.changed(component.type)
 
     def odd_options(self, component: Component, create: CreateString) -> list[str]:
-        """Return what to tell of options that mean nothing to a component."""
+        """Return findings about options that mean nothing to a component."""
         return odd_options(component, create.options)
 
     @property

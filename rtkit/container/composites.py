@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 
 class Composites:
-    """The changes of composites of one process."""
+    """Operations on the composites of one process."""
 
     def __init__(self, host: ContainerServices) -> None:
         self._host = host
         self._waiting: deque[tuple[Composite, _Change, Done]] = deque()
 
     def arrange(self, composite: Composite, then: Done) -> None:
-        """Make a composite what its parameters say, then tell `then` on the holder's thread."""
+        """Change a composite as its parameters say, then call `then` on the container's thread."""
         self._enqueue(composite, composite.arrange, then)
 
     def part(self, component: Component, then: Callable[[], object]) -> None:

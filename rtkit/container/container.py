@@ -1,6 +1,6 @@
 """Holds the components of one process and does what the core asks of them.
 
-The same holder works inside the manager and inside a slave: messages in, messages out. All of
+The same container works inside the manager and inside a slave: messages in, messages out. All of
 it runs on one thread; pacers and connection workers only put events into its inbox. Component
 code runs here at initialise and finalise, and on the pacers' threads otherwise.
 """
@@ -53,7 +53,7 @@ _WIND_UP_S = 1.0
 
 
 class ComponentContainer:
-    """The components of one process, on a thread of its own or the process's main thread.
+    """Holds the components of one process, on a thread of its own or the process's main thread.
 
     Args:
         send: Takes what is reported and answered.
@@ -103,7 +103,7 @@ class ComponentContainer:
         self._heartbeats, self._own_slot = heartbeats, heartbeats.slot()
 
     def write_down(self, checkpoint_writer: CheckpointWriter) -> None:
-        """Keep an account of what is held, for when nobody here can tell it."""
+        """Write a checkpoint of what is held, for when nobody here can report it."""
         self._checkpoint_writer = checkpoint_writer
 
     def put(self, message: Message) -> None:
@@ -275,7 +275,7 @@ class ComponentContainer:
 
     @contextmanager
     def _watched(self, name: str, callback: str) -> Iterator[None]:
-        """Tell by a heartbeat, and in logs, whose code runs on this thread."""
+        """Show by a heartbeat, and in logs, whose code runs on this thread."""
         before = current.set("" if callback == "import" else name)
         if self._own_slot is not None:
             self._own_slot.watch(name, callback)
@@ -287,7 +287,7 @@ class ComponentContainer:
             current.reset(before)
 
     def _changed(self, component: Component) -> None:
-        """Have a component's facts told soon, once for however many changes until then."""
+        """Have a component's facts reported soon, once for however many changes until then."""
         if component not in self._stale:
             self._stale.add(component)
             self.post(lambda: self.tell(component))
@@ -307,7 +307,7 @@ class ComponentContainer:
             self._checkpoint_writer.keep(instance, {**facts, **self._memory.get(instance, {})})
 
     def _taken_over(self, component: Component, messages: list[Message]) -> None:
-        """Answer those who waited for settings; a composite has to become what they say."""
+        """Answer requests that waited for settings; a composite has to become what they say."""
 
         def done(error: RtkitError | None) -> None:
             for message in messages:

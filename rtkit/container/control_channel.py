@@ -30,12 +30,12 @@ class ControlChannel:
 
     @property
     def has_backlog(self) -> bool:
-        """Whether bytes wait for `flush`."""
+        """Return whether bytes wait for `flush`."""
         return bool(self._outbox)
 
     @property
     def is_over(self) -> bool:
-        """Whether the other end is closed, also when not all that it sent has been received."""
+        """Return whether the other end is closed, even if not all it sent has been received."""
         poll = select.poll()
         poll.register(self.socket, 0)
         return bool(poll.poll(0))

@@ -32,7 +32,7 @@ class _Held(NamedTuple):
 
 
 class DataConnectors:
-    """The connectors of one process."""
+    """Data connectors of one process."""
 
     def __init__(self, host: ContainerServices, wires: PortWiring) -> None:
         self._host = host

@@ -52,7 +52,7 @@ def heartbeats_path(pattern: str, pid: int) -> str:
 
 
 class Activity(NamedTuple):
-    """A callback that is under way, or the import of a module, or the creation of a component.
+    """A callback, the import of a module, or the creation of a component that is under way.
 
     Attributes:
         instance: Name of the component, or of the module.
@@ -67,7 +67,7 @@ class Activity(NamedTuple):
 
 
 class Heartbeats:
-    """The slots of this process."""
+    """Heartbeat slots of this process."""
 
     def __init__(self, path: str) -> None:
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW
@@ -100,7 +100,7 @@ class Heartbeats:
 
 
 class HeartbeatSlot:
-    """Where one execution context tells what it does."""
+    """Slot in which one execution context reports its activity."""
 
     def __init__(self, memory: mmap.mmap, index: int) -> None:
         self.index = index

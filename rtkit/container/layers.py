@@ -1,7 +1,7 @@
 """Merges the properties of a component from these sources, strongest first.
 
-Create string, file of the instance, file of the type, what is inherited from the manager; what
-none of them says is the type's own.
+Create string, file of the instance, file of the type, what is inherited from the manager.
+Without any of these, the default of the type applies.
 """
 
 from __future__ import annotations

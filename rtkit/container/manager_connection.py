@@ -1,6 +1,6 @@
 """Connects a slave or an attached process to its manager, and to the next one after that.
 
-When the manager is gone the process runs on, waits for the next one and tells it what it holds.
+When the manager is gone the process runs on, waits for the next one and reports what it holds.
 What there is to report meanwhile is dropped: the next manager gets the whole state at once.
 """
 
@@ -28,13 +28,13 @@ _SEEK_S = 0.1
 """How often the next manager is looked for [s]."""
 
 _LEISURE_S = 30.0
-"""How long nothing is heard until there is leisure for other things [s]."""
+"""How long nothing is received until there is leisure for other things [s]."""
 
 _log = late(__name__)
 
 
 class MessageHandler(Protocol):
-    """What a contact passes messages to: the holder."""
+    """Receiver of the messages of a manager: the container."""
 
     def put(self, message: Message) -> None:
         """Take a message of the manager."""
@@ -44,17 +44,17 @@ class MessageHandler(Protocol):
 
 
 class Ending(Protocol):
-    """What tells a contact that its process is to end."""
+    """Source of the request that the process ends."""
 
     def fileno(self) -> int:
         """Return the descriptor that turns readable, for selectors."""
 
     def has_come(self) -> bool:
-        """Whether the end was asked for; what made the descriptor readable is read."""
+        """Return whether the end was requested; what made the descriptor readable is read."""
 
 
 class ManagerConnection:
-    """The line of the process `name` to whatever manager listens at `path`, until `ending`.
+    """Connection of process `name` to whatever manager listens at `path`, until `ending`.
 
     `at_leisure` is called every now and then while nothing is to be done.
     """
@@ -78,7 +78,7 @@ class ManagerConnection:
 
     @property
     def is_alone(self) -> bool:
-        """Whether there is no manager at present."""
+        """Return whether there is no manager at present."""
         return self._channel is None
 
     def greet(self, key: int, manager: str) -> None:
@@ -96,10 +96,10 @@ class ManagerConnection:
     def visit(
         self, tell_all: Callable[[Callable[[Message], object]], object], timeout_s: float
     ) -> None:
-        """Come as a guest, with all that is held.
+        """Attach to the manager, and report all that is held.
 
         Raises:
-            OSError: No manager listens, or what is held is not told in time.
+            OSError: No manager listens, or the report is not sent in time.
         """
         channel = _connect(self._path)
         told = threading.Event()
@@ -120,7 +120,7 @@ class ManagerConnection:
                 channel.send(message)
 
     def listen(self, container: MessageHandler) -> None:
-        """Pass on what managers say, one after the other; return when the end was asked for."""
+        """Pass on messages of managers, one after the other; return when the end was requested."""
         channel = self._channel
         while channel is not None:
             while self._hear(channel, container):
@@ -129,7 +129,7 @@ class ManagerConnection:
             channel = None if self._is_over else self._seek(container)
 
     def _hear(self, channel: ControlChannel, container: MessageHandler) -> bool:
-        """Hand the next messages to the holder; False at the end, or when the manager is gone."""
+        """Hand messages to the container; False at the end, or when the manager is gone."""
         sources: list[Any] = [channel, self._ending]
         wait_s = None if self._at_leisure is None else _LEISURE_S
         ready: list[object] = select.select(sources, [], [], wait_s)[0]
@@ -151,7 +151,7 @@ class ManagerConnection:
         return messages is not None
 
     def _seek(self, container: MessageHandler) -> ControlChannel | None:
-        """Wait for the next manager and tell it everything; None when the end came instead."""
+        """Wait for the next manager and report everything to it; None when the end came instead."""
         _log().warning("the manager is gone; waiting for the next one")
         fault.point("slave.alone")
         while True:

@@ -17,7 +17,7 @@ Worked = Callable[[ExecutionContext], Work]
 
 
 def metrics_of(components: Iterable[Component], worked: Worked) -> list[Any]:
-    """Return the figures of components as they travel."""
+    """Return the metrics of components in their transport form."""
     return [encode(_metrics(component, worked)) for component in components]
 
 

@@ -17,7 +17,7 @@ _LOOKS = 2
 
 
 _BEGAN = 15
-"""Where the start is told, behind the session [ticks since the machine began]."""
+"""Index of the start time, behind the session [ticks since the machine began]."""
 
 
 class _Process(NamedTuple):
@@ -29,7 +29,7 @@ class _Process(NamedTuple):
 
     @property
     def is_over(self) -> bool:
-        """Whether it only waits to be reaped."""
+        """Return whether the process only waits to be reaped."""
         return self.state in "ZX"
 
 
@@ -151,7 +151,7 @@ class Adopted:
 
 
 def is_stopped(pid: int) -> bool:
-    """Whether a process was stopped and has not gone on yet."""
+    """Return whether a process was stopped and has not continued yet."""
     process = _process(pid)
     return process is not None and process.state in "Tt"
 

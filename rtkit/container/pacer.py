@@ -20,7 +20,7 @@ from rtkit.link.threads import start_thread
 
 
 class Work(NamedTuple):
-    """What a context has done: its cycles, the time that they took, the longest of late [ns]."""
+    """Work of a context: its cycles, their time, the longest of late [ns]."""
 
     ticks: int = 0
     busy_ns: int = 0
@@ -64,7 +64,7 @@ class Pacer:
 
     @property
     def is_resting(self) -> bool:
-        """Whether nothing is done, and nothing was asked for."""
+        """Return whether nothing is done, and nothing was requested."""
         with self._lock:
             return self._thread is None and not self._alarm.is_set()
 

@@ -45,7 +45,7 @@ class _End(Protocol):
 
 
 class PortWiring:
-    """The connector ends that one process holds."""
+    """Connector ends of one process."""
 
     def __init__(self, host: str, streams: Streams) -> None:
         self._host = host
@@ -150,7 +150,7 @@ class PortWiring:
         return self._streams.caller(endpoint, f"{self._key(wire)}/{end}", MATCH_S)
 
     def flush(self, timeout_s: float) -> bool:
-        """Wait until all that was sent has arrived; False when that cannot be said in time."""
+        """Wait until all that was sent has arrived; False when that is not known in time."""
         until = time.monotonic() + timeout_s
         outlets = [end for end in self._all_ends() if isinstance(end, Outlet)]
         return all(outlet.flush(max(0.0, until - time.monotonic())) for outlet in outlets)
@@ -218,7 +218,7 @@ def _undone(undo: Callable[[], object]) -> Iterator[None]:
 
 
 def _is_wrapped(options: ConnectorOptions) -> bool:
-    """Whether something stands between a port and the sink that it writes to."""
+    """Return whether something stands between a port and the sink that it writes to."""
     skips = options.push_policy is PushPolicy.SKIP and options.skip_count > 0
     return skips or options.subscription == "periodic"
 
@@ -226,7 +226,7 @@ def _is_wrapped(options: ConnectorOptions) -> bool:
 def _changing(sink: Sink[Any], change: Callable[[Any], Any] | None, name: str) -> Sink[Any]:
     """Return a sink that gives on what `change` makes of a value, if it is a value of the reader's.
 
-    No writer is told of the others: it wrote a value of its own type.
+    No writer knows of the others: it wrote a value of its own type.
     """
     if change is None:
         return sink

@@ -22,7 +22,7 @@ _STREAMS = {"stdout": 1, "stderr": 2}
 
 
 def configure(message: Message, loader: Loader) -> None:
-    """Make a process what its manager says (see `rtkit.manager.core.configuring.message`).
+    """Apply the settings that the manager sent (see `rtkit.manager.core.configuring.message`).
 
     Raises:
         Refused: A processor is not there.

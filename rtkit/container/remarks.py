@@ -10,7 +10,7 @@ from rtkit.settings.options import CONF, unknown_options
 
 
 def odd_options(component: Component, options: Mapping[str, str]) -> list[str]:
-    """Return what to tell of options that look like others that are known, a line each.
+    """Return findings about options that resemble known ones, a line each.
 
     Others are properties of the component, which may ask for them.
     """

@@ -19,10 +19,10 @@ Operations = Mapping[str, Callable[[Message], Any]]
 
 
 class ContainerServices(Protocol):
-    """The holder of a process, as its operations see it; all on the holder's thread but `post`."""
+    """Container as its operations see it; all on the container's thread but `post`."""
 
     def post(self, work: Callable[[], object]) -> None:
-        """Have something done on the holder's thread, from any thread."""
+        """Have something done on the container's thread, from any thread."""
 
     def component(self, instance: str) -> Component:
         """Return a component of this process.
@@ -42,7 +42,7 @@ class ContainerServices(Protocol):
 
 
 def in_time(message: Message) -> bool:
-    """Whether the one who sent a message still waits for its answer.
+    """Return whether the sender of a message still waits for its answer.
 
     Asked before work is begun that had to wait: processes of a host share the monotonic clock.
     """
@@ -53,7 +53,7 @@ def in_time(message: Message) -> bool:
 def answer_code(host: ContainerServices, message: Message, code: ReturnCode, why: str) -> None:
     """Answer a message with a return code; any but OK is a refusal.
 
-    Of what was done, `why` tells what failed on the way.
+    Of what was done, `why` describes what failed on the way.
     """
     if code is ReturnCode.OK:
         host.answer(message, why)

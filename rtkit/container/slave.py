@@ -1,6 +1,6 @@
 """Runs a slave: a process of components that obeys its manager over a private socket.
 
-It outlives its manager (see `rtkit.container.manager_connection`) and ends when one tells it to.
+It outlives its manager (see `rtkit.container.manager_connection`) and ends at a manager's request.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LAST_S = 5
 
 
 class Slave:
-    """A slave that is not born yet: what does not depend on which one it is to be.
+    """Slave before the fork: what does not depend on which slave it becomes.
 
     The zygote has one, and every fork is a copy of it: what is made here costs time once, and
     memory once for all of them.
@@ -88,7 +88,7 @@ class Slave:
         end_children()
 
     def put(self, message: Message) -> None:
-        """Take a message of the manager, on the thread that hears it."""
+        """Take a message of the manager, on the thread that receives it."""
         if message.get("op") == ASK:
             with contextlib.suppress(OSError):  # a component has closed the file
                 write_stacks(self._stacks)

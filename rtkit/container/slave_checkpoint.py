@@ -15,21 +15,21 @@ from typing import Any, NamedTuple
 SUFFIX = ".held"
 _SLACK = 64 * 1024
 _MOST = 4
-"""How many times as long as what it tells the file may get, beside some slack."""
+"""How many times as long as its contents the file may get, beside some slack."""
 
 _log = logging.getLogger(__name__)
 _to_json = json.JSONEncoder(separators=(",", ":")).encode
 
 
 class SlaveCheckpoint(NamedTuple):
-    """What a slave of that name held: the facts of its components, as it would tell them."""
+    """Checkpoint of a slave: the facts of its components, as the slave would report them."""
 
     name: str
     components: list[Any]
 
 
 class CheckpointWriter:
-    """The file in which a slave keeps its estate."""
+    """Writes the checkpoint file of a slave."""
 
     def __init__(self, path: str, name: str) -> None:
         self._path = path
@@ -88,12 +88,12 @@ class CheckpointWriter:
 
 
 def checkpoint_path(pattern: str, pid: int) -> str:
-    """Return where a slave keeps its estate; `pattern` is that of its data socket."""
+    """Return the path of a slave's checkpoint; `pattern` is that of its data socket."""
     return pattern.replace("%p", str(pid)).removesuffix(".data") + SUFFIX
 
 
 def read_checkpoint(path: str) -> SlaveCheckpoint | None:
-    """Return what a will says; None if there is none that says anything."""
+    """Return the contents of a checkpoint; None if there is none, or nothing in it."""
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
             lines = file.read().splitlines()

@@ -1,6 +1,6 @@
 """Stacks of processes: written by the process itself, read by its manager.
 
-A slave that is asked over its line writes them itself, on the thread that hears its manager: it
+A slave that is asked over its connection writes them itself, on the thread that receives: it
 has the interpreter lock then, so no frame changes while it is looked at. Only one that does not
 answer is sent a signal, because something holds that lock, and so no frame changes either. A signal
 at other times could crash the slave: its handler walks frames that other threads are just leaving.

@@ -7,7 +7,7 @@ import signal
 
 
 class Term:
-    """A TERM as an ending: noticed at once, whichever thread the kernel gives it to.
+    """Ending by TERM: noticed at once, whichever thread the kernel delivers it to.
 
     A handler alone would run only when the main thread next leaves a wait of its own.
     """
@@ -24,5 +24,5 @@ class Term:
         return self._read
 
     def has_come(self) -> bool:
-        """Whether a TERM was among the signals."""
+        """Return whether a TERM was among the signals."""
         return signal.SIGTERM in os.read(self._read, 4096)

@@ -21,18 +21,18 @@ _FIELDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "attach": (("context", "participant"), ()),
     "detach": (("context", "participant"), ()),
 }
-"""Operations that say how a component shall be: what tells two requests of a kind apart, and what
-else they say."""
+"""Operations that set how a component shall be: the keys that distinguish requests of a kind, and
+their other values."""
 
 
 class UserRequests:
-    """The requests that were carried out since each component was made, the last of each kind."""
+    """User requests carried out since each component was made, the last of each kind."""
 
     def __init__(self) -> None:
         self._requests: dict[str, dict[tuple[str, ...], dict[str, Any]]] = {}
 
     def note(self, message: Message) -> None:
-        """Note an operation that was done, if it says how a component shall be."""
+        """Record an operation that was done, if it sets how a component shall be."""
         op = message["op"]
         if op == "set_back":
             self._take_back(message)

@@ -1,6 +1,6 @@
 """Lazy loggers: `logging` is imported at the first record.
 
-A guest has hardly ever something to tell, and `logging` takes longer to import than a question
+An attached process rarely logs anything, and `logging` takes longer to import than a question
 takes to be answered.
 """
 

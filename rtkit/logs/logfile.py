@@ -1,7 +1,7 @@
 """Log targets: a file that is kept short, or a terminal; neither ever blocks the logger.
 
 What cannot be written is dropped and counted; the first record that can be written again is
-preceded by one that tells how many are missing.
+preceded by one with the number of those missing.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _CHUNK = select.PIPE_BUF
 
 
 class LogTarget(Protocol):
-    """Takes text, or says that it cannot."""
+    """Accepts text, or reports that it cannot."""
 
     def write(self, text: bytes) -> None:
         """Write it all, at once, or raise OSError."""

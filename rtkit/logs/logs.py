@@ -178,12 +178,12 @@ class Printed(io.TextIOBase):
 
     @property
     def encoding(self) -> str:  # type: ignore[override]
-        """What text would be as bytes."""
+        """Return the encoding that text would have as bytes."""
         return "utf-8"
 
     @property
     def errors(self) -> str:  # type: ignore[override]
-        """What happens to text that has no bytes."""
+        """Return the handler of text that has no bytes."""
         return "backslashreplace"
 
     @property
@@ -196,7 +196,7 @@ class Printed(io.TextIOBase):
         return self.buffer.fileno()
 
     def writable(self) -> bool:
-        """Whether it can be written to: yes."""
+        """Return whether it can be written to: always true."""
         return True
 
     def write(self, text: str) -> int:
@@ -239,7 +239,7 @@ def level_of(word: str) -> int:
 def begin_component(
     instance: str, options: Mapping[str, str], inherited: Mapping[str, str]
 ) -> None:
-    """Have the logger of an instance known as one, with the level that its options say.
+    """Register the logger of an instance as one, with the level of its options.
 
     A level that is but inherited from the manager is that of the process: it may change.
 

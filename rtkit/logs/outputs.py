@@ -40,7 +40,7 @@ def head(name: str, pid: int) -> bytes:
 
 
 def is_of(text: str, pid: int) -> bool:
-    """Whether this is the output of that process."""
+    """Return whether this is the output of that process."""
     return re.match(rf"== .*, pid {pid}, [^,\n]*\n", text) is not None
 
 

@@ -16,7 +16,7 @@ from rtkit.link.bound import is_abandoned
 from rtkit.link.segments import remove_orphans
 
 _DYING_MS = 1000
-"""How long a manager that was killed may still be heard after its lock is free."""
+"""How long a manager that was killed may still answer after its lock is free."""
 
 _OF_SLAVES = ("beats", "held", "held.new", "rehearsal", "family", "family.new")
 _KINDS = (*_OF_SLAVES, "data", "zygote")
@@ -119,7 +119,7 @@ def remove_stale(name: str, living: Collection[int]) -> None:
 
 
 def _is_of_the_dead(path: str, name: str, living: Collection[int]) -> bool:
-    """Whether a process of that manager, and of no other whose name is longer, left it behind.
+    """Return whether a process of that manager, and of none with a longer name, left it behind.
 
     Slaves outlive their manager: what belongs to one that lives is let be. Guests and zygotes are
     known by their sockets.

@@ -75,13 +75,13 @@ _HOLDER_S = 2.0
 
 
 def run(name: str, wanted: CommandLineSettings, is_shown: bool = False) -> int:
-    """Be the manager of that name until told to stop; return the exit status.
+    """Run the manager of that name until its end is requested; return the exit status.
 
-    Whoever started it hears when it answers, or why it does not start. A restart never returns.
+    Its starter receives when it answers, or why it does not start. A restart never returns.
 
     Args:
         name: Of the manager.
-        wanted: What the command line says of properties.
+        wanted: Properties of the command line.
         is_shown: It runs in the foreground: what is logged goes to stderr too.
     """
     report, folder = Report(), os.getcwd()
@@ -409,7 +409,7 @@ def base_paths() -> tuple[str, ...]:
 
 
 def main() -> int:
-    """Run as a process of its own: name, and what the command line says of properties."""
+    """Run as a process of its own: name, and properties of the command line."""
     name, wanted = sys.argv[1], wanted_from_text(sys.argv[2])
     return run(name, wanted)
 

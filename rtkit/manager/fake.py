@@ -1,6 +1,6 @@
 """Fake shell without processes: feeds a core with events at a fake time, keeps its instructions.
 
-For tests, which play the zygote, the kernel and the holders.
+For tests, which play the zygote, the kernel and the containers.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ PORTS = (
 
 
 class FakeCall:
-    """A message to a holder that wants an answer."""
+    """A message to a container that wants an answer."""
 
     def __init__(self, key: int, message: Mapping[str, Any]) -> None:
         self.key = key
@@ -55,14 +55,14 @@ class FakeCall:
 
 
 class FakeRequest:
-    """A batch that was handed in, and what came of it."""
+    """A batch that was handed in, and its outcome."""
 
     def __init__(self) -> None:
         self.replies: list[Reply] = []
 
     @property
     def is_answered(self) -> bool:
-        """Whether an answer came."""
+        """Return whether an answer came."""
         return bool(self.replies)
 
     @property
@@ -79,7 +79,7 @@ class FakeRequest:
 
 
 def facts(instance: str, ports: Sequence[PortProfile] = PORTS) -> dict[str, Any]:
-    """Return what a holder reports of a component."""
+    """Return the report of a container about a component."""
     context = ExecutionContextProfile("0", ExecutionKind.PERIODIC, 10.0, instance)
     type_ = TypeProfile("Thing")
     made = ComponentFacts(instance, type_, "", tuple(ports), {"default": {}}, "default", (context,))
@@ -88,7 +88,7 @@ def facts(instance: str, ports: Sequence[PortProfile] = PORTS) -> dict[str, Any]
 
 
 def module_of(call: FakeCall, *types: str) -> dict[str, Any]:
-    """Return what a holder answers that has loaded a module."""
+    """Return the answer of a container that has loaded a module."""
     path, init = call.message["path"], call.message["init"] or "init"
     profile = ModuleProfile(path, init, tuple(map(TypeProfile, types)))
     return {"module": encode(profile), "fingerprint": 1}
@@ -115,10 +115,10 @@ class FakeShell:
         signals: What was sent, as (key, number).
         limits: Which limits slaves were given, by key.
         wake_at: When the core wants a tick.
-        is_finished: Whether the core said that all is done.
+        is_finished: Whether the core reported that all is done.
         rows: What was kept, by kind and name.
         disk: Why nothing can be kept; empty when it can.
-        is_disk_lost: All that was kept is gone, which is told once.
+        is_disk_lost: All that was stored is gone, which is reported once.
     """
 
     def __init__(self) -> None:
@@ -140,7 +140,7 @@ class FakeShell:
 
     @property
     def state(self) -> ManagerState:
-        """What the core knows."""
+        """Return the state of the core."""
         return self.core.state
 
     def feed(self, event: ev.Event) -> list[ev.Instruction]:
@@ -226,7 +226,7 @@ class FakeShell:
     # the zygote and the kernel
 
     def fork(self, name: str, pid: int = 0) -> int:
-        """Have a slave forked and say hello; return its key."""
+        """Have a slave forked and connected; return its key."""
         key = self.spawned.pop(name)
         self.feed(ev.SlaveForked(key, pid or 200 + key))
         self.feed(ev.SlaveReady(key))
@@ -239,13 +239,13 @@ class FakeShell:
         instances: Sequence[str] = (),
         wires: Sequence[ConnectorProfile] = (),
     ) -> int:
-        """Have a slave of an earlier manager say what it holds; return its key."""
+        """Have a slave of an earlier manager report its components; return its key."""
         held = [{**facts(each), "names": [f"localhost/{each}.rtc"]} for each in instances]
         self.feed(ev.SlaveFound(pid, name, held, [encode(each) for each in wires]))
         return self.adopted[pid]
 
     def visit(self, pid: int, name: str, instances: Sequence[str]) -> int:
-        """Have a guest say what it holds; return its key."""
+        """Have an attached process report its components; return its key."""
         self.feed(ev.SlaveFound(pid, name, [facts(each) for each in instances], [], is_guest=True))
         return self.adopted[pid]
 
@@ -254,7 +254,7 @@ class FakeShell:
         self.calls = [call for call in self.calls if call.key != key]
         self.feed(ev.SlaveEnded(key, reason))
 
-    # holders
+    # containers
 
     def next(self, op: str) -> FakeCall:
         """Take the oldest call, which must be of this operation."""
@@ -278,7 +278,7 @@ class FakeShell:
         self.feed(ev.ContainerReported(key, message))
 
     def serve(self, ports: Sequence[PortProfile] = PORTS) -> None:
-        """Do what is asked until nothing is, as holders would; modules are tried, too."""
+        """Do what is asked until nothing is, as containers would; modules are tried, too."""
         while self.calls or TRIAL in self.spawned:
             if TRIAL in self.spawned:
                 self.fork(TRIAL)

@@ -21,7 +21,7 @@ _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
 
 
 class Started(NamedTuple):
-    """A manager that answers, and what it told of its start."""
+    """A manager that answers, and its report of its start."""
 
     pid: int
     warnings: tuple[str, ...]
@@ -32,7 +32,7 @@ def start(name: str, wanted: CommandLineSettings, timeout_s: float) -> Started:
     """Start a manager as a daemon and return when it answers.
 
     Raises:
-        Refused: It runs already, or cannot start; says why.
+        Refused: It runs already, or cannot start; gives the reason.
         Partial: So, and these things that it was to do at start failed.
         Unreachable: It did not get ready in time, and was ended.
     """
@@ -61,10 +61,10 @@ def start(name: str, wanted: CommandLineSettings, timeout_s: float) -> Started:
 
 
 def read_report(name: str, pid: int, told: list[str]) -> Started:
-    """Return what a manager told of its start.
+    """Return the report of a manager about its start.
 
     Raises:
-        Refused: There is none; says why.
+        Refused: There is none; gives the reason.
         Partial: There is none, because of these failures.
     """
     kinds: dict[str, list[str]] = {WARNING: [], FAILURE: [], ERROR: []}
@@ -89,7 +89,7 @@ def run(name: str, wanted: CommandLineSettings) -> int:
 
 
 def hear(descriptor: int, timeout_s: float) -> list[str] | None:
-    """Return the lines that are told until the manager is ready or ends, None when time is up."""
+    """Return the lines received until the manager is ready or ends, None when time is up."""
     deadline = time.monotonic() + min(timeout_s, _LONGEST_S)
     text = b""
     while not text.endswith(b"\n" + READY.encode() + b"\n") and text != READY.encode() + b"\n":

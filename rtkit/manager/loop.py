@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 TIDY_S = 1.0
-"""How often processes are looked at that tell nothing of themselves [s]."""
+"""Period in which processes are checked that report nothing of themselves [s]."""
 
 _WAKES = 4096
 
@@ -107,7 +107,7 @@ class Loop:
 
     @property
     def wake_descriptor(self) -> int:
-        """Where a byte wakes the loop, for `signal.set_wakeup_fd`."""
+        """Return the descriptor at which a byte wakes the loop, for `signal.set_wakeup_fd`."""
         return self._wake_write
 
     def post(self, item: ev.Event | Request) -> None:
@@ -118,7 +118,7 @@ class Loop:
                 os.write(self._wake_write, b"x")
 
     def recall(self, remembered: ev.StoreRead) -> None:
-        """Tell the core what an earlier manager kept, before anything else."""
+        """Pass the store of an earlier manager to the core, before anything else."""
         self._handle(remembered)
 
     def settle(self, settled: Callable[[], object]) -> None:
@@ -126,13 +126,13 @@ class Loop:
         self._lines.settle(settled)
 
     def open_lines(self, link: Link, service: str) -> None:
-        """Tell on the manager's lines, from now on, what the core wants told."""
+        """Publish on the manager's topics, from now on, what the core wants published."""
         for line in (TREE, FIGURES):
             listened = partial(self._listened, line)
             self._announce[line] = link.announce(keys.line_key(service, line), listened)
 
     def run(self) -> None:
-        """Work until the core says that all is done."""
+        """Work until the core reports that all is done."""
         while not self._is_finished:
             for key, mask in self._selector.select(self._patience()):
                 _guarded(key.data, mask)
@@ -151,7 +151,7 @@ class Loop:
                 self._slave_supervisor.sweep()
 
     def close(self) -> None:
-        """Let go of all descriptors; what is posted from now on is not heard."""
+        """Let go of all descriptors; what is posted from now on is not received."""
         self._is_closed = True
         self.following.close()
         self._selector.close()
@@ -195,7 +195,7 @@ class Loop:
 
     @property
     def _has_callbacks(self) -> bool:
-        """Whether there are components, or something else that could be stuck."""
+        """Return whether there are components, or anything else that could be stuck."""
         state = self._core.state
         return bool(state.components or state.claims) or len(state.processes) > 1
 

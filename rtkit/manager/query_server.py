@@ -37,20 +37,20 @@ from rtkit.rtc.serde import encode
 
 
 class RestartRequest(NamedTuple):
-    """Somebody wants the manager to start again, and perhaps to hear of it on a descriptor."""
+    """Request to restart the manager, perhaps with a descriptor for the report."""
 
     report: int | None
 
 
 class ManagerQueryServer:
-    """Answers what needs no work and turns the rest into events.
+    """Answers queries that need no work and turns the rest into events.
 
     Views are made once and kept until the facts change.
 
     Attributes:
         restart: Set when the manager is to start again after its end.
         lease: Who carries a plan out.
-        follow: Is given wishes to follow a system, or not to.
+        follow: Receives requests to follow a system, or not to.
     """
 
     def __init__(self, state: ManagerState) -> None:

@@ -35,7 +35,7 @@ def open_report(path: str) -> int | None:
 
 
 def execute_again(folder: str, report: int | None) -> None:
-    """Become the same program anew; it tells on the descriptor `report` when it is ready."""
+    """Become the same program anew; it reports on the descriptor `report` when it is ready."""
     environment = dict(os.environ)
     if report is not None:
         os.set_inheritable(report, True)

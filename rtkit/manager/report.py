@@ -18,7 +18,7 @@ _log = logging.getLogger(__name__)
 
 
 class Report:
-    """The way to whoever waits for the start, until it is told that it is over."""
+    """Reports to the process that waits for the start, until told that the start is over."""
 
     def __init__(self) -> None:
         number = os.environ.pop(READY_VARIABLE, "")
@@ -28,25 +28,25 @@ class Report:
 
     @property
     def is_heard(self) -> bool:
-        """Whether somebody waits."""
+        """Return whether somebody waits."""
         return self._descriptor is not None
 
     def warn(self, text: str) -> None:
-        """Tell what is worth knowing."""
+        """Report a warning."""
         _log.warning("%s", text)
         self._write(WARNING + text)
 
     def fail(self, what: str, why: str) -> None:
-        """Tell what was to be done at the start and failed."""
+        """Report a failed step of the start."""
         _log.error("%s (%s)", what, why)
         self._write(f"{FAILURE}{what} ({why})")
 
     def ready(self) -> None:
-        """Tell that the manager answers."""
+        """Report that the manager answers."""
         self._end(READY)
 
     def give_up(self, text: str) -> None:
-        """Tell why there will be no manager."""
+        """Report why there will be no manager."""
         self._end(ERROR + text)
 
     def _end(self, text: str) -> None:

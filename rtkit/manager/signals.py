@@ -17,7 +17,7 @@ def catch_signals(post: Callable[[StopRequested], object], *, is_shown: bool) ->
     QUIT first writes to stderr where every thread is, USR1 writes it and nothing else. In the
     foreground a second INT or QUIT ends at once. What a shell or ``nohup`` had ignored stays so.
 
-    TERM comes with the end of the machine, not from a user of the system: wishes are kept then.
+    TERM comes with the end of the machine, not from a user: desired state is kept then.
     """
     caught: list[int] = []
 

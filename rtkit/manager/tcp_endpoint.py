@@ -21,11 +21,11 @@ def open_front(
         wanted: The port.
         endpoint: Opens it.
         inner: Endpoint of the manager's session behind it.
-        warn: Is told why there is none: the usual port may be in use, and the manager can be
+        warn: Receives why there is none: the usual port may be in use, and the manager can be
             reached all the same.
 
     Raises:
-        Refused: A port that was asked for is in use; says by whom.
+        Refused: A port that was asked for is in use; names the process.
     """
     secret_file = secret.make()
     for _ in range(_TRIES):

@@ -1,7 +1,7 @@
 """Describes the component types of a module from its source, without running any of it.
 
 Class attributes that are literals are understood, also of base classes and constants in the same
-file. What a module decides only while it runs is told as the reason why it cannot be described.
+file. What a module decides only while it runs is reported as the reason for no description.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def describe(source: bytes, file: str, init: str = "") -> list[OfferedType] | No
     Without `init` its init function is ``<name>Init``.
 
     Raises:
-        Malformed: It means to be one, but cannot be described; tells why and in which line.
+        Malformed: It means to be one, but cannot be described; names the reason and the line.
     """
     init = init or f"{os.path.basename(file).partition('.')[0]}Init"
     if init.encode() not in source and _REGISTER.encode() not in source:

@@ -23,7 +23,7 @@ def lacking(
 ) -> str:
     """Return for each pair of a module and a create string why nothing can be made of it.
 
-    What only shows when code runs is not told: empty means that nothing speaks against it.
+    What only shows when code runs is not found: empty means that nothing speaks against it.
 
     Args:
         question: JSON, ``[["PATH:INIT", "CREATE"], …]``; no module is an empty text.
@@ -71,7 +71,7 @@ class _Finder:
         return self._not_found(create, path, offered)
 
     def _offered(self, path: str, init: str) -> Sequence[TypeProfile] | None:
-        """Return the types that a module plainly offers; None where that cannot be told.
+        """Return the types that a module plainly offers; None where that is not known.
 
         Raises:
             NotFound: There is no such file, or no such function in it.

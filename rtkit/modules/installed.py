@@ -1,7 +1,7 @@
 """Finds component modules that were installed as packages, without running any of them.
 
-A package says so by an entry point of the group ``rtkit.components``, ``NAME = MODULE:INIT``: NAME
-is what the module is asked for by, usually the name of its component type.
+Packages declare entry points of the group ``rtkit.components``, ``NAME = MODULE:INIT``: the module
+is requested by NAME, usually the name of its component type.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ def instead(
 
 
 def _is_offered(search: Search | None, name: str) -> bool:
-    """Whether the module of that name would offer the type of that name."""
+    """Return whether the module of that name would offer the type of that name."""
     if search is None:
         return False
     try:

@@ -53,7 +53,7 @@ class UntriedModule(Exception):
 
 
 class _Registrar:
-    """What an init function is handed: the part of a manager that modules may use."""
+    """Interface that an init function gets: the part of a manager that modules may use."""
 
     def __init__(self) -> None:
         self.classes: list[type[Component]] = []
@@ -64,7 +64,7 @@ class _Registrar:
 
 
 class _Imported(NamedTuple):
-    """A module that was imported, and what tells its content from another.
+    """A module that was imported, with the fingerprint of its content.
 
     Attributes:
         beside: CRC-32 of the files beside it that it imports.
@@ -159,11 +159,11 @@ class Loader:
         return self._remarks.get((module.file, module.init), [])
 
     def fingerprint(self, path: str) -> int:
-        """Return what tells the content of a loaded module from another."""
+        """Return the fingerprint of the content of a loaded module."""
         return self._imported[self._real(path)].fingerprint
 
     def present_fingerprint(self, path: str) -> int:
-        """Return what tells what is in the file of a module now.
+        """Return a fingerprint of the present file of a module.
 
         Raises:
             NotFound: There is no such file.
@@ -183,7 +183,7 @@ class Loader:
         return ""
 
     def _is_touched(self, real: str) -> bool:
-        """Whether a file, or one beside it, is not what it was; one look does for a whole batch.
+        """Return whether a file, or one beside it, has changed; one look serves a whole batch.
 
         Each look gives the interpreter lock away, which another thread then keeps for long.
         """
@@ -202,7 +202,7 @@ class Loader:
 
     @property
     def modules(self) -> tuple[ModuleProfile, ...]:
-        """What is loaded, once for each init function."""
+        """Return the loaded modules, one entry for each init function."""
         return tuple(self._modules.values())
 
     def unload(self, path: str) -> str:

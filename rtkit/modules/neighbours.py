@@ -96,7 +96,7 @@ def read(file: str) -> bytes | None:
 
 
 def has_changed(files: Mapping[str, int]) -> bool:
-    """Whether one of these files has another CRC-32 now; one that cannot be read has not."""
+    """Return whether one of these files has another CRC-32 now; unreadable ones have not."""
     now = ((read(file), crc) for file, crc in files.items())
     return any(text is not None and zlib.crc32(text) != crc for text, crc in now)
 
@@ -115,13 +115,13 @@ def forget_neighbours(real: str) -> None:
 
 
 def _is_in(folder: str, name: str) -> bool:
-    """Whether a folder has a module of that name, or the package that it is part of."""
+    """Return whether a folder has a module of that name, or the package that it is part of."""
     path = os.path.join(folder, name.partition(".")[0])
     return os.path.isfile(f"{path}.py") or os.path.isdir(path)
 
 
 def _lies(name: str, module: ModuleType, folder: str) -> bool:
-    """Whether a module was found in that folder, not somewhere below it by another path."""
+    """Return whether a module was found in that folder, not below it by another path."""
     file = getattr(module, "__file__", None)
     path = os.path.join(folder, name.partition(".")[0])
     return isinstance(file, str) and (file == f"{path}.py" or file.startswith(f"{path}/"))

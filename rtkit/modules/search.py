@@ -23,7 +23,7 @@ class ModuleSource(NamedTuple):
 
     Attributes:
         real: Where the file is, without links.
-        init: Name of its init function where its package says one; else empty.
+        init: Name of its init function where its package names one; else empty.
     """
 
     file: str
@@ -33,7 +33,7 @@ class ModuleSource(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """Where a module is: its file, the load path that it has to be in, if any, and its init."""
+    """Location of a module: its file, the load path that it has to be in, if any, and its init."""
 
     file: str = ""
     folder: str = ""
@@ -41,7 +41,7 @@ class _Place(NamedTuple):
 
 
 class Search:
-    """Where modules are looked for."""
+    """Searches for modules in load paths."""
 
     def __init__(self, folders: Sequence[str], *, is_absolute_allowed: bool = True) -> None:
         self.folders = tuple(folders)
@@ -52,7 +52,7 @@ class Search:
 
         Raises:
             NotFound: There is no such file.
-            Refused: It lies where no module is taken from; tells the rule.
+            Refused: It lies where no module is taken from; names the rule.
         """
         file, folder, init = self._place(path)
         if not file or not os.path.isfile(file):
@@ -64,7 +64,7 @@ class Search:
         return ModuleSource(file, real, text, init)
 
     def has(self, path: str) -> bool:
-        """Whether there is a module of that name."""
+        """Return whether there is a module of that name."""
         return bool(self._find(path).file)
 
     def modules(self) -> Iterator[str]:

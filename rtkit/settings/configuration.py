@@ -15,11 +15,11 @@ PORT_VARIABLE = "RTKIT_PORT"
 
 
 class CommandLineSettings(NamedTuple):
-    """What the command line says.
+    """Settings of the command line.
 
     Attributes:
         file: Configuration file, empty for the first that is found.
-        overrides: ``KEY:VALUE`` each, over what the file says.
+        overrides: ``KEY:VALUE`` each, which take precedence over the file.
         may_lack_file: Go on without a file that was named and is not there.
     """
 
@@ -33,7 +33,7 @@ class CommandLineSettings(NamedTuple):
 
 
 class ManagerConfiguration(NamedTuple):
-    """The properties that were given, from which file, and what is to be told of it."""
+    """Properties that were given, their file, and warnings about it."""
 
     settings: Settings
     file: str = ""
@@ -41,7 +41,7 @@ class ManagerConfiguration(NamedTuple):
 
 
 class TcpEndpointSettings(NamedTuple):
-    """Where the front door is to be, None for nowhere; `is_asked` when somebody named the port."""
+    """Address of the TCP endpoint, None for none; `is_asked` when the port was given."""
 
     port: int | None
     is_asked: bool
@@ -90,7 +90,7 @@ def _read_file(wanted: CommandLineSettings) -> tuple[str, list[rtcconf.RtcConfEn
 
 
 def tcp_endpoint_settings(settings: Settings) -> TcpEndpointSettings:
-    """Return where the front door of a manager with these properties is to be.
+    """Return the address of the TCP endpoint of a manager with these properties.
 
     Raises:
         Malformed: The environment names no port.

@@ -23,7 +23,7 @@ def check(text: str) -> tuple[str, ...]:
     """Return the templates of a comma list.
 
     Raises:
-        Malformed: One of them cannot be read; tells why.
+        Malformed: One of them cannot be read; gives the reason.
     """
     templates = tuple(item for item in map(str.strip, text.split(",")) if item)
     for template in templates:
@@ -45,7 +45,7 @@ def check_early(text: str) -> tuple[str, ...]:
     """Return the templates of a comma list, in which nothing stands for a component.
 
     Raises:
-        Malformed: One of them cannot be read; tells why.
+        Malformed: One of them cannot be read; gives the reason.
     """
     templates = check(text)
     for template in templates:
@@ -57,7 +57,7 @@ def check_early(text: str) -> tuple[str, ...]:
 
 
 def is_early(template: str) -> bool:
-    """Whether the name is known before the component is made."""
+    """Return whether the name is known before the component is made."""
     return set(_letters(template)) <= set(_EARLY)
 
 

@@ -31,7 +31,7 @@ _EXTENSIONS = tuple(
 
 
 def unknown_options(options: Mapping[str, str]) -> Iterator[str]:
-    """Yield what to tell of options that look like others that are known, a line each."""
+    """Yield findings about options that resemble known ones, a line each."""
     connector = {key: value for key, value in options.items() if key.startswith("dataport.")}
     if connector:
         yield from remarks(connector)

@@ -209,13 +209,13 @@ def find(key: str) -> ManagerProperty | None:
 
 
 def unknown(key: str) -> str:
-    """Return what to tell of a key that is not known."""
+    """Return a finding about a key that is not known."""
     old = [f"corba.{name.removeprefix('net.')}" for name in KNOWN if name.startswith("net.")]
     return f"unknown property: {key}{did_you_mean(key, [*KNOWN, *old, *_OLD], 1)}"
 
 
 def vain(key: str, value: str) -> str:
-    """Return what to tell of a value that is given in vain; empty when it is not."""
+    """Return a finding about a value that has no effect; empty when it has."""
     known = find(key)
     if known is None or known.when not in (FIXED, NONE) or not value.strip():
         return ""
@@ -293,7 +293,7 @@ class Settings:
 
         Raises:
             NotFound: No such property; names the one that looks most like it.
-            Refused: It cannot be changed while the manager runs; tells why.
+            Refused: It cannot be changed while the manager runs; gives the reason.
             Malformed: The value is not of its kind.
         """
         known = find(key)
@@ -308,7 +308,7 @@ class Settings:
         self.take(key, value)
 
     def is_given(self, key: str) -> bool:
-        """Whether somebody gave it a value."""
+        """Return whether it was given a value."""
         return bool(self._values.get(key))
 
     def text(self, key: str) -> str:
@@ -356,7 +356,7 @@ def _number(key: str, text: str) -> str:
 
 
 def _fits(pattern: str, key: str) -> bool:
-    """Whether a key is of a pattern; the last star stands for any number of elements."""
+    """Return whether a key matches a pattern; the last star stands for any number of elements."""
     wanted, parts = pattern.split("."), key.split(".")
     if wanted[-1] == "*":
         if len(parts) < len(wanted):

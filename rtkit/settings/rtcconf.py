@@ -87,7 +87,7 @@ def parse_override(text: str) -> RtcConfEntry:
 
 
 def warnings(entries: Iterable[RtcConfEntry], file: str) -> list[str]:
-    """Return what to tell of keys that are not known, given twice, or given in vain."""
+    """Return findings about keys that are not known, given twice, or without effect."""
     told = []
     seen: dict[str, int] = {}
     for key, value, line in entries:
@@ -104,7 +104,7 @@ def warnings(entries: Iterable[RtcConfEntry], file: str) -> list[str]:
 
 
 def _logical_lines(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the lines that say something, continued ones joined, with the number of the first."""
+    """Yield the lines with content, continued ones joined, with the number of the first."""
     joined, began = "", 0
     for number, line in enumerate(text.split("\n"), 1):
         if line.lstrip().startswith("#"):

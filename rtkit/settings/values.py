@@ -71,7 +71,7 @@ def naming_policy(text: str) -> str:
 
 
 def restart(text: str) -> str:
-    """Return the word that says what is made again after it has died.
+    """Return the policy word for what is restarted after it has died.
 
     Raises:
         Malformed: It is none of those that there are.

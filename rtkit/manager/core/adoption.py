@@ -29,7 +29,7 @@ SETTLE_S = 2.0
 
 
 def process_of(state: ManagerState, pid: int) -> Process | None:
-    """Return the living process of that pid if it is known already, as after a broken line."""
+    """Return the live process of that pid if it is known already, as after a lost connection."""
     return next((p for p in state.processes.values() if p.pid == pid and p.is_alive), None)
 
 
@@ -39,7 +39,7 @@ def free_name(state: ManagerState, name: str, pid: int) -> str:
 
 
 class Holding(NamedTuple):
-    """What a found slave says it holds, and what was asked of that since it was made."""
+    """Report of a found slave: its components, and user requests to them since creation."""
 
     components: list[ComponentFacts]
     wires: list[ConnectorProfile]
@@ -47,7 +47,7 @@ class Holding(NamedTuple):
 
 
 def read(name: str, components: object, wires: object, asked: object = None) -> Holding:
-    """Read what the slave `name` says it holds.
+    """Read the report of the slave `name` about its components.
 
     Raises:
         Malformed: It cannot be read.
@@ -69,7 +69,7 @@ def take(state: ManagerState, process: Process, holding: Holding) -> list[Messag
             undo.append({"op": "delete", "instance": facts.instance})
     named = {facts.instance for facts in holding.components}
     for instance in state.held_by(process.key):
-        if instance not in named:  # it ended while the line was broken
+        if instance not in named:  # it ended while the connection was lost
             state.forget(instance)
     if process.is_guest:
         for instance in state.held_by(process.key):
@@ -90,7 +90,7 @@ def believe(state: ManagerState, process: Process, holding: Holding) -> None:
 
 
 def take_unsaid(state: ManagerState, process: Process, holding: Holding) -> None:
-    """Fold what a slave holds that does not answer into the state, as its will says."""
+    """Fold the checkpoint of a slave that does not answer into the state."""
     take(state, process, holding)
     for instance in state.held_by(process.key):
         state.update(instance, trouble=state.trouble_of(instance, process))
@@ -151,7 +151,7 @@ def _take_component(state: ManagerState, process: Process, facts: ComponentFacts
 
 
 def _take_end(state: ManagerState, process: Process, wire: ConnectorProfile) -> None:
-    """Note that a process holds an end of a connector, which is whole once all say so."""
+    """Note that a process holds an end of a connector, which is whole once all report so."""
     connector_id = wire.connector_id
     known = state.connectors.get(connector_id)
     if known is not None and set(known.ports) == set(wire.ports):

@@ -37,7 +37,7 @@ TOO_OLD = "request {} is too old: it may have been done, and its answer is not r
 
 
 class _Job:
-    """A batch under way, with all who wait for its answer."""
+    """A batch under way, with all clients that wait for its answer."""
 
     def __init__(self, asked: BatchRequested) -> None:
         self.batch = asked.batch
@@ -50,7 +50,7 @@ class _Job:
 
 
 class Batches:
-    """What clients have asked for; `out` collects what the shell is to do.
+    """Batches that clients requested; `out` collects instructions for the shell.
 
     Attributes:
         now: The monotonic time [s].
@@ -95,7 +95,7 @@ class Batches:
             self._admit(_Job(asked))
 
     def _is_too_old(self, id: str) -> bool:
-        """Whether an id may be one of those that were answered and forgotten."""
+        """Return whether an id may be one of those that were answered and forgotten."""
         stamp = stamp_of(id)
         return stamp is not None and stamp[1] <= self._forgotten.get(stamp[0], -1)
 
@@ -211,7 +211,7 @@ class Batches:
         self._keeping.finish([action for action, _ in done], results, tell)
 
     def _tell(self, job: _Job, text: str) -> None:
-        """Answer a batch, now that what it says is recorded, or taken back."""
+        """Answer a batch, now that its changes are recorded, or rolled back."""
         id, kept = job.batch.id, self._state.kept
         self._answer(job, Reply(text))
         if not id:

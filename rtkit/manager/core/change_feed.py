@@ -15,7 +15,7 @@ from rtkit.rtc.serde import encode
 
 
 class ChangeFeed:
-    """What is known to those who listen; `out` collects what the shell is to do."""
+    """State as the subscribers know it; `out` collects instructions for the shell."""
 
     def __init__(self, state: ManagerState, out: list[Instruction]) -> None:
         self._state = state
@@ -30,7 +30,7 @@ class ChangeFeed:
 
     @property
     def run_id(self) -> str:
-        """Which life of the manager this is."""
+        """Return the id of this run of the manager."""
         return f"{self._state.pid}@{self._state.properties.get('manager.started', '')}"
 
     def listen(self, is_heard: bool) -> None:
@@ -41,17 +41,17 @@ class ChangeFeed:
             self._begin()
 
     def hold(self) -> None:
-        """Show no picture yet: what earlier managers left is not back, and would seem to end."""
+        """Send no snapshot yet: what earlier managers left is not back, and would seem to end."""
         self._held = []
 
     def release(self) -> None:
-        """Show pictures from now on, first to who has waited."""
+        """Send snapshots from now on, first to the clients that have waited."""
         held, self._held = self._held, None
         for answer in held or ():
             self.send_picture(answer)
 
     def send_picture(self, answer: Answer) -> None:
-        """Answer with all facts, after news without any, by which it is seen that news arrive."""
+        """Answer with a snapshot, after an empty delta, which shows that deltas arrive."""
         if self._held is not None:
             self._held.append(answer)
             return
@@ -64,7 +64,7 @@ class ChangeFeed:
         self._out.append(AnswerClient(answer, Reply(snapshot_to_text(picture))))
 
     def run(self) -> None:
-        """Tell what has changed since the last time, if anybody listens."""
+        """Publish what has changed since the last time, if there are subscribers."""
         if self._known is None or not self._is_other():
             return
         now = self._facts()
@@ -74,12 +74,12 @@ class ChangeFeed:
             self._publish(delta)
 
     def end(self) -> None:
-        """Tell that the manager ends."""
+        """Publish that the manager ends."""
         if self._known is not None:
             self._publish(Delta(self.run_id, self._number + 1, is_last=True))
 
     def _begin(self) -> None:
-        """Begin to tell; a number is left out, so that an older listener takes a new picture."""
+        """Begin to publish; a skipped number makes an older subscriber take a new snapshot."""
         self._is_other()
         self._known = self._facts()
         self._number += 1
@@ -90,14 +90,14 @@ class ChangeFeed:
         self._out.append(Publish(TREE, encode(delta)))
 
     def _facts(self) -> Snapshot:
-        """Return what is told: not what is still being made, which has no names yet."""
+        """Return what is published: not what is still being made, which has no names yet."""
         facts = self._state.snapshot()
         known = tuple(process for process in facts.processes if process.pid)
         made = tuple(each for each in facts.components if each.instance not in self._state.claims)
         return replace(facts, components=made, processes=known, modules=(), properties={})
 
     def _is_other(self) -> bool:
-        """Whether anything may have changed: facts are replaced, never changed in place."""
+        """Return whether anything may have changed: facts are replaced, never changed in place."""
         state = self._state
         processes = [
             (p.pid, p.name, p.state, p.reason, *p.stuck.items()) for p in state.processes.values()

@@ -40,7 +40,7 @@ def load_paths(state: ManagerState) -> list[str]:
 
 
 def message(state: ManagerState) -> Message:
-    """Return what a process is told of the properties that concern it."""
+    """Return the message to a process with the properties that concern it."""
     settings = state.settings
     return {
         "op": "configure",
@@ -53,12 +53,12 @@ def message(state: ManagerState) -> Message:
 
 
 def is_needed(state: ManagerState) -> bool:
-    """Whether a new process has to be told of properties: without it has the defaults."""
+    """Return whether a new process must be sent properties: without them it has the defaults."""
     return bool(state.settings.below(*_OF_PROCESSES))
 
 
 def change(state: ManagerState, argument: str) -> Procedure:
-    """Change the property of ``KEY: VALUE``, and tell those whom it concerns.
+    """Change the property of ``KEY: VALUE``, and notify the processes that it concerns.
 
     Raises:
         NotFound: No such property.

@@ -70,7 +70,7 @@ from rtkit.rtc.profiles import ConnectorProfile
 
 
 class Core:
-    """A manager without its shell.
+    """Manager without its shell.
 
     Attributes:
         state: What it knows.
@@ -97,14 +97,14 @@ class Core:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is under way."""
+        """Return whether nothing is under way."""
         return self._tasks.is_idle and self._keeping.is_idle
 
     def handle(self, event: Event, now: float) -> list[Instruction]:
         """Take one event at monotonic time `now` [s] and return what is to be done.
 
         Raises:
-            Malformed: A holder reported what cannot be read; nothing is changed.
+            Malformed: A container reported what cannot be read; nothing is changed.
         """
         self._now = self._batches.now = now
         match event:
@@ -158,7 +158,7 @@ class Core:
                 pass
         self._tasks.run(now)
         until = self._survey.run(now)
-        self._tasks.run_new(now)  # what figures have given cause for
+        self._tasks.run_new(now)  # what metrics have given cause for
         self._limiting.run()
         self._keeping.run(now)
         if until is not None:
@@ -222,7 +222,7 @@ class Core:
     def _heard(self, key: int, message: Message) -> None:
         process = self.state.processes.get(key)
         if process is None or not process.is_alive:
-            return  # said before it died, heard after
+            return  # sent before it died, received after
         if "reply" in message:
             self._tasks.hear(key, message)
         elif "facts" in message:
@@ -271,7 +271,7 @@ class Core:
             self._tasks.process_is_up(process)
 
     def _configure(self, process: Process, *, is_found: bool = False) -> None:
-        """Tell a process of properties; a new one has the defaults, one that was found any."""
+        """Send properties to a process; a new one has the defaults, one that was found any."""
         if configuring.is_needed(self.state) or (is_found and process.is_slave):
             self._out.append(SendToContainer(process.key, configuring.message(self.state)))
 
@@ -378,7 +378,7 @@ class Core:
             self.state.update(instance, trouble=self.state.trouble_of(instance, process))
 
     def _give_up_spawn(self, process: Process) -> None:
-        """End a slave that was stopped before it said hello: nobody has use for it."""
+        """End a slave that was stopped before it connected: nobody has use for it."""
         process.is_wanted = False
         self._out.append(SignalSlave(process.key, signal.SIGKILL))
         why = f"slave {process.name} was stopped before it was ready, and is ended"

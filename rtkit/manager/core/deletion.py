@@ -30,7 +30,7 @@ def delete(state: ManagerState, action: act.Delete) -> Procedure:
     Raises:
         NotFound: There is no such component, or it is in another process than the one named.
         Refused: It is being deleted, or its process is none that may be ended.
-        Unreachable: It does not end; says what is stuck, and what helps.
+        Unreachable: It does not end; names what is stuck, and a fix.
     """
     instance = action.instance
     if instance not in state.ending:
@@ -118,7 +118,7 @@ def end_slave(state: ManagerState, action: act.EndSlave) -> Procedure:
     Raises:
         NotFound: There is no such slave.
         Refused: It has ended already, or is none.
-        Unreachable: Something in it does not end; says what is stuck, and what helps.
+        Unreachable: Something in it does not end; names what is stuck, and a fix.
     """
     process = _slave(state, action.name)
     if not action.is_forced:

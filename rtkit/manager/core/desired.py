@@ -1,7 +1,7 @@
 """Desired state: everything that was acknowledged, as rows for the store.
 
-Facts are what processes say; wishes are what users asked for. A component that died is no fact any
-more and still a wish; what a user ended is neither.
+Facts are reports of processes; desired state is what users asked for. A component that died is no
+fact any more and is still desired; a component that a user ended is neither.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _URGENT = (ZOMBIE, WATCHED)
 
 @dataclass(frozen=True, slots=True)
 class DesiredComponent:
-    """A component that shall exist.
+    """Component that shall exist.
 
     Attributes:
         create: Create string that makes it, with its instance name and its slave.
@@ -66,13 +66,13 @@ class DesiredComponent:
 
 
 class DesiredState:
-    """All wishes, in the order in which they came, and which rows of them are not yet kept.
+    """All desired rows, in their order of arrival, and which of them are not stored yet.
 
     Attributes:
         begun: What of the manager's own start was done, as ``KEY: ITEM``.
         zombies: Components whose end is for their user to see, as they were.
         watched: What has been done about the ends of components, by instance.
-        revived: Components that are just being made again: that is no new wish.
+        revived: Components that are just being restarted: they are not newly desired.
         boot: Which run of the machine this is; kept along with the rest.
         answered: What batches came to that changed anything, the last ones, by id.
         followed: By what systems are followed whose events lead them, as text, by name.
@@ -110,16 +110,16 @@ class DesiredState:
 
     @property
     def has_changed(self) -> bool:
-        """Whether there is something to be kept."""
+        """Return whether there is something to store."""
         return bool(self._changed)
 
     def is_stored(self, kind: str, name: str) -> bool:
-        """Whether there is a row of that name on the disk, though perhaps with another value."""
+        """Return whether there is a row of that name on the disk, perhaps with another value."""
         return (kind, name) in self._stored
 
     @property
     def is_urgent(self) -> bool:
-        """Whether something is to be kept that cannot wait until nothing is under way."""
+        """Return whether something is to be stored that cannot wait until nothing is under way."""
         return any(kind in _URGENT for kind, _ in self._changed)
 
     def changes(self, *, is_urgent: bool = False) -> tuple[Row, ...]:
@@ -150,7 +150,7 @@ class DesiredState:
         )
 
     def read(self, rows: Iterable[Row]) -> list[str]:
-        """Take in what was kept; return what cannot be read, one line each."""
+        """Take in what was stored; return what cannot be read, one line each."""
         bad = []
         for kind, name, text in rows:
             self._stored.add((kind, name))
@@ -169,7 +169,7 @@ class DesiredState:
         return before == boot
 
     def clear(self) -> None:
-        """Have no wish at all."""
+        """Clear the desired state."""
         for kind, table in self._tables.items():
             for name in list(table):
                 self.drop(kind, name)
@@ -181,20 +181,20 @@ class DesiredState:
         return json.dumps(value if isinstance(value, str) else encode(value), separators=(",", ":"))
 
     def put(self, kind: str, name: str, value: object) -> None:
-        """Wish for something, under its name."""
+        """Put a row under its name."""
         if self._tables[kind].get(name) != value:
             self._tables[kind][name] = value
             self._changed[kind, name] = None
 
     def drop(self, kind: str, name: str) -> None:
-        """Wish for something no longer."""
+        """Remove a row."""
         if self._tables[kind].pop(name, None) is not None:
             self._changed[kind, name] = None
 
     # components
 
     def made(self, instance: str, create: str, names: tuple[str, ...], pattern: object) -> None:
-        """Note a component that was made; one that is made again keeps what was wished of it."""
+        """Record a component that was made; a restarted one keeps its desired state."""
         self.drop(ZOMBIE, instance)
         if instance in self.revived and instance in self.components:
             return
@@ -203,14 +203,14 @@ class DesiredState:
         self.put(COMPONENT, instance, DesiredComponent(create, names, text))
 
     def adopt(self, facts: ComponentFacts, asked: DesiredComponent | None = None) -> None:
-        """Take for wished what lives and is known from nothing else but what was asked of it."""
+        """Record as desired what lives and is known from nothing else but user requests to it."""
         if asked is None:
             active = tuple(c.id for c in facts.contexts if c.state is LifeCycleState.ACTIVE)
             asked = DesiredComponent("", (), "", facts.sets, facts.active_set, active)
         self.put(COMPONENT, facts.instance, replace(asked, create=facts.create, names=facts.names))
 
     def forget(self, instance: str) -> None:
-        """Wish a component no longer, nor what hangs on it."""
+        """Remove a component from the desired state, and what depends on it."""
         self.drop(COMPONENT, instance)
         self.drop(ZOMBIE, instance)
         self.drop(WATCHED, instance)
@@ -242,7 +242,7 @@ class DesiredState:
         self.change(instance, names=names)
 
     def wire(self, wire: ConnectorProfile) -> None:
-        """Wish for a connector."""
+        """Add a connector to the desired state."""
         self.put(WIRE, wire.connector_id, wire)
 
     def begin(self, what: str) -> None:
@@ -254,7 +254,7 @@ class DesiredState:
         self.put(SETTING, key, value)
 
     def change(self, instance: str, **changes: Any) -> None:
-        """Wish for a component otherwise; one that is not wished for stays so."""
+        """Change a desired component; one that is not desired stays so."""
         wish = self.components.get(instance)
         if wish is not None:
             self.put(COMPONENT, instance, replace(wish, **changes))

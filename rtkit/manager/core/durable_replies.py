@@ -30,7 +30,7 @@ RETRY_S = 1.0
 
 
 class _Done(NamedTuple):
-    """Actions that were done, whose results are told once that is on the disk."""
+    """Actions that were done; their results are sent once these are on the disk."""
 
     actions: Sequence[Action]
     results: list[Result]
@@ -38,7 +38,7 @@ class _Done(NamedTuple):
 
 
 class _Flight(NamedTuple):
-    """Rows that are being written, and what is waiting for them."""
+    """Rows that are being written, and the replies that wait for them."""
 
     rows: tuple[Row, ...]
     done: list[_Done]
@@ -46,7 +46,7 @@ class _Flight(NamedTuple):
 
 
 class DurableReplies:
-    """What is on its way to the store; `out` collects what the shell is to do."""
+    """Rows on their way to the store; `out` collects instructions for the shell."""
 
     def __init__(self, state: ManagerState, out: list[Instruction], tasks: Tasks) -> None:
         self._state = state
@@ -60,11 +60,11 @@ class DurableReplies:
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing is on its way."""
+        """Return whether nothing is on its way."""
         return not self._flights
 
     def finish(self, actions: Sequence[Action], results: list[Result], tell: Tell) -> None:
-        """Have results told when what they say is kept."""
+        """Have results sent when the changes that they report are stored."""
         if self._is_forgetting or not any(result.ok for result in results):
             tell(results)
         elif self._state.kept.has_changed:
@@ -124,7 +124,7 @@ class DurableReplies:
             self._out.append(WakeAt(self._retry_at))
 
     def stop(self, *, is_kept: bool) -> None:
-        """Take nothing back any more; unless wishes are kept, have nothing wished any more."""
+        """Roll nothing back any more; unless desired state is kept, clear it."""
         self._is_stopping = True
         if not is_kept:
             self._is_forgetting = True
@@ -140,7 +140,7 @@ class DurableReplies:
         return flight
 
     def _keep_anew(self, flight: _Flight, why: str) -> None:
-        """Write all that is wished into a new store; who waited for the old one waits for that."""
+        """Write all desired state into a new store; replies for the old one wait for that."""
         self._state.remark = f"{why}; all is written anew"
         _log.warning("%s", self._state.remark)
         self._state.kept.keep_all()
@@ -155,7 +155,7 @@ class DurableReplies:
         self._tasks.begin(self._undo(done, why), _UNDO_S, tell)
 
     def _undo(self, done: _Done, why: str) -> Procedure:
-        """Take back what was made and cannot be kept, the last first; tell what stays."""
+        """Roll back what was made and cannot be stored, the last first; report what stays."""
         for index in reversed(range(len(done.results))):
             result, action = done.results[index], done.actions[index]
             if not result.ok or isinstance(action, act.Tick):
@@ -173,12 +173,12 @@ class DurableReplies:
 
 
 def unkept(why: str) -> str:
-    """Return what to tell of a change that is refused because it cannot be kept."""
+    """Return the reason to refuse a change that cannot be stored."""
     return f"what is wished cannot be recorded: {why}"
 
 
 def _is_ending(action: Action) -> bool:
-    """Whether an action ends or rests something."""
+    """Return whether an action ends or rests something."""
     if isinstance(action, act.ChangeState):
         return action.transition is not Transition.ACTIVATE
     return isinstance(action, (act.Delete, act.EndSlave, act.Unregister, act.Disconnect, act.Tick))

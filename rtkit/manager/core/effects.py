@@ -28,11 +28,11 @@ class AcquireSlave:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """Send a message to a holder and wait for the value that it answers.
+    """Send a message to a container and wait for the value that it answers.
 
     Attributes:
         timeout_s: Bound on the wait; 0 means that of the batch [s].
-        is_lasting: The holder does it whenever it can, also when nobody waits for it any more:
+        is_lasting: The container does it whenever it can, also when nobody waits for it any more:
             what is to go has to go. Anything else that was not begun in time is not done.
     """
 
@@ -59,7 +59,7 @@ class Sleep:
 
 @dataclass(frozen=True, slots=True)
 class WaitUntil:
-    """Wait until something is so that other procedures bring about; `why` tells what it is not."""
+    """Wait for a condition that other procedures bring about; `why` describes what is missing."""
 
     is_so: Callable[[], bool]
     why: str
@@ -67,7 +67,7 @@ class WaitUntil:
 
 @dataclass(frozen=True, slots=True)
 class Send:
-    """Send a message to a holder that needs no answer; goes on at once."""
+    """Send a message to a container that needs no answer; goes on at once."""
 
     process: Process
     message: Message

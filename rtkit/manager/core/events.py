@@ -17,7 +17,7 @@ from rtkit.property.exchange import Reply
 
 Answer = Callable[[Reply], None]
 Row = tuple[str, str, str | None]
-"""A wish as it is kept: kind, name and value; without a value it is to go."""
+"""A row of desired state: kind, name and value; without a value it is to be removed."""
 
 OWN_PROCESS = 0
 """Key of the manager's own process."""
@@ -38,14 +38,14 @@ class BatchRequested:
 
 @dataclass(frozen=True, slots=True)
 class SnapshotRequested:
-    """A client that listens to news wants to know what they begin with."""
+    """A client that subscribes to deltas requests the snapshot they begin with."""
 
     answer: Answer
 
 
 @dataclass(frozen=True, slots=True)
 class ListenersChanged:
-    """Somebody listens on a line now, or nobody does any more."""
+    """A topic has its first subscriber now, or lost its last."""
 
     line: str
     is_heard: bool
@@ -54,7 +54,7 @@ class ListenersChanged:
 
 @dataclass(frozen=True, slots=True)
 class FollowAsked:
-    """A client wants a system to be followed, with all that is needed for it; or, without, not."""
+    """A client wants a system followed, with all that is needed for it; or, without, no more."""
 
     system: str
     text: str | None
@@ -63,7 +63,7 @@ class FollowAsked:
 
 @dataclass(frozen=True, slots=True)
 class FollowSaid:
-    """A follower tells what became of its system, and waits until that is kept."""
+    """A follower reports the outcome of its system, and waits until that is stored."""
 
     told: Followed
     answer: Answer
@@ -82,7 +82,7 @@ class OperationRequested:
 class StopRequested:
     """A client or a signal wants the manager to end; if it is urgent, without any grace.
 
-    What is wished for is kept only where it is not a user who wants that.
+    Desired state is kept only where it is not a user who wants that.
     """
 
     is_urgent: bool = False
@@ -91,12 +91,12 @@ class StopRequested:
 
 @dataclass(frozen=True, slots=True)
 class StoreRead:
-    """What an earlier manager kept, before anybody says what lives.
+    """The store of an earlier manager was read, before any process has reported.
 
     Attributes:
         rows: Of the store.
         boot: Which run of the machine this is: in another one, nobody died by himself.
-        remark: What is to be told of the store; mostly empty.
+        remark: A finding about the store; mostly empty.
     """
 
     rows: Sequence[Row]
@@ -106,14 +106,14 @@ class StoreRead:
 
 @dataclass(frozen=True, slots=True)
 class RecoveryRequested:
-    """All that lives has said so: what is wished and missing is to be made again."""
+    """All live processes have reported: what is desired and missing is to be created."""
 
     answer: Answer
 
 
 @dataclass(frozen=True, slots=True)
 class RowsStored:
-    """What was to be kept is on the disk; or why it is not.
+    """Rows are on the disk, or could not be written for a reason.
 
     Attributes:
         is_lost: Nor is anything that was kept before: the store is gone, and there can be another.
@@ -149,16 +149,16 @@ class SpawnDisabled:
 
 @dataclass(frozen=True, slots=True)
 class SlaveReady:
-    """A slave said hello: it can hold components."""
+    """A slave has connected: it can hold components."""
 
     key: int
 
 
 @dataclass(frozen=True, slots=True)
 class SlaveFound:
-    """A slave that an earlier manager left, or a guest, said what it holds.
+    """A slave of an earlier manager, or an attached process, reported its components.
 
-    One with a `silence`, ``stopped`` or ``does not answer``, said nothing: that is from its will.
+    With a `silence`, ``stopped`` or ``does not answer``, this is from its checkpoint.
     What was `asked` of components since they were made, it alone may know.
     """
 
@@ -173,7 +173,7 @@ class SlaveFound:
 
 @dataclass(frozen=True, slots=True)
 class SlaveExitedUnseen:
-    """A slave ended while no manager ran; what it held is from its will.
+    """A slave ended while no manager ran; its components are known from its checkpoint.
 
     If nobody has seen how, all that ran with it was ended at once.
     """
@@ -187,7 +187,7 @@ class SlaveExitedUnseen:
 
 @dataclass(frozen=True, slots=True)
 class SlaveEnded:
-    """The kernel reported the end of a slave; `last` is what it said before, in one line."""
+    """The kernel reported the end of a slave; `last` is its exit diagnostics, in one line."""
 
     key: int
     reason: str
@@ -204,7 +204,7 @@ class SlaveStopped:
 
 @dataclass(frozen=True, slots=True)
 class SlaveOverLimit:
-    """A slave has reached a limit that it was given by `LimitSlave`; `why` tells which."""
+    """A slave has reached a limit that it was given by `LimitSlave`; `why` names the limit."""
 
     key: int
     why: str
@@ -217,7 +217,7 @@ class CallbackStuck:
     `instance` may also be one that is being made, or a module that is being imported.
 
     Attributes:
-        is_all: No more can be told: at which line it is, is known, or cannot be had.
+        is_all: No more is to come: its line is known, or cannot be had.
     """
 
     key: int
@@ -228,14 +228,14 @@ class CallbackStuck:
 
 @dataclass(frozen=True, slots=True)
 class ProcessInspected:
-    """What `InspectProcess` asked for has been found out, and told by `CallbackStuck`."""
+    """`InspectProcess` is complete; its findings came by `CallbackStuck`."""
 
     key: int
 
 
 @dataclass(frozen=True, slots=True)
 class ContainerReported:
-    """The holder of a process answered, or reported a fact."""
+    """The container of a process answered, or reported a fact."""
 
     key: int
     message: Message
@@ -292,7 +292,7 @@ class AdoptSlave:
 
 @dataclass(frozen=True, slots=True)
 class SendToContainer:
-    """Send a message to the holder of a process."""
+    """Send a message to the container of a process."""
 
     key: int
     message: Message
@@ -317,9 +317,9 @@ class LimitSlave:
 
 @dataclass(frozen=True, slots=True)
 class InspectProcess:
-    """Find out what has been under way in a process for longer than `age_s` [s], and tell it.
+    """Report what has been under way in a process for longer than `age_s` [s].
 
-    `ProcessInspected` ends what is told.
+    `ProcessInspected` ends the report.
     """
 
     key: int
@@ -328,7 +328,7 @@ class InspectProcess:
 
 @dataclass(frozen=True, slots=True)
 class StoreRows:
-    """Write rows into the store, in one go; `RowsStored` tells when they are on the disk."""
+    """Write rows into the store, in one go; `RowsStored` reports when they are on the disk."""
 
     number: int
     rows: Sequence[Row]
@@ -336,7 +336,7 @@ class StoreRows:
 
 @dataclass(frozen=True, slots=True)
 class RemoveStore:
-    """Remove the store at the end: nothing is wished any more."""
+    """Remove the store at the end: nothing is desired any more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,7 +349,7 @@ class AnswerClient:
 
 @dataclass(frozen=True, slots=True)
 class Publish:
-    """Tell those who listen on a line; `message` lacks only the time."""
+    """Publish a message on a topic; `message` lacks only the time."""
 
     line: str
     message: Message
@@ -364,7 +364,7 @@ class WakeAt:
 
 @dataclass(frozen=True, slots=True)
 class ExitDaemon:
-    """Nothing is left to be ended: close the doors and end the process."""
+    """Nothing is left to be ended: close the endpoints and end the process."""
 
 
 Instruction = (

@@ -21,7 +21,7 @@ _BEGIN = act.Create("")
 
 
 class Follows:
-    """The rows about followed systems; `out` collects what the shell is to do."""
+    """Rows about followed systems; `out` collects instructions for the shell."""
 
     def __init__(
         self, state: ManagerState, out: list[Instruction], keeping: DurableReplies
@@ -92,5 +92,5 @@ def _told(kept: DesiredState, name: str) -> dict[str, Any]:
 
 
 def _about(text: str) -> list[str]:
-    """Return the file of the profile, and what tells its content from any other."""
+    """Return the file of the profile, and the fingerprint of its content."""
     return list(json.loads(text).get("about", ["", ""]))

@@ -25,7 +25,7 @@ _LINE_S = 0.15
 
 
 class HealthMonitor:
-    """What was seen of components with rules, and which rules they break."""
+    """Observations of components with health rules, and the rules that they break."""
 
     def __init__(self, state: ManagerState, supervisor: Supervisor, tasks: Tasks) -> None:
         self._state = state
@@ -36,11 +36,11 @@ class HealthMonitor:
 
     @property
     def is_needed(self) -> bool:
-        """Whether any component has rules."""
+        """Return whether any component has rules."""
         return bool(self._state.ruled)
 
     def judge(self, answers: Mapping[int, Sequence[ComponentMetrics]], now: float) -> None:
-        """Judge all that have rules by the figures of their processes, at `now` [s]."""
+        """Judge all that have rules by the metrics of their processes, at `now` [s]."""
         state = self._state
         metrics = {each.instance: each for every in answers.values() for each in every}
         for instance in list(state.ruled):
@@ -59,7 +59,7 @@ class HealthMonitor:
     def stuck(self, instance: str, now: float, *, is_all_told: bool) -> None:
         """Judge at once one of which a callback does not come back.
 
-        If it is not told yet at which line, that is waited for, but not for long.
+        If its line is not known yet, that is waited for, but not for long.
         """
         if is_all_told:
             self._judge_stuck(instance, now)
@@ -107,7 +107,7 @@ class HealthMonitor:
         self._tell(instance)
 
     def _break(self, instance: str, rule: HealthRule, why: str, now: float) -> None:
-        """Note that a rule is broken; do what it says if it was not before."""
+        """Note that a rule is broken; run its action if it was not before."""
         is_new = (instance, rule) not in self._broken
         self._broken[instance, rule] = why
         if is_new:
@@ -139,7 +139,7 @@ class HealthMonitor:
     def _end_process(self, instance: str, rule: HealthRule, why: str) -> bool:
         """End the slave of one that is stuck, as nothing else ends it; return whether that is so.
 
-        What is made again after that, its loss decides.
+        Its loss decides what is restarted after that.
         """
         process = self._state.process_of(instance)
         if rule.kind != "stuck" or process is None or not process.is_slave:

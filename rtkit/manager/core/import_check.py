@@ -35,7 +35,7 @@ _PATIENCE_S = 10.0
 
 
 class CheckedModule(NamedTuple):
-    """A module that a process has imported, what tells its content from another, what is odd."""
+    """A module that a process has imported, with the fingerprint of its content and findings."""
 
     module: ModuleProfile
     fingerprint: int
@@ -46,7 +46,7 @@ def try_module(state: ManagerState, path: str, init: str) -> Generator[Effect, A
     """Have another process import a module; return what it offers, and what is odd in it.
 
     Raises:
-        RtkitError: It cannot be imported; tells why, and the line if there is one.
+        RtkitError: It cannot be imported; gives the reason, and the line if there is one.
     """
     process: Process = yield AcquireSlave(TRIAL, trial_of=path)
     try:
@@ -66,7 +66,7 @@ def share_trial(state: ManagerState, path: str, init: str) -> Generator[Effect, 
     """Have a module tried once for all that want it at a time.
 
     Raises:
-        RtkitError: It cannot be imported; tells why, and the line if there is one.
+        RtkitError: It cannot be imported; gives the reason, and the line if there is one.
     """
     trials = (each for each in state.processes.values() if each.trial_of == path)
     trial = next((each for each in trials if each.is_alive and each.is_wanted), None)
@@ -79,7 +79,7 @@ def share_trial(state: ManagerState, path: str, init: str) -> Generator[Effect, 
 
 
 def read(told: Any) -> CheckedModule:
-    """Read what a process says of a module that it has loaded.
+    """Read the report of a process about a module that it has loaded.
 
     Raises:
         Malformed: It cannot be read.

@@ -27,7 +27,7 @@ _END_S = 5.0
 
 
 class Limiting:
-    """Tells the shell which limits each slave has, and ends those that reach one.
+    """Passes the limits of each slave to the shell, and ends slaves that reach one.
 
     It costs nothing while no component has limits.
     """
@@ -39,7 +39,7 @@ class Limiting:
         self._told: dict[int, SlaveLimits] = {}
 
     def run(self) -> None:
-        """Tell what has changed since the last time."""
+        """Pass on the limits that have changed since the last time."""
         if not self._state.limits and not self._told:
             return
         processes = self._state.processes
@@ -81,7 +81,7 @@ def _ignore(_result: Result) -> None:
 
 
 def _by_process(state: ManagerState) -> dict[int, SlaveLimits]:
-    """Return the limits of processes: what the components in each say, added up."""
+    """Return the limits of processes: the sum of the limits of the components in each."""
     found: dict[int, SlaveLimits] = {}
     for instance, limits in list(state.limits.items()):
         claim = state.claims.get(instance)
@@ -94,7 +94,7 @@ def _by_process(state: ManagerState) -> dict[int, SlaveLimits]:
 
 
 def note_limits(state: ManagerState, instance: str, create: str) -> None:
-    """Note what a create string says of limits, from now on."""
+    """Record the limits in a create string, from now on."""
     limits = limits_in(create)
     if limits:
         state.limits[instance] = limits

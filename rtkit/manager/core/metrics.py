@@ -16,18 +16,18 @@ _PATIENCE_S = 0.25
 
 
 class MetricsConsumer(Protocol):
-    """Who wants figures for himself."""
+    """Part of the core that wants metrics itself."""
 
     @property
     def is_needed(self) -> bool:
-        """Whether he wants any."""
+        """Return whether it wants any."""
 
     def judge(self, answers: Mapping[int, Sequence[ComponentMetrics]], now: float) -> None:
         """Take them, by process."""
 
 
 class MetricsCollector:
-    """The figures that were asked for and have come; `out` collects what the shell is to do."""
+    """Metrics that were requested and have come; `out` collects instructions for the shell."""
 
     def __init__(
         self,
@@ -49,13 +49,13 @@ class MetricsCollector:
         self._answers: dict[int, tuple[ComponentMetrics, ...]] = {}
 
     def listen(self, is_heard: bool) -> None:
-        """Note that somebody wants figures now, or that nobody does any more."""
+        """Note that somebody wants metrics now, or that nobody does any more."""
         self._is_heard = is_heard
         self._ask_at = 0.0
         self._tell_by = None
 
     def hear(self, process: Process, report: object) -> None:
-        """Take the figures of a process.
+        """Take the metrics of a process.
 
         Raises:
             Malformed: They cannot be read.
@@ -67,7 +67,7 @@ class MetricsCollector:
         self._answers[process.key] = tuple(decode(ComponentMetrics, each) for each in report)
 
     def run(self, now: float) -> float | None:
-        """Ask, or tell, when it is time; return when it is time for the next [s]."""
+        """Request or publish metrics when it is time; return when it is time for the next [s]."""
         if not self._is_heard and not (self._judge is not None and self._judge.is_needed):
             return None
         if self._tell_by is not None and (not self._asked or now >= self._tell_by):

@@ -65,7 +65,7 @@ def take(state: ManagerState, module: ModuleProfile, path: str = "") -> None:
 
 
 def take_all(state: ManagerState, process: Process, told: object) -> None:
-    """Take in what a process says that it has loaded by itself.
+    """Take in the report of a process about what it has loaded by itself.
 
     Raises:
         Malformed: It cannot be read.

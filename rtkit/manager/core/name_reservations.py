@@ -18,7 +18,7 @@ from rtkit.settings.values import PROCESS_UNIQUE
 
 _POLICY = "manager.components.naming_policy"
 _PATIENCE_S = 3.0
-"""How long other managers have to tell which names they have [s]."""
+"""How long other managers have to report their names [s]."""
 
 
 def names_elsewhere(
@@ -45,7 +45,7 @@ def at_rest(state: ManagerState, instance: str) -> Generator[WaitUntil, Any, Non
 def claim_name(
     state: ManagerState, action: act.Create, create: CreateString, taken: Collection[str] = ()
 ) -> tuple[str, NameReservation]:
-    """Choose the instance name, ``<type><n>`` unless wished otherwise, and hold it.
+    """Choose the instance name, ``<type><n>`` unless one is given, and reserve it.
 
     Raises:
         Refused: It, or a path at which it would be listed, is not free.

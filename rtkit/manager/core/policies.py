@@ -20,7 +20,7 @@ DEFAULT = "manager.restart"
 
 
 def policy_of(state: ManagerState, create: str) -> RestartPolicy:
-    """Return the policy that a create string says, over that of its slave and of the manager.
+    """Return the policy in a create string, else that of its slave, else of the manager.
 
     Raises:
         Malformed: It makes no sense.
@@ -37,7 +37,7 @@ def policy_of(state: ManagerState, create: str) -> RestartPolicy:
 
 
 def set_policy(state: ManagerState, action: act.SetPolicy) -> Procedure:
-    """Change the policy of a component; its create string says it from now on."""
+    """Change the policy of a component, and with it its create string."""
     facts = state.components.get(action.instance)
     if facts is None:
         raise NotFound(f"no component named {action.instance}")

@@ -50,7 +50,7 @@ _OPERATIONS = {
 
 
 def procedure_for(action: Action, state: ManagerState) -> Procedure:
-    """Do an action, and note what is wished from then on."""
+    """Do an action, and record what is desired from then on."""
     result = yield from _steps(action, state)
     if isinstance(action, act.Connect):  # with the ports' own names
         action = act.Connect(state.connectors.get(action.connector.connector_id, action.connector))
@@ -192,7 +192,7 @@ def _enter(
 
 
 def _lacking(state: ManagerState, instance: str) -> str:
-    """Tell what hung on a component that has died, and is not made again with a new one."""
+    """Report what depended on a component that has died, and is not restarted with a new one."""
     kept = state.kept
     wires = [
         connector_id
@@ -212,7 +212,7 @@ def _lacking(state: ManagerState, instance: str) -> str:
 def _otherwise(
     state: ManagerState, action: act.Create, create: CreateString, known: ComponentFacts
 ) -> str:
-    """Tell that a component that is there already is not where it was asked for.
+    """Report that a component that exists already is not where it was asked for.
 
     Raises:
         Refused: It is of another type than was asked for.

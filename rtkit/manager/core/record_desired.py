@@ -9,7 +9,7 @@ from rtkit.rtc.enums import Transition
 
 
 def note(kept: DesiredState, action: Action) -> None:
-    """Note an action that was done, but for those on whole components, which say more."""
+    """Record an action that was done, but for those on whole components, which say more."""
     match action:
         case act.Load(path, init):
             kept.put(MODULE, module_row(path, init), init)

@@ -1,7 +1,7 @@
 """Recovers the desired state: creates what is missing and repairs what differs.
 
 With places fixed the cheapest plan is the difference itself, in the order of its kinds; so nothing
-is searched for. What fails is told, and the rest is done all the same.
+is searched for. What fails is reported, and the rest is done all the same.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def note_loss(state: ManagerState, instance: str) -> Procedure:
 
 
 class _Bonds(NamedTuple):
-    """What components have to do with each other and is not so yet, looked up once for all.
+    """Missing links between components, looked up once for all.
 
     Attributes:
         wires: Connectors that are missing, by the instances at their ends.
@@ -221,13 +221,13 @@ def _answers(state: ManagerState, instance: str) -> bool:
 
 
 def lives(state: ManagerState, instance: str) -> bool:
-    """Whether a component is there, and no zombie."""
+    """Return whether a component exists and is no zombie."""
     facts = state.components.get(instance)
     return facts is not None and not facts.zombie
 
 
 def _adopt(state: ManagerState) -> None:
-    """Take for wished what is found alive: it was made, or its record is lost."""
+    """Record as desired what is found alive: it was made, or its record is lost."""
     kept: DesiredState = state.kept
     for instance, facts in state.components.items():
         process = state.process_of(instance)

@@ -76,7 +76,7 @@ def check_free(state: ManagerState, names: Iterable[str], instance: str) -> None
 
 
 def is_own_place(state: ManagerState, name: str, instance: str) -> bool:
-    """Whether a name is where a component is found anyway, below its manager or its slave."""
+    """Return whether a component is found by that name anyway, below its manager or its slave."""
     *folders, leaf = name.split("/")
     while folders and "/".join(folders) not in state.names:
         if not folders.pop().endswith(MANAGER_SUFFIX):

@@ -60,7 +60,7 @@ def _completed(
 
 
 def result(message: Message) -> Result:
-    """Return the result that a holder's answer tells."""
+    """Return the result in a container's answer."""
     try:
         code = ReturnCode(message.get("code", ReturnCode.OK.value))
     except ValueError:

@@ -9,15 +9,15 @@ from rtkit.fast_dataclass import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class RestartRecord:
-    """What has been done so far about the ends of a component, and is to be done.
+    """Record of the restarts of a component, past and pending.
 
     Attributes:
         ledger: By what the law of restarts judges; its times are of this run of the machine.
         restarts: How often its policy made it again.
         why: For which end it was the last time.
         took_s: How long that took [s].
-        pending: For which end it is to be made again; empty when it is not.
-        given_up: Why it is made again no more.
+        pending: For which end it is to be restarted; empty when it is not.
+        given_up: Why it is restarted no more.
         is_in_error: It is, and that was answered.
         rested: Which rule it broke for which it was deactivated.
         halted: For which loss everything was deactivated, since it is critical.
@@ -35,21 +35,21 @@ class RestartRecord:
 
     @property
     def record(self) -> RestartRecord:
-        """What is left of it when nothing that it did is held against it any more."""
+        """Return what remains of the record once all failures are forgiven."""
         return RestartRecord(restarts=self.restarts, why=self.why, took_s=self.took_s)
 
     @property
     def is_in_hand(self) -> bool:
-        """Whether it is to be made again, or was given up."""
+        """Return whether a restart is pending, or was given up."""
         return bool(self.pending or self.given_up)
 
     @property
     def due_s(self) -> float:
-        """When it is to be made again, monotonic [s]; 0 when it is not."""
+        """Return when the restart is due, monotonic [s]; 0 without one."""
         return self.ledger.times[-1] if self.pending and self.ledger.times else 0.0
 
     def told(self, degraded: str) -> RestartStatus:
-        """Return what is told of it, with the rule of health that it breaks."""
+        """Return the restart status, with the rule of health that it breaks."""
         return RestartStatus(
             self.restarts,
             self.why,

@@ -81,7 +81,7 @@ class StartUp:
         ]
 
     def restore(self) -> None:
-        """Have made again what an earlier manager kept, then begin."""
+        """Have the desired state of an earlier manager recovered, then begin."""
         self._post(RecoveryRequested(self._restored))
 
     def _restored(self, reply: Reply) -> None:
@@ -90,7 +90,7 @@ class StartUp:
         self.begin()
 
     def begin(self) -> None:
-        """Do the next thing, or tell that nothing is left."""
+        """Do the next thing, or report that nothing is left."""
         while self._steps:
             key, plan, item = self._steps.pop(0)
             if f"{key}: {item}" in self._state.kept.begun:

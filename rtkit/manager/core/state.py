@@ -22,16 +22,16 @@ _UNWATCHED = RestartRecord()
 
 @dataclass(slots=True)
 class Process:
-    """The manager's own process, a slave, or a guest: one that nobody here started.
+    """The manager's own process, a slave, or an attached process that nobody here started.
 
     Attributes:
         state: ``starting``, ``up``, ``stopped``, ``silent`` or ``lost``; a silent one was left by
             an earlier manager and has not come back to this one.
         reason: Why it is lost.
         silence: Of a silent one: ``stopped`` or ``does not answer``.
-        last: What it said before it was lost.
-        verdict: Why it is ended though what it holds is wanted; that counts more than how.
-        is_wanted: False once it was told to end.
+        last: Its exit diagnostics.
+        verdict: Why it is ended though what it holds is wanted; that takes precedence over how.
+        is_wanted: False once its end was requested.
         is_guest: It came by itself with components of its own and ends by itself.
         trial_of: The module of which it only tries whether it can be imported; it is not shown.
         failure: Why that module cannot be imported.
@@ -57,27 +57,27 @@ class Process:
 
     @property
     def is_trial(self) -> bool:
-        """Whether it is there for nothing but to try a module."""
+        """Return whether the process exists for nothing but the import check of a module."""
         return bool(self.trial_of)
 
     @property
     def is_slave(self) -> bool:
-        """Whether the manager started it, and is to end it."""
+        """Return whether the manager started the process, and is to end it."""
         return self.key != OWN_PROCESS and not self.is_guest
 
     @property
     def is_alive(self) -> bool:
-        """Whether the kernel still runs it."""
+        """Return whether the kernel still runs it."""
         return self.state != "lost"
 
     @property
     def is_ready(self) -> bool:
-        """Whether it takes messages, though it may be stopped and take them later."""
+        """Return whether it takes messages, though it may be stopped and take them later."""
         return self.state in ("up", "stopped")
 
     @property
     def end(self) -> str:
-        """How it was lost, with its last words."""
+        """Return how the process was lost, with its exit diagnostics."""
         if not self.pid:
             return f"slave {self.name} could not be started: {self.reason}"
         words = f"; its last words: {self.last}" if self.last else ""
@@ -85,7 +85,7 @@ class Process:
 
     @property
     def unfit(self) -> str:
-        """Why it answers nothing at present; empty when it does."""
+        """Return why it answers nothing at present; empty when it does."""
         if not self.is_alive:
             return self.end
         if self.is_stopped:
@@ -94,13 +94,13 @@ class Process:
 
     @property
     def is_stopped(self) -> bool:
-        """Whether it was stopped and has not gone on yet."""
+        """Return whether it was stopped and has not continued yet."""
         return "stopped" in (self.state, self.silence)
 
 
 @dataclass(slots=True)
 class NameReservation:
-    """What a component will have that is being made: its names, and its process once chosen.
+    """Reservation for a component that is being made: its names, and its process once chosen.
 
     Attributes:
         is_by_template: Nobody asked for these names; once it is made there may be more.
@@ -123,7 +123,7 @@ class Opening:
 
 @dataclass(slots=True)
 class ManagerState:
-    """Everything one manager knows; only its core changes it.
+    """State of one manager; only its core changes it.
 
     Attributes:
         holders: Key of the process that holds, or held, each component.
@@ -135,19 +135,19 @@ class ManagerState:
         settings: The properties that the manager was given.
         folder: Where relative paths of properties begin.
         base_paths: Folders of modules that are always there.
-        port: TCP port of the front door, 0 without one.
+        port: TCP port of the TCP endpoint, 0 without one.
         masters: Managers that this one is registered with.
         slaves: Managers with processes of their own that are registered with this one.
         is_in_haste: It is to end without any grace.
         barred: Why no slave can be made at present; empty when they can.
-        kept: What users wished for, as it is kept for the next manager.
-        unkept: Why wishes cannot be kept at present; empty when they can.
-        remark: What is to be told of the store of an earlier manager; mostly empty.
-        returning: Instances that are to be made again.
+        kept: Desired state, as it is stored for the next manager.
+        unkept: Why desired state cannot be stored at present; empty when it can.
+        remark: A finding about the store of an earlier manager; mostly empty.
+        returning: Instances that are to be restarted.
         unwell: Those of them that live, and are to be ended first.
         ruled: Instances with rules of health.
         degraded: Which of those rules they break, by instance.
-        limits: What components may use that say so, by instance.
+        limits: Limits of components that have any, by instance.
         capacity: Returns what this host has.
         since_made: What users asked of found components since they were made, by instance; no
             more once the rest of what is desired of them is done.
@@ -201,22 +201,22 @@ class ManagerState:
         return self.kept.watched.get(instance, _UNWATCHED)
 
     def watch(self, instance: str, **changes: object) -> None:
-        """Note what was done about the ends of a component, and tell it."""
+        """Record what was done about the ends of a component, and report it."""
         self.kept.watch(instance, **changes)
         self.report_restart_status(instance)
 
     def restart_status_of(self, instance: str) -> RestartStatus:
-        """Return what is told of the ends and the health of a component."""
+        """Return the restart status and the health of a component."""
         return self.watched(instance).told(self.degraded.get(instance, ""))
 
     def is_in_hand(self, instance: str) -> bool:
-        """Whether a component is dead, and its policy brings it back, or gave it up."""
+        """Return whether a component is dead, and its policy restarts it or gave up."""
         facts, watched = self.components.get(instance), self.watched(instance)
         is_dead = facts is not None and bool(facts.zombie)
         return is_dead and instance in self.kept.components and watched.is_in_hand
 
     def report_restart_status(self, instance: str) -> None:
-        """Have the facts of a component say what was done about it."""
+        """Add the restart status to the facts of a component."""
         facts = self.components.get(instance)
         if facts is not None and facts.restart_status != (
             restart_status := self.restart_status_of(instance)
@@ -260,7 +260,7 @@ class ManagerState:
         return [instance for instance, container in self.containers.items() if container == key]
 
     def is_needed(self, key: int) -> bool:
-        """Whether a process holds a component, or one is being made in it."""
+        """Return whether a process holds a component, or one is being made in it."""
         return key in self.containers.values() or any(c.key == key for c in self.claims.values())
 
     def connectors_of(self, instance: str) -> list[ConnectorProfile]:

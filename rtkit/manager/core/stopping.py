@@ -39,7 +39,7 @@ def retire_unused(state: ManagerState, process: Process) -> Procedure:
 
 
 def grace_s(state: ManagerState) -> float:
-    """Return the grace between TERM and KILL that the manager's properties say [s]."""
+    """Return the grace between TERM and KILL from the manager's properties [s]."""
     return state.settings.number("manager.termination_waittime")
 
 
@@ -73,7 +73,7 @@ def stop_everything(state: ManagerState) -> Procedure:
     """End all components in reverse order of their creation, then all slaves.
 
     It never fails and never takes longer than its graces: components that did not come to their
-    turn are finalised by their own process when it is told to end.
+    turn are finalised by their own process when it is asked to end.
     """
     began: float = yield ReadClock()
     silent: set[int] = set()

@@ -1,7 +1,7 @@
 """Restarts components that died as their policy says: with back-off, within limits, or not at all.
 
-What is made again is configured, connected and active as it is wished. A user's word counts more:
-what he ended is not made again, what he made himself begins with a clean record.
+A restarted component is configured, connected and active as desired. A user takes precedence:
+what he ended is not restarted, what he made himself begins with a clean record.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _log = logging.getLogger(__name__)
 _REVIVE_S = 10.0
 """How long each step of a restart may take [s]."""
 _BREATH_S = 0.001
-"""That a component is there is told so long before that it was made again [s]."""
+"""Delay from the report of a component to the report of its restart [s]."""
 _STOP_S = 30.0
 """How long it may take to stop a system [s]."""
 _ORDERLY = "exit status 0"
@@ -42,7 +42,7 @@ _WELL = (LifeCycleState.ACTIVE, LifeCycleState.INACTIVE)
 
 
 class Supervisor:
-    """What is done about ends.
+    """Restarts components that ended, as their policies say.
 
     Until all that was left by an earlier manager is back, ends are only noted.
     """
@@ -53,12 +53,12 @@ class Supervisor:
         self._early: list[tuple[list[str], str]] | None = None
 
     def policy(self, instance: str) -> RestartPolicy:
-        """Return the policy of a component; one that is not wished for is not made again."""
+        """Return the policy of a component; one that is not desired is not restarted."""
         wish = self._state.kept.components.get(instance)
         return RestartPolicy() if wish is None else policy_of(self._state, wish.create)
 
     def wants(self, instance: str, reason: str) -> bool:
-        """Whether a component that ended for that reason is to be made again."""
+        """Return whether a component that ended for that reason is to be restarted."""
         return self.policy(instance).wants(reason != _ORDERLY)
 
     def recall(self, *, is_same_boot: bool) -> None:
@@ -92,7 +92,7 @@ class Supervisor:
             due = max(max(kept.watched[each].ledger.times, default=now) for each in instances)
             if due > now:
                 self._begin(instances, due - now, why)
-            else:  # perhaps it was made again and died with that manager: that counts
+            else:  # perhaps it was restarted and died with that manager: that counts
                 state.returning.difference_update(instances)
                 early.append((instances, why))
         for instances, why in early:
@@ -149,7 +149,7 @@ class Supervisor:
         return self._change_wish(action)
 
     def _change_wish(self, action: act.ChangeState) -> Procedure:
-        """Wish a dead component at rest; at a reset make it again at once, and forgive all.
+        """Set a dead component's desired state to rest; at a reset restart it at once, forgive all.
 
         Raises:
             Refused: It is to be active, which it cannot be now.
@@ -225,7 +225,7 @@ class Supervisor:
     ) -> Procedure:
         """Make components again after a while, unless somebody has done so or ended them.
 
-        `dues` tells by its last moment which restart of each it is: another one may be due after
+        The last moment in `dues` identifies the restart of each: another one may be due after
         a reset.
         """
         state = self._state
@@ -265,7 +265,7 @@ class Supervisor:
         return [i for i, w in watched.items() if not w.pending or w.ledger.times == dues[i]]
 
     def _is_missed(self, instance: str) -> bool:
-        """Whether a component is wished for, there is nothing of use, and nobody has reset it."""
+        """Return whether a component is desired, nothing usable exists, and nobody has reset it."""
         state = self._state
         if instance not in state.kept.components or not state.watched(instance).pending:
             return False
@@ -299,7 +299,7 @@ def _is_in_error(facts: ComponentFacts) -> bool:
 def _take_down(
     state: ManagerState, instance: str, why: str, failed: Failed
 ) -> Generator[Yielded, Any, None]:
-    """End a component that is bad, its process where that does not work; its wish stays."""
+    """End a component that is bad, its process where that does not work; it stays desired."""
     process = state.process_of(instance)
     if process is None:
         return

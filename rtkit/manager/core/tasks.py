@@ -61,13 +61,13 @@ class _Task:
     """A procedure under way.
 
     Attributes:
-        done: Told the outcome; None when nobody waits for it.
+        done: Receives the outcome; None when nobody waits for it.
         until: When its time is up, but for waits of a time of their own; monotonic [s].
         wait: What it waits for at present.
         since: When it began to wait, monotonic [s].
         key: Of the process that it waits for.
         is_late: Its time is up; what it waits for is being inspected.
-        told: The failure that a holder answered with, and the error that stands for it.
+        told: The failure in a container's answer, and the error that stands for it.
     """
 
     steps: Procedure
@@ -90,7 +90,7 @@ class _Step(NamedTuple):
 
 
 class Tasks:
-    """All procedures under way; `out` collects what the shell is to do."""
+    """Procedures under way; `out` collects instructions for the shell."""
 
     def __init__(self, state: ManagerState, out: list[Instruction]) -> None:
         self._state = state
@@ -105,11 +105,11 @@ class Tasks:
 
     @property
     def is_idle(self) -> bool:
-        """Whether no procedure is under way."""
+        """Return whether no procedure is under way."""
         return not self._waiting and not self._ready
 
     def begin(self, steps: Procedure, timeout_s: float, done: Done | None = None) -> None:
-        """Take a procedure in; `done` hears its outcome.
+        """Take a procedure in; `done` receives its outcome.
 
         All that it waits for together, but for what names a time of its own, takes at most
         `timeout_s` [s].
@@ -140,7 +140,7 @@ class Tasks:
         return process
 
     def hear(self, key: int, message: Message) -> None:
-        """Take the answer of a holder; one that nobody waits for any more is ignored."""
+        """Take the answer of a container; one that nobody waits for any more is ignored."""
         number = message["reply"]
         task = self._waiting.get(number) if isinstance(number, int) else None
         if task is None or task.key != key or not isinstance(task.wait, Call):
@@ -166,7 +166,7 @@ class Tasks:
                 self._go_on(number, None, self._late(task))
 
     def process_ended(self, process: Process) -> None:
-        """Tell those who wait for this slave that it ended."""
+        """Notify the tasks that wait for this slave that it ended."""
         self.give_up_on(process, Unreachable(process.end))
         for number, task in list(self._waiting.items()):
             if isinstance(task.wait, WaitForEnds) and _have_ended(task.wait):
@@ -358,7 +358,7 @@ def failed(error: RtkitError) -> Result:
 
 
 def _advance(task: _Task, value: Any, error: RtkitError | None) -> Effect | None:
-    """Let a procedure go on; return what it wishes next, None when it is over."""
+    """Resume a procedure; return its next effect, None when it is over."""
     try:
         return task.steps.throw(error) if error else task.steps.send(value)
     except StopIteration as stop:

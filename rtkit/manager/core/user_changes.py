@@ -31,7 +31,7 @@ _ACTIONS: Mapping[object, type[Action]] = {
 
 
 def read(told: object) -> Asked:
-    """Return the actions that a process tells; none where it tells nothing.
+    """Return the actions that a process reports; none where it reports nothing.
 
     Raises:
         Malformed: They cannot be read.

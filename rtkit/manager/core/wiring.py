@@ -170,7 +170,7 @@ def unwire(state: ManagerState, wire: ConnectorProfile, timeout_s: float = 0.0) 
     A time-out of 0 means that of the batch [s].
 
     Raises:
-        Unreachable: An end that lives did not answer; it does what it was told when it can.
+        Unreachable: An end that lives did not answer; it obeys when it can.
     """
     state.connectors.pop(wire.connector_id, None)
     message = {"op": "unlink", "connector_id": wire.connector_id}

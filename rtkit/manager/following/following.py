@@ -29,7 +29,7 @@ Post = Callable[["Event | Request"], object]
 
 
 class Following:
-    """The followers of a manager; all but what is said otherwise is called on its loop."""
+    """Followers of a manager; called on its loop except where stated."""
 
     def __init__(self, post: Post, state: ManagerState) -> None:
         self._post = post
@@ -39,7 +39,7 @@ class Following:
         self._has_begun = self._is_over = False
 
     def begin(self) -> None:
-        """Follow from now on: all that lives has said so, and what is wished is made again."""
+        """Follow from now on: all live processes have reported, and desired state is recovered."""
         self._has_begun = True
         self.sync()
 
@@ -75,12 +75,12 @@ class Following:
         return worker
 
     def _listen(self, who: str, lines: Sequence[str]) -> None:
-        """Have one told what is told on these lines, and no others; called on its thread."""
+        """Subscribe a follower to these topics, and no others; called on its thread."""
         for line in (TREE, FIGURES):
             self._post(ListenersChanged(line, line in lines, who))
 
     def heard(self, line: str, message: Mapping[str, Any]) -> None:
-        """Tell the followers what the manager tells on its lines."""
+        """Pass what the manager publishes on its topics to the followers."""
         attendants = [*self._workers.values()]
         if line == TREE:
             for worker in attendants:

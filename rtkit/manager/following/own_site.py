@@ -26,11 +26,11 @@ _ASK_AGAIN_S = 0.2
 
 
 class Ended(Exception):
-    """Nothing more is to be done here; it is no failure."""
+    """Signals that nothing more is to be done here; it is no failure."""
 
 
 class OwnSite:
-    """What `rtkit.deployment.site` asks for, of this manager; one thread uses it."""
+    """Site (see `rtkit.deployment.site`) that is this manager; one thread uses it."""
 
     def __init__(self, post: Callable[[Request], object], manager: str, purpose: str) -> None:
         """Prepare to ask.
@@ -38,7 +38,7 @@ class OwnSite:
         Args:
             post: Hands a request to the loop.
             manager: Its name.
-            purpose: What the lease is for, as others are told.
+            purpose: Purpose of the lease, as shown to others.
         """
         self._post = post
         self._manager = manager
@@ -50,7 +50,7 @@ class OwnSite:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more is to be done."""
+        """Return whether nothing more is to be done."""
         return self._is_over.is_set()
 
     def end(self) -> None:
@@ -92,7 +92,7 @@ class OwnSite:
             raise Ended
 
     def take_lease(self, waits: Callable[[str], object]) -> None:
-        """Keep others off who carry plans out; `waits` is told for whom it waits."""
+        """Keep others from carrying plans out; `waits` receives whom it waits for."""
         told = ""
         while True:
             wanted = {**encode(self._holder), "since": time.time()}
@@ -124,7 +124,7 @@ class OwnSite:
 
     @property
     def answer(self) -> Callable[[Reply], None]:
-        """Who is to be given the answer to what is asked otherwise, before `awaited`."""
+        """Return the receiver for the answer to another request, before `awaited`."""
         return self._answers.put
 
     def _check(self) -> None:

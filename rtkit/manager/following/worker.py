@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
         @property
         def is_over(self) -> bool:
-            """Whether nothing more is to be done."""
+            """Return whether nothing more is to be done."""
             ...
 
         def end(self) -> None:
@@ -63,7 +63,7 @@ class FollowingWorker:
     """One thread that follows one system.
 
     Attributes:
-        told: What it has told of it.
+        told: Its reports so far.
         needs_figures: Whether a condition is on what components do; known once it runs.
     """
 
@@ -81,8 +81,8 @@ class FollowingWorker:
             text: What a system is followed by (`rtkit.deployment.states.followed`).
             told: Its last state and transition.
             site: Where it lives.
-            say: Keeps and tells what has become of it; returns when that is kept.
-            listen: Has `changed` called with what is told on these lines, and no others.
+            say: Stores and reports its outcome; returns when that is stored.
+            listen: Has `changed` called with what is published on these topics, and no others.
         """
         self._text = text
         self._site = site
@@ -97,7 +97,7 @@ class FollowingWorker:
 
     @property
     def is_ended(self) -> bool:
-        """Whether it has run, and does so no more."""
+        """Return whether it has run, and does so no more."""
         return not self._thread.is_alive()
 
     def begin(self) -> None:
@@ -114,7 +114,7 @@ class FollowingWorker:
         self._thread.join(timeout_s)
 
     def changed(self, metrics: Any = None) -> None:
-        """Note that something has changed, perhaps with new figures; from any thread."""
+        """Note that something has changed, perhaps with new metrics; from any thread."""
         if metrics is not None:
             self._metrics = {
                 each.instance: each for process in metrics.processes for each in process.components
@@ -122,7 +122,7 @@ class FollowingWorker:
         self._changed.set()
 
     def run(self) -> None:
-        """Follow until told to end, or until a transition fails and nothing leads on."""
+        """Follow until its end is requested, or until a transition fails and nothing leads on."""
         try:
             self._follow()
         except Ended:
@@ -177,7 +177,7 @@ class FollowingWorker:
             self._site.pause(min(max(_PAUSE_S, _PAUSES * took_s), _LONGEST_PAUSE_S))
 
     def _is_kept_off(self, leader: Leader) -> bool:
-        """Whether somebody carries a plan out: what is so on his way is no state, nor an event."""
+        """Return whether a plan is being carried out: states on its way are no events to follow."""
         holder = self._site.holder()
         if holder is None:
             return False

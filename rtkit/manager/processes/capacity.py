@@ -15,7 +15,7 @@ _MEMINFO = "/proc/meminfo"
 
 
 def capacity(root: str = _ROOT, groups: str = _GROUPS, meminfo: str = _MEMINFO) -> Capacity:
-    """Return what may be used here: the least that the machine and its control groups say.
+    """Return what may be used here: the least of the machine and its control groups.
 
     Sources: proc(5), cgroups(7); ``memory.max`` and ``cpu.max`` of version 2 and their like of 1.
     """

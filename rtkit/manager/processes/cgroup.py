@@ -50,7 +50,7 @@ class ControlGroups:
         _write(f"{folder}/cgroup.procs", str(pid))
 
     def was_out_of_memory(self, pid: int) -> bool:
-        """Whether the kernel ended something in the group of a process for want of memory."""
+        """Return whether the kernel killed anything in a process's group for want of memory."""
         folder = self._folders.get(pid, "")
         lines = _read(f"{folder}/memory.events").splitlines() if folder else []
         return any(line.startswith("oom_kill ") and line.split()[1] != "0" for line in lines)

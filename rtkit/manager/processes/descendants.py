@@ -38,7 +38,7 @@ def bear_mark(manager: str) -> None:
 
 
 class Descendants:
-    """Writes the list of what descends from this process but for its zygotes and slaves."""
+    """Writes the list of descendants of this process other than its zygotes and slaves."""
 
     def __init__(self, manager: str) -> None:
         folder = places.runtime_dir()
@@ -96,7 +96,7 @@ def _read(path: str) -> dict[int, int]:
 
 
 def _is_one_dead(manager: str) -> bool:
-    """Whether a process of a manager was killed: only then all processes are looked through."""
+    """Return whether a process of a manager was killed: only then all processes are searched."""
     entries = [each for each in running.traces(manager) if each.endswith(_BEATS)]
     pids = [int(each.removeprefix(f"{manager}.").partition(".")[0]) for each in entries]
     return any(not began_at(pid) for pid in pids)

@@ -29,13 +29,13 @@ _PRINTED = ("stdout", "stderr")
 
 
 class ExitDiagnostics(NamedTuple):
-    """Why a process may have ended.
+    """Diagnostics of the exit of a process.
 
     Attributes:
         place: ``file.py:12 in name`` of a crash; empty when there was none, or it is not known.
         text: The last lines that it printed, or that it logged as worth a warning; one line.
         thread: Identity of the thread that crashed; 0 when that is not known.
-        stacks: What the interpreter told of a crash, as it wrote it; empty when there was none.
+        stacks: Report of the interpreter about a crash, as it wrote it; empty when there was none.
     """
 
     place: str = ""
@@ -49,7 +49,7 @@ class ExitDiagnostics(NamedTuple):
 
 
 def exit_diagnostics(manager: str, slave: str, pid: int) -> ExitDiagnostics:
-    """Return what a slave that ended had to say; nothing if that cannot be known."""
+    """Return the exit diagnostics of a slave; nothing if they cannot be known."""
     output = _end(places.output_file(manager, slave), _OUTPUT_BYTES, keeps_head=True)
     if not is_of(output, pid):
         return ExitDiagnostics()

@@ -23,11 +23,11 @@ from rtkit.manager.processes.zygote import reason
 _log = logging.getLogger(__name__)
 _ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 _DYING_MS = 100
-"""How long a process whose line ended may take to be a zombie."""
+"""How long a process whose connection ended may take to be a zombie."""
 
 
 class ForkServer:
-    """One zygote after the other; for `selectors` it is the socket to the present one.
+    """Runs one zygote after the other; for `selectors` it is the socket to the present one.
 
     Attributes:
         pid: Of the present one, or of the last.
@@ -84,16 +84,16 @@ class ForkServer:
         return messages
 
     def prove(self) -> None:
-        """Note that a slave of it said hello."""
+        """Note that a slave of it has connected."""
         self._patience.prove()
 
     @property
     def is_failing(self) -> bool:
-        """Whether those that were started lately did not live long."""
+        """Return whether the zygotes that were started lately did not live long."""
         return self._patience.failures > 1
 
     def release(self) -> str:
-        """Close the line to one that ended, and set the time of the next; return what happened."""
+        """Close the connection to one that ended, schedule the next; return what happened."""
         self._channel.close()
         why = f"the zygote ended: {self._end()}"
         wait_s = self._patience.end(time.monotonic())
@@ -108,7 +108,7 @@ class ForkServer:
         self._channel.close()
 
     def _end(self) -> str:
-        """Return how it ended; one that only gave up its line is killed."""
+        """Return how it ended; one that only gave up its connection is killed."""
         if self.pid in self.ends:
             return self.ends.pop(self.pid)
         pidfd = os.pidfd_open(self.pid)

@@ -1,6 +1,6 @@
 """Connects to zygotes of earlier managers, which are still the parents of the slaves left.
 
-Each listens at a path of its own until the next manager comes, then tells which children it has
+Each listens at a path of its own until the next manager comes, then reports which children it has
 and what became of others. It is never asked to fork, and ends with its last child.
 """
 
@@ -25,7 +25,7 @@ _log = logging.getLogger(__name__)
 
 
 class FormerZygotes:
-    """The lines to zygotes of earlier managers; `pattern` is their path with ``%p`` for the pid."""
+    """Connections to former zygotes; `pattern` is their path with ``%p`` for the pid."""
 
     def __init__(self, pattern: str) -> None:
         self._pattern = pattern
@@ -36,11 +36,11 @@ class FormerZygotes:
 
     @property
     def missing(self) -> dict[int, str]:
-        """Children that have not yet said what they hold, with their names, if those are told."""
+        """Children that have not yet reported, with their names, if those are known."""
         return {pid: self._names.get(pid, "") for pid in self._missing}
 
     def has(self, pid: int) -> bool:
-        """Whether a zygote will tell the end of this process."""
+        """Return whether a zygote will report the end of this process."""
         return any(pid in children for children in self._children.values())
 
     def find(self) -> list[ControlChannel]:
@@ -78,7 +78,7 @@ class FormerZygotes:
         return [message for message in messages if "children" not in message]
 
     def found(self, pid: int) -> None:
-        """Note that a child said what it holds."""
+        """Note that a child has reported."""
         self._missing.discard(pid)
 
     def ended(self, pid: int) -> None:

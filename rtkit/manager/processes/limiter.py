@@ -34,7 +34,7 @@ _DATA_ROOM = 512 << 20
 _FILE_ROOM = 64
 """How many more descriptors it can open until the next look."""
 _NO_MEMORY = ("memory allocation of", "bad_alloc", "MemoryError", "out of memory")
-"""So programs say that they could have no more, before they abort."""
+"""Output of programs that could get no more, before they abort."""
 
 _log = logging.getLogger(__name__)
 
@@ -45,7 +45,7 @@ class _Limited:
 
     Attributes:
         times: Processor time of the last `WINDOW_S`, as (moment, used) [s].
-        shared_at: When what its processes share was told apart last, monotonic [s].
+        shared_at: When what its processes share was last counted apart, monotonic [s].
         shared: How much that was [bytes].
     """
 
@@ -59,7 +59,7 @@ class _Limited:
 
 
 class Limiter:
-    """What is known of the slaves that have limits, by key."""
+    """Observations of the slaves that have limits, by key."""
 
     def __init__(self, groups: ControlGroups | None = None) -> None:
         self._groups = control_groups() if groups is None else groups
@@ -67,7 +67,7 @@ class Limiter:
 
     @property
     def look_at(self) -> float:
-        """When the next `look` has something to do, monotonic [s]."""
+        """Return when the next `look` has something to do, monotonic [s]."""
         return min((each.look_at for each in self._slaves.values()), default=inf)
 
     def limit(self, key: int, pid: int, limits: SlaveLimits) -> None:
@@ -89,7 +89,7 @@ class Limiter:
             self._groups.forget(known.pid)
 
     def look(self) -> list[SlaveOverLimit]:
-        """Return which slaves have reached a limit since the last look; each is told once."""
+        """Return which slaves have reached a limit since the last look; each is reported once."""
         now = time.monotonic()
         found = []
         for key, slave in self._slaves.items():
@@ -104,7 +104,7 @@ class Limiter:
         return found
 
     def reason(self, key: int, reason: str, last: str) -> str:
-        """Return why a slave ended, for which the kernel tells a reason."""
+        """Return why a slave ended, for which the kernel reports a reason."""
         slave = self._slaves.get(key)
         if slave is None or not slave.limits.memory:
             return reason

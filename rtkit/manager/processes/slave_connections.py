@@ -1,7 +1,7 @@
 """Slave connections of a manager, and those to zygotes: accepts, greets, passes on, hangs up.
 
-Every line is one private unix socket in the manager's selector. What comes in leads to events for
-the core; slaves that an earlier manager left are let in with what they hold.
+Every connection is a private unix socket in the manager's selector. What comes in leads to events
+for the core; slaves that an earlier manager left are admitted with what they hold.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _READ, _WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
 
 
 class SlaveConnections:
-    """All lines of one manager; `handle` takes the events that come of them."""
+    """Slave connections of one manager; `handle` takes the events that come of them."""
 
     def __init__(
         self,
@@ -60,7 +60,7 @@ class SlaveConnections:
         self._selector.register(source, _READ, react)
 
     def send(self, key: int, message: Mapping[str, Any]) -> None:
-        """Send a message to the holder of a slave."""
+        """Send a message to the container of a slave."""
         channel = self._channels.get(key)
         if channel is None:
             return
@@ -141,10 +141,10 @@ class SlaveConnections:
         self._selector.modify(channel, _READ, self._reader(key, channel))
 
     def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> None:
-        """Keep the line of a slave that was found, or of a guest, under its key."""
+        """Keep the connection of a found slave, or of an attached process, under its key."""
         channel = self._found.pop(pid, None)
         if channel is not None:
-            self.drop(key)  # the line that it had before
+            self.drop(key)  # the connection that it had before
             self._take_in(key, channel)
         pidfd = self._slave_supervisor.adopt(key, pid, is_guest=is_guest)
         if channel is not None and channel.is_over:
@@ -156,7 +156,7 @@ class SlaveConnections:
         self.check_settled()
 
     def _watch(self, key: int, pidfd: int) -> None:
-        """Hear of the end of a slave whose parent is gone from its pidfd."""
+        """Notice the end of a slave whose parent is gone from its pidfd."""
         self._register(pidfd, lambda _mask: self._vanished(key, pidfd))
 
     def _vanished(self, key: int, pidfd: int) -> None:
@@ -172,7 +172,7 @@ class SlaveConnections:
 
     @property
     def deadline(self) -> float | None:
-        """When to `check_settled` at the latest, monotonic [s]."""
+        """Return when to `check_settled` at the latest, monotonic [s]."""
         return self._settle_by if self._settled is not None else None
 
     def settle(self, settled: Callable[[], object]) -> None:
@@ -197,7 +197,7 @@ class SlaveConnections:
             self._selector.unregister(former_zygote)
             for key, pidfd in self._slave_supervisor.orphans():
                 self._watch(key, pidfd)
-            if self._settled is not None:  # who is to come back, nobody tells any more
+            if self._settled is not None:  # nobody reports any more who is to come back
                 self._slave_supervisor.look_for_absent()
         for event in events or ():
             self._handle(event)
@@ -219,7 +219,7 @@ class SlaveConnections:
 
     def _exchange(self, key: int, channel: ControlChannel, mask: int) -> None:
         if self._channels.get(key) is not channel:
-            return  # its slave's end was heard of just before
+            return  # its slave's end was reported just before
         if mask & _WRITE:
             self._flush(key, channel)
         if not mask & _READ:

@@ -1,7 +1,7 @@
 """Supervises slave processes: has them forked, watches and reaps them.
 
 The manager is subreaper: when the zygote dies its slaves become the manager's own children, so
-that their end is still told with its reason. A zygote that died is started again by exec.
+that their end is still reported with its reason. A zygote that died is restarted by exec.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ _OPTIONS = os.WEXITED | os.WSTOPPED | os.WCONTINUED | os.WNOHANG
 
 
 class SlaveSupervisor:
-    """Where slaves are born; for `selectors` it is the socket to the zygote.
+    """Supervises slave processes; for `selectors` it is the socket to the zygote.
 
     Args:
         settings: Of slaves (see `rtkit.container.slave`), and ``zygote``, a path.
@@ -89,7 +89,7 @@ class SlaveSupervisor:
 
     @property
     def start_at(self) -> float | None:
-        """When the next zygote is to be started, monotonic [s]; None while there is one."""
+        """Return when the next zygote is to be started, monotonic [s]; None while there is one."""
         return self._server.start_at
 
     @property
@@ -100,7 +100,7 @@ class SlaveSupervisor:
     def fork(self, key: int, name: str) -> ev.Event | None:
         """Ask for a slave; return why it cannot be, if that is known now.
 
-        When the zygote is just ending, `on_zygote_exit` tells that it failed.
+        When the zygote is just ending, `on_zygote_exit` reports that it failed.
         """
         try:
             for descriptor in os.pipe():  # as many as a slave will cost
@@ -115,7 +115,7 @@ class SlaveSupervisor:
         return None
 
     def expects(self, key: object, pid: object, manager: object) -> bool:
-        """Whether a slave that says hello with this key and pid is one that was asked for here."""
+        """Return whether a connecting slave with this key and pid was requested here."""
         is_ours = manager == self._settings["born_of"]
         if not is_ours or not isinstance(key, int) or not isinstance(pid, int):
             return False
@@ -127,10 +127,10 @@ class SlaveSupervisor:
         return is_ours
 
     def adopt(self, key: int, pid: int, *, is_guest: bool = False) -> int | None:
-        """Take a slave in that an earlier manager left, or a guest.
+        """Take a slave in that an earlier manager left, or an attached process.
 
         Returns:
-            Its pidfd if nobody else would tell its end; it turns readable then.
+            Its pidfd if nobody else would report its end; it turns readable then.
         """
         if self._pids.get(key) == pid:
             return None
@@ -148,12 +148,12 @@ class SlaveSupervisor:
             os.close(pidfd)
 
     def lost(self, key: int) -> ev.Event | None:
-        """Return the end of an adopted slave of which only its pidfd told."""
+        """Return the end of an adopted slave of which only its pidfd reported."""
         pid = self._pids.get(key)
         return None if pid is None else self._ended(pid, UNKNOWN)
 
     def is_untold(self, key: int) -> bool:
-        """Whether a slave was taken in so late that neither zygote nor pidfd tells its end."""
+        """Return whether a slave was adopted too late for zygote or pidfd to report its end."""
         is_seen = key in self._pidfds or self.former_zygotes.has(self._pids.get(key, 0))
         return key in self._adopted and not is_seen
 
@@ -165,12 +165,12 @@ class SlaveSupervisor:
         return [event for message in messages for event in _some(self._event(message))]
 
     def look_for_absent(self) -> None:
-        """Find the slaves of earlier managers that no zygote told of."""
+        """Find the slaves of earlier managers that no zygote reported."""
         self._absent.look({*self._keys, *self.former_zygotes.missing})
 
     @property
     def is_complete(self) -> bool:
-        """Whether all that earlier managers left has come back, but for what is stopped."""
+        """Return whether all slaves of earlier managers have reported, but for stopped ones."""
         return not self._absent.is_worth_waiting(self.former_zygotes.missing, self._keys)
 
     def absent(self) -> Iterator[ev.Event]:
@@ -178,7 +178,7 @@ class SlaveSupervisor:
         return self._absent.settle(self.former_zygotes.missing, self._keys)
 
     def orphans(self) -> list[tuple[int, int]]:
-        """Return key and pidfd of the slaves whose end neither zygote nor kernel will tell us."""
+        """Return key and pidfd of the slaves whose end neither zygote nor kernel will report."""
         return [
             (key, self._pidfds[key])
             for key, pid in self._pids.items()
@@ -193,7 +193,7 @@ class SlaveSupervisor:
     def halts(self) -> Iterator[ev.Event]:
         """Yield which of those slaves have been stopped since the last look, or have gone on.
 
-        A pidfd tells of neither, so somebody has to look; and at what descends from them, for no
+        A pidfd reports neither, so somebody has to look; and at what descends from them, for no
         zygote inherits it.
         """
         for pid in self._keys:
@@ -264,11 +264,11 @@ class SlaveSupervisor:
             self._remove_files(pid)
 
     def _is_abandoned(self, pid: int) -> bool:
-        """Whether a slave that is not our child is nobody's: its zygote took its status along."""
+        """Return whether a slave, not our child, is nobody's: its zygote took its status along."""
         return self._parents.get(pid) == _NO_ZYGOTE
 
     def _zygote_report(self, report: os.waitid_result) -> Iterator[ev.Event]:
-        """Note what a zygote did; yield what it had still told if it has ended."""
+        """Note what a zygote did; yield its remaining reports if it has ended."""
         if report.si_code not in ENDS:
             if report.si_pid == self._server.pid:
                 is_stopped = report.si_code in STOPS
@@ -281,7 +281,7 @@ class SlaveSupervisor:
         self._buried(report.si_pid)
 
     def _buried(self, zygote: int) -> None:
-        """Have those ended that it forked and who said no hello: they are still in its session."""
+        """Have its forks ended that never connected: they are still in its session."""
         self._zygotes.discard(zygote)
         self._over.add(zygote)
         # Its pid may be given to the next one.
@@ -304,7 +304,7 @@ class SlaveSupervisor:
         self._server.close()
         self.former_zygotes.close()
         end_children()
-        self._remove_files(self._server.pid)  # it may have been at its rehearsal
+        self._remove_files(self._server.pid)  # it may have been at its warm-up
 
     def _event(self, message: Mapping[str, Any]) -> ev.Event | None:
         if "forked" in message:

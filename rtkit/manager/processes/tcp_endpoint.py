@@ -32,7 +32,7 @@ _THREADS = "(acc: (worker_threads: 4), net: (worker_threads: 4))"
 
 
 class TcpEndpoint:
-    """The process that listens, started at once; another one takes its place when it ends.
+    """Process that listens, started at once; another one takes its place when it ends.
 
     Args:
         inner: Endpoint of the manager's session behind it.

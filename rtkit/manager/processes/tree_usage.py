@@ -13,7 +13,7 @@ _PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 class Used(NamedTuple):
-    """What a tree of processes uses.
+    """Usage of a tree of processes.
 
     Attributes:
         pids: Of its processes; none when it is gone.

@@ -1,6 +1,6 @@
 """Ends unregistered forks: they hang before they reported anything, and their zygote is gone.
 
-Whoever else forks or is forked is known by a file, a line, or its parent. These are known by their
+Every other process is known by a file, a connection, or its parent. These are known by their
 command line, which is that of the zygote, and by a session whose leader has ended.
 """
 

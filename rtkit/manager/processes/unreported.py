@@ -1,6 +1,6 @@
 """Handles unreported slaves of an earlier manager: they hang, or are dead.
 
-What they held is in their wills (see `rtkit.container.slave_checkpoint`).
+Their components are in their checkpoints (see `rtkit.container.slave_checkpoint`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ UNKNOWN = "exit status unknown"
 
 
 def is_slave(manager: str, pid: int) -> bool:
-    """Whether a process is a slave of a manager of that name, and no stranger who got its pid.
+    """Return whether a process is a slave of a manager of that name, not a stranger with its pid.
 
     A slave has its own heartbeats in memory, whatever it is called.
     """
@@ -52,7 +52,7 @@ def _checkpoint(manager: str, pid: int) -> SlaveCheckpoint | None:
 
 
 class UnreportedSlaves:
-    """Who has not come back to the manager of that name yet.
+    """Slaves that have not reported to the manager of that name yet.
 
     Args:
         dead: What those held who ended before it began, by pid.
@@ -71,7 +71,7 @@ class UnreportedSlaves:
         self._left = {pid for pid in others if is_slave(self._manager, pid)}
 
     def ended(self, pid: int, why: str) -> None:
-        """Note the end of a process that had not come back, unless all has been told."""
+        """Note the end of a process that had not come back, unless all has been reported."""
         if self._is_settled:
             return
         if pid not in self._dead:
@@ -83,7 +83,7 @@ class UnreportedSlaves:
         self._left.discard(pid)
 
     def is_worth_waiting(self, children: Collection[int], known: Collection[int]) -> bool:
-        """Whether somebody may still come: a child of an earlier zygote, or who was found."""
+        """Return whether a slave may still report: a child of an earlier zygote, or one found."""
         return any(not is_stopped(pid) for pid in (self._left | set(children)) - set(known))
 
     def settle(

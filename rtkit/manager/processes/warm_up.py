@@ -80,7 +80,7 @@ def _remove(paths: list[str]) -> None:
 
 
 class _Stage:
-    """A holder on this thread and its line to a manager on another one, as in a slave."""
+    """A container on this thread, connected to a manager on another one, as in a slave."""
 
     def __init__(
         self, place: str, heartbeats: Heartbeats, checkpoint_writer: CheckpointWriter

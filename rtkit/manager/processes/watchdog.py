@@ -71,7 +71,7 @@ class _Watched:
 
     Attributes:
         stack_polls: How many polls it still has to write the stacks that it was asked for.
-        age_s: What to tell though its deadline is not over, because somebody asks.
+        age_s: What to report though its deadline is not over, because somebody asks.
         due_ns: Before then nothing in it can be late [ns].
         is_halted: It is stopped: nothing in it can be late.
         went_on_ns: When it last went on; time that it was stopped counts for no callback [ns].
@@ -92,7 +92,7 @@ class _Watched:
 
 
 class Watchdog:
-    """Reads heartbeats of processes and tells what is stuck, and what no longer is.
+    """Reads heartbeats of processes and reports what is stuck, and what no longer is.
 
     It looks at a process when something in it could be late: a callback that it has seen, or one
     that has been entered since. So idle processes cost a look a second, not forty.
@@ -148,7 +148,7 @@ class Watchdog:
 
     @property
     def look_at(self) -> float:
-        """When the next `poll` has something to do, or would have if nothing ended [s]."""
+        """Return when the next `poll` has something to do, or would have if nothing ended [s]."""
         return self._look_at_ns / 1e9
 
     def hasten(self, key: int) -> None:
@@ -161,7 +161,7 @@ class Watchdog:
     def inspect(self, key: int, age_s: float) -> Iterator[Told]:
         """Yield what has been under way in a process for longer than that [s].
 
-        `ProcessInspected` comes when all is told, perhaps only with the next `poll`.
+        `ProcessInspected` comes when all is reported, perhaps only with the next `poll`.
         """
         watched = self._watched.get(key)
         if watched is None:
@@ -222,7 +222,7 @@ class Watchdog:
         return max(due_ns + 1, now_ns + _POLL_NS)
 
     def _is_late(self, beat: Activity, watched: _Watched, age_ns: int) -> bool:
-        """Whether to tell of it: what was told is late until it is over."""
+        """Return whether to report it: what was reported is late until it is over."""
         if watched.stuck.get(beat.instance) == beat:
             return True
         if watched.is_halted:

@@ -1,8 +1,8 @@
 """The fork server: imports what slaves need, opens nothing, forks on request.
 
-It is started by exec before the manager opens any session, has one thread, and tells the manager
+It is started by exec before the manager opens any session, has one thread, and sends the manager
 what the kernel reports of its children: exit, stop, continue. It outlives the manager as long as
-it has children, so that the next one hears of their end too.
+it has children, so that the next one receives their end too.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ AHEAD = (
     "rtkit.container.metrics",
     "rtkit.settings.values",
 )
-"""What a holder imports when it needs it, so that guests need not: here it is had before any fork,
+"""Lazy imports of a container, which attached processes need not have: loaded before any fork,
 so that slaves share it."""
 
 _AT_LEISURE = ("rtkit.component.geometry",)
@@ -111,7 +111,7 @@ class Zygote:
         try:
             with fault.unheeded():
                 warm_up(self._log, self._settings)
-        except Exception:  # slaves are born all the same
+        except Exception:  # slaves are forked all the same
             _log.exception("cannot rehearse")
         gc.collect()
 
@@ -190,7 +190,7 @@ class Zygote:
                 os.close(descriptor)
             self._slave.live(key, message["name"].replace("%p", str(os.getpid())))
         except BaseException:
-            sys.excepthook(*sys.exc_info())  # the only place left to tell it: the log on stderr
+            sys.excepthook(*sys.exc_info())  # the only place left to report it: the log on stderr
             os._exit(1)
         os._exit(0)
 

@@ -77,30 +77,30 @@ def take_over_former_name(path: str) -> None:
 
 
 class StoreFailed(Exception):
-    """Nothing was written; the text says why, and where."""
+    """Nothing was written; the text gives the reason and the file."""
 
 
 class StoreLost(StoreFailed):
-    """The file was removed or replaced since it was written: what it held is to be kept again."""
+    """The file was removed or replaced since it was written: its rows must be stored again."""
 
 
 class _Damaged(Exception):
-    """What is there is no store, or not a whole one."""
+    """The file is no store, or not a whole one."""
 
 
 class _Linked(OSError):
-    """A link is where a file of the store should be: who made it chose what it leads to."""
+    """A file of the store is a link: whoever made it chose its target."""
 
 
 class StoredRows(NamedTuple):
-    """What a store held at its opening, and what is to be told of that."""
+    """Rows of a store at its opening, and a finding about it."""
 
     rows: list[Row]
     told: str = ""
 
 
 class Store:
-    """The store at a path; it is made when the first row is written, or by `prepare`.
+    """Store at a path; it is made when the first row is written, or by `prepare`.
 
     Only one thread may use it at a time.
     """
@@ -140,7 +140,7 @@ class Store:
             return self._find_in_copy(error)
 
     def _lacking(self) -> str:
-        """Return what to tell when there were more commits than are there; mostly nothing."""
+        """Return a finding when there were more commits than are there; mostly nothing."""
         noted = self._noted.read()
         if noted <= self._commits:
             return ""
@@ -194,7 +194,7 @@ class Store:
             raise StoreFailed(self._failure(error)) from error
 
     def forget(self) -> None:
-        """Remove the store with all that it says: nothing is wished any more."""
+        """Remove the store with all its rows: nothing is desired any more."""
         if self._db is not None:
             with suppress(sqlite3.Error):  # what cannot be emptied is removed all the same
                 self._db.execute("delete from kept")
@@ -227,7 +227,7 @@ class Store:
         return self._db
 
     def _lost(self) -> str:
-        """Make way for a new file; return what to tell of the one that there was."""
+        """Make way for a new file; return a finding about the one that there was."""
         if os.path.lexists(self._path):
             return f"the state store was replaced by another file; {self.set_aside('foreign')}"
         return f"the state store was removed ({self._path})"
@@ -268,7 +268,7 @@ class Store:
         return rows
 
     def set_aside(self, what: str) -> str:
-        """Give a file that is not to be used another name, with what it is; return what to tell."""
+        """Give a file that is not to be used another name, with what it is; return a finding."""
         for number in range(1, _ASIDE + 1):
             aside = f"{self._path}.{what}-{number}"
             if number == _ASIDE or not os.path.lexists(aside):
@@ -388,7 +388,7 @@ def _read(db: sqlite3.Connection, path: str) -> tuple[list[Row], int]:
 
 
 def holder_of(path: str) -> str:
-    """Return which process has locked a store; empty if that cannot be told."""
+    """Return which process has locked a store; empty if that cannot be known."""
     whole = struct.pack("hhqqi4x", fcntl.F_WRLCK, os.SEEK_SET, _LOCKS, _LOCKS_LENGTH, 0)
     try:
         with open(path, "rb+") as file:
@@ -403,7 +403,7 @@ def holder_of(path: str) -> str:
 
 
 def _identity(path: str) -> tuple[int, int] | None:
-    """Return what tells a file from another one of its name; None where there is none."""
+    """Return the identity of a file among those of its name; None where there is none."""
     try:
         found = os.lstat(path)
     except OSError:

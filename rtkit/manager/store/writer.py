@@ -25,10 +25,10 @@ class _Order(NamedTuple):
 
 
 class StoreWriter:
-    """The store at a path, written by one thread; what comes while it writes is one more commit.
+    """Writes the store at a path on one thread; rows that come meanwhile join the next commit.
 
     Attributes:
-        heard: Who is told what was kept, on that thread.
+        heard: Receives what was stored, on that thread.
     """
 
     def __init__(self, path: str) -> None:
@@ -40,7 +40,7 @@ class StoreWriter:
         self.heard: Heard = lambda _number, _why, _is_lost: None
 
     def find(self) -> tuple[list[Row], str]:
-        """Return the rows of an earlier manager, and what is to be told of its store.
+        """Return the rows of an earlier manager, and a finding about its store.
 
         Raises:
             Refused: Another process uses the file, a newer rtkit has written it, or it is a link.
@@ -52,7 +52,7 @@ class StoreWriter:
         return found.rows, found.told
 
     def set_aside(self) -> str:
-        """Begin without what is there; return what to tell of it."""
+        """Begin without what is there; return a finding about it."""
         return self._opened().set_aside("unrestored") if os.path.lexists(self._path) else ""
 
     def begin(self) -> None:
@@ -62,12 +62,12 @@ class StoreWriter:
             self._thread.start()
 
     def keep(self, number: int, rows: Sequence[Row]) -> None:
-        """Have rows written; `heard` is told when they are."""
+        """Have rows written; `heard` is called when they are."""
         self._inbox.put(_Order(number, rows))
         self.begin()
 
     def forget(self) -> None:
-        """Have the store removed at the end: nothing is wished any more."""
+        """Have the store removed at the end: nothing is desired any more."""
         self._is_forgotten = True
 
     def close(self) -> None:
