@@ -43,11 +43,11 @@ class App:
 
     Attributes:
         name: What the user typed to get here, the prefix of every message.
-        timeout_s: Bound on every call [s].
-        is_verbose: Tell progress on stderr, and tracebacks.
+        timeout_s: Time-out of each call [s].
+        is_verbose: Report progress on stderr, and tracebacks.
         is_strict: Take warnings for errors.
         form: ``xml``, ``yaml`` or ``json`` where an option says what the profile is.
-        command: The word of a command that is run, once that is known.
+        command: The subcommand that is run, once that is known.
         write_error: Writes one line on stderr.
     """
 
@@ -75,13 +75,13 @@ class App:
         return self._tree
 
     def ask(self, tree: Tree) -> None:
-        """Have a connection asked that was made for this run; it is closed with the run."""
+        """Use a connection that was made for this run; it is closed with the run."""
         self._tree = tree
 
     def root(self, path: Path, *, is_deep: bool) -> tuple[TreeNode, str]:
         """Return the tree as far as a path shows it, and the host that ``localhost`` means.
 
-        Other managers of this host are asked too, if it is to be deep.
+        A deep tree asks the other managers of this host too.
         """
         if self._is_own_tree:
             from rtkit.tree.place import root_for
@@ -102,12 +102,12 @@ class App:
             self.warn(strange_servers())
 
     def tell_silent(self, root: TreeNode, nodes: Iterable[TreeNode], done: str) -> int:
-        """Tell which managers did not answer, so that nothing was `done` there; return the status.
+        """Report managers that did not answer, where nothing was `done`; return the exit status.
 
         Args:
-            root: Of the tree, which knows whether the manager did that was asked.
-            nodes: Those that were to be looked at.
-            done: What with them, ``searched``.
+            root: Root of the tree; it knows whether the manager asked has answered.
+            nodes: Nodes to look at.
+            done: The operation on them, ``searched``.
         """
         from rtkit.tree.view import silent
 
@@ -118,7 +118,7 @@ class App:
         return self.status(Unreachable()) if told else 0
 
     def tell_silent_servers(self, done: str) -> int:
-        """Tell which servers that are always to be in the tree do not answer; return the status."""
+        """Report permanent servers of the tree that do not answer; return the exit status."""
         if not self._is_own_tree:
             return 0
         from rtkit.tree.place import silent_servers
@@ -130,7 +130,7 @@ class App:
         return self.status(Unreachable()) if silent else 0
 
     def others(self) -> list[str]:
-        """Return the other managers that are known, each as `connect` takes it."""
+        """Return the other known managers, each as `connect` takes it."""
         if not self._is_own_tree:
             return []
         from rtkit.tree.place import others
@@ -139,14 +139,14 @@ class App:
 
     @property
     def finds_managers(self) -> bool:
-        """Return whether it looks for managers itself, and was not given one."""
+        """Return whether this run looks for managers itself, because none was given."""
         return self._is_own_tree
 
     def at(self, address: Address) -> tuple[Tree, str]:
-        """Return the connection to what an address stands for, and which slave of it, if any.
+        """Return the connection to the manager at an address, and the slave that it names, if any.
 
         Raises:
-            Unreachable: None answers there, or another one than is meant.
+            Unreachable: No manager answers there, or another one than is meant.
         """
         from rtkit.tree.connect import connect_near, slave_at
 
@@ -162,7 +162,7 @@ class App:
     def path(self, typed: str) -> Path:
         """Read a path as typed, relative to the working directory in the tree.
 
-        It also tells which manager is to be asked.
+        The path also selects the manager to ask.
 
         Raises:
             Refused: Another path led to another manager.
@@ -174,7 +174,7 @@ class App:
         return path
 
     def shown(self, names: Sequence[str]) -> str:
-        """Return the path by which a component of the manager asked can be typed, if it has one."""
+        """Return the path that a user can type for a component of the manager asked, if any."""
         if not names or not self._is_own_tree:
             return f"/{names[0]}" if names else ""
         from rtkit.tree.place import shown
@@ -182,7 +182,7 @@ class App:
         return shown(names[0], self.tree.manager, self._place or "")
 
     def note_place(self, path: Path) -> None:
-        """Note which manager is to be asked for a path.
+        """Record the manager that a path selects.
 
         Raises:
             Refused: Another path led to another manager.
@@ -210,7 +210,7 @@ class App:
         self.write_error(printable(f"{self.name}: {text}"))
 
     def warn(self, texts: Iterable[str], mark: str = "warning: ") -> None:
-        """Write warnings about what was asked for, before it is done.
+        """Write warnings about a request before it is carried out.
 
         Raises:
             Malformed: There are any, and they are to be taken for errors.
@@ -231,7 +231,7 @@ class App:
         return error.detail if self.has_exit_detail else error.exit_code
 
     def bound(self, duration_s: float | None) -> None:
-        """Wait for a manager no longer than the command is to take, if that is known [s]."""
+        """Limit the wait for a manager to the duration of the command, if that is known [s]."""
         if duration_s is not None:
             self.timeout_s = min(self.timeout_s, max(duration_s, _LEAST_TIMEOUT_S))
 
@@ -287,7 +287,7 @@ class Main:
         return _run(self.command, App(name or self.name, tree), list(argv))
 
     def as_script(self, arguments: Sequence[str], name: str) -> NoReturn:
-        """Run as what this process is there for, and end it."""
+        """Run as the only purpose of this process, and end the process."""
         _process.prepare()
         try:
             _process.hear_interrupts()
@@ -295,7 +295,7 @@ class Main:
             if status != _process.INTERRUPTED:
                 _process.end(status)
         except KeyboardInterrupt:
-            pass  # all is said
+            pass  # the error is already reported
         _process.die_interrupted()
 
 
@@ -319,7 +319,7 @@ def command(
         made.params += [option for option in offered if option.opts]
         for each in filter(_is_repeatable, made.params):
             each.help = f"{(each.help or '').removesuffix('.')}; repeatable."
-        # The mark of text that is not to be filled, as a raw docstring has it.
+        # Click's mark of text that must not be re-wrapped, as a raw docstring has it.
         made.help = made.help and made.help.replace("\\b\n", "\b\n")
         return Main(name, made)
 
@@ -333,7 +333,7 @@ def _is_repeatable(parameter: click.Parameter) -> TypeGuard[click.Option]:
 
 
 def strict_option(text: str = "Take warnings for errors.") -> Callable[..., Any]:
-    """Return what adds the option that takes warnings for errors, so that nothing is done."""
+    """Return a decorator that adds the option to take warnings for errors."""
     return click.option(
         "--strict",
         is_flag=True,
@@ -377,7 +377,7 @@ def common_options(*, is_local: bool = False) -> list[click.Option]:
             callback=_show_version,
             help="Show the version and exit.",
         ),
-        # Click's own one looks for a translation of this text, through each start of a command.
+        # Click's own option looks up a translation of this text at each start of a command.
         click.Option(
             ["-h", "--help"],
             is_flag=True,
@@ -468,7 +468,7 @@ def _failed(command: click.Command, app: App, error: Exception) -> int:
 
 
 def _lacks_argument(error: click.ClickException) -> bool:
-    """Return whether what is wrong is the number of arguments, as with `WrongArguments`."""
+    """Return whether the error is the number of arguments, as with `WrongArguments`."""
     return isinstance(error, click.MissingParameter) and isinstance(error.param, click.Argument)
 
 
@@ -476,7 +476,7 @@ def _show(app: App, error: RtkitError) -> None:
     if isinstance(error, Partial):
         for _, failure in error.failures:
             app.fail(str(failure))
-    # A document may have many faults, each a line; in any other message a line break is none.
+    # A document may have many faults, a line each; any other message is one line.
     told = str(error).split("\n") if isinstance(error, InvalidDocument) else [str(error)]
     for line in filter(None, told):
         app.fail(line)

@@ -47,9 +47,9 @@ def write_output(data: bytes, output: str, *, is_new: bool = False) -> None:
 
 
 def _replace(data: bytes, place: str, *, is_new: bool) -> None:
-    """Lay a draft down beside the place, and put it there.
+    """Write a draft beside the target, and move it there.
 
-    The draft has no name for as long as that goes, so that a kill leaves nothing of it behind.
+    The draft has no name where the file system allows it, so that a kill leaves nothing behind.
     """
     if is_new and os.path.lexists(place):
         raise FileExistsError
@@ -73,7 +73,7 @@ def _replace(data: bytes, place: str, *, is_new: bool) -> None:
 
 
 def _write_nameless(folder: str, data: bytes, mode: int, target: str) -> bool:
-    """Write a file, then have it appear at `target`; False where the file system cannot."""
+    """Write a file, then link it at `target`; return False where the file system cannot."""
     try:
         descriptor = os.open(folder, os.O_TMPFILE | os.O_WRONLY | os.O_CLOEXEC, 0o600)
     except OSError as error:
@@ -112,7 +112,7 @@ def _link(old: str, new: str, folder: int | None = None) -> bool:
 
 
 def _remove_drafts(folder: str, stem: str) -> None:
-    """Remove what was left by who was killed between two steps."""
+    """Remove drafts left by a process that was killed between two steps."""
     for entry in os.listdir(folder):
         if entry.startswith(f".{stem}.") and entry.endswith(_DRAFT):
             pid = entry.removeprefix(f".{stem}.").partition(".")[0]
@@ -122,7 +122,7 @@ def _remove_drafts(folder: str, stem: str) -> None:
 
 
 def _sync(folder: str) -> None:
-    """Have the name outlive a power cut, where the file system can do that."""
+    """Make the name survive a power cut, where the file system can do that."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
         with suppress(OSError):

@@ -16,7 +16,7 @@ class WordChoice(click.Choice[str]):
     """One of these words, which are capitals; a dash stands for an underscore.
 
     Args:
-        what: What they are, in a message: ``level``.
+        what: Noun for them in a message: ``level``.
         words: The words.
         is_short: The beginning of a word is enough.
     """

@@ -24,13 +24,13 @@ def profiles(
     systems: Sequence[str] = (),
     with_shipped: bool = True,
 ) -> Iterator[tuple[str, bytes]]:
-    """Yield name and content of what may be RTC profiles, each file once.
+    """Yield name and content of files that may be RTC profiles, each file once.
 
-    First comes what was named, folders with all that is below them, last what is shipped. No
+    Named files and folders, with all below them, come first, shipped ones last. No
     code is run: of a module only a file beside it counts, of the same name or ``RTC.xml``.
     Modules are looked for where a manager that is started here would, in installed packages last.
     Of the repositories in
-    which `systems` lie ``rtc/NAME/RTC.xml`` counts. `tell` hears of places that cannot be known.
+    which `systems` lie ``rtc/NAME/RTC.xml`` counts. `tell` receives unreadable places.
 
     Raises:
         NotFound: A file or folder that was named cannot be read.

@@ -39,7 +39,7 @@ class Parts(NamedTuple):
 
     @property
     def values(self) -> dict[str, str]:
-        """The parameters that say so."""
+        """The parameters of a composite with these parts."""
         return {MEMBERS: ",".join(self.members), PORTS: ",".join(self.ports)}
 
     def with_added(self, changes: Iterable[MemberChange]) -> Parts:
@@ -76,7 +76,7 @@ class Parts(NamedTuple):
 
 
 def parts_of(values: Mapping[str, str]) -> Parts:
-    """Return what the parameters of a composite say."""
+    """Return the parts that the parameters of a composite name."""
     return Parts(_split(values.get(MEMBERS, "")), _split(values.get(PORTS, "")))
 
 

@@ -16,7 +16,7 @@ class Subcommand(NamedTuple):
     """A word of a command.
 
     Attributes:
-        module: Whose `main` it is.
+        module: The module whose `main` it runs.
         summary: The first sentence of its help.
     """
 
@@ -61,7 +61,7 @@ class CommandGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command, which from here on speaks under its full name."""
+        """Find the command; its messages carry its full name from here on."""
         app: App = ctx.obj
         typed = args[0]
         found = self.get_command(ctx, typed)

@@ -21,7 +21,7 @@ TOPICS: dict[str, str] = {
 
 
 def overview(name: str) -> str:
-    """Return what there is help about."""
+    """Return the list of help topics."""
     width = max(map(len, TOPICS)) + 2
     topics = "\n".join(f"  {topic:<{width}}{about}" for topic, about in TOPICS.items())
     return f"""Usage: {name} help [TOPIC|VERB]
@@ -33,7 +33,7 @@ Topics:
 
 
 def text(topic: str) -> str:
-    """Return what a topic tells."""
+    """Return the text of a topic."""
     if topic == "statuses":
         return _statuses()
     with open(os.path.join(_FOLDER, f"{topic}.txt"), encoding="utf-8") as file:

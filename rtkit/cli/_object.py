@@ -18,7 +18,7 @@ _KEY = re.compile(r"[A-Za-z_]\w*")
 
 
 def made(thing: str, arguments: Sequence[str]) -> object:
-    """Import a module and return what is named in it, called if it can be.
+    """Import a module and return the named object in it, called if it is callable.
 
     Raises:
         NotFound: There is no such module, or nothing of that name in it.

@@ -27,29 +27,30 @@ if TYPE_CHECKING:
 _AGAIN_S = 0.05
 _LATER_S = 1.0
 _KEEN_S = 5.0
-"""How long a door is tried again after something happened beside it [s]."""
+"""How long an endpoint is retried after its folder has changed [s]."""
 
 
 class ManagerSeen(NamedTuple):
-    """A manager can be heard that could not, or was not there, before."""
+    """Event: a manager answers that did not answer, or did not run, before."""
 
     is_back: bool
 
 
 class ManagerTold(NamedTuple):
-    """What was heard of a manager."""
+    """An event, and the manager that it is from."""
 
     manager: str
     heard: Heard | ManagerSeen
 
 
 class Observers(Closing):
-    """Ears at one manager, or at several of this host; leave it as a context manager.
+    """Subscriptions to one manager, or to several of this host; leave it as a context manager.
 
     Attributes:
-        ears: By the name of the manager, as `connect` takes it; "" for the one that paths lead to.
+        subscriptions: By the name of the manager, as `connect` takes it; "" for the one that paths
+            lead to.
         names: The name of each manager, by the same.
-        why: Why the last one did not answer that did not.
+        why: The error of the last manager that did not answer.
     """
 
     def __init__(
@@ -60,12 +61,12 @@ class Observers(Closing):
         is_wide: bool = False,
         is_patient: bool = False,
     ) -> None:
-        """Begin to listen.
+        """Subscribe.
 
         Args:
             app: The run of the command.
-            lines: Of which lines.
-            is_wide: Listen to all managers of this user on this host, also to those that begin
+            lines: The topics to subscribe to.
+            is_wide: Subscribe to all managers of this user on this host, also to those that begin
                 later.
             is_patient: Wait for a manager that does not answer, in `listen`.
 
@@ -100,7 +101,7 @@ class Observers(Closing):
             app.tell_silent_servers("not listened to")
 
     def close(self) -> None:
-        """Listen no more."""
+        """End all subscriptions."""
         for name in list(self.subscriptions):
             self._leave(name)
         if self._folder is not None:
@@ -112,14 +113,14 @@ class Observers(Closing):
         also: Sequence[int] = (),
         wake_at: Callable[[], float | None] = lambda: None,
     ) -> Iterator[list[ManagerTold]]:
-        """Yield what is heard, and an empty list whenever one of the descriptors is readable.
+        """Yield the events received, and an empty list when one of the descriptors is readable.
 
         It ends when the time is up, monotonic [s]. A manager that ends is waited for.
 
         Args:
             until: When to end; None for never.
-            also: Descriptors of which to tell when they can be read.
-            wake_at: Returns by when to yield whatever happens, monotonic [s].
+            also: Further descriptors to wait for.
+            wake_at: Returns the latest moment of the next yield, monotonic [s].
 
         Raises:
             BrokenPipeError: Nobody reads stdout any more.
@@ -137,7 +138,7 @@ class Observers(Closing):
                 yield told
 
     def _wait(self, until: float | None, also: Sequence[int], wake_at: float | None) -> bool:
-        """Wait for something; whether one of the descriptors `also` is readable."""
+        """Wait for an event; return whether one of the descriptors `also` is readable."""
         sources = [
             each for subscription in self.subscriptions.values() for each in subscription.sources
         ]
@@ -145,14 +146,14 @@ class Observers(Closing):
             sources.append(self._folder.fileno())
         bounds = [each for each in (until, wake_at) if each is not None]
         if any(map(self._is_there, self._away)):
-            # Nothing tells that a door that is there begins to answer.
+            # The folder shows that an endpoint appears, not that it begins to answer: it is polled.
             is_keen = monotonic() < self._keen_until
             bounds.append(monotonic() + (_AGAIN_S if is_keen else _LATER_S))
         ready = wait_for([*sources, *also], min(bounds, default=None))
         return not ready.isdisjoint(also)
 
     def _follow(self, told: Sequence[ManagerTold]) -> list[ManagerTold]:
-        """Let go of managers that ended; return those that are back, or new."""
+        """Drop managers that ended; return the events of those that are back, or new."""
         from rtkit.tree.subscription import SubscriptionEnded
 
         for manager, heard in told:
@@ -172,7 +173,7 @@ class Observers(Closing):
         return [each for name in back for each in self._return_of(name)]
 
     def _return_of(self, name: str) -> list[ManagerTold]:
-        """Return that a manager is back, or new, and what happened there while nobody listened."""
+        """Return the events of a manager's return: itself, and the changes missed meanwhile."""
         from rtkit.deployment.delta import delta_between
         from rtkit.deployment.user_events import user_events
         from rtkit.tree.subscription import TreeChange
@@ -180,13 +181,13 @@ class Observers(Closing):
         after = self.subscriptions[name].facts
         before = self._facts.pop(name, None)
         told = [ManagerTold(name, ManagerSeen(is_back=before is not None))]
-        if before is None:  # there was nothing
+        if before is None:  # the manager is new: all that it holds has appeared
             before = replace(after, processes=(), components=(), connectors=(), modules=())
         missed = tuple(user_events(before, delta_between(before, after, "", 0)))
         return [*told, ManagerTold(name, TreeChange(time(), missed))]
 
     def _unknown(self) -> list[str]:
-        """Return the managers that run and were not known yet, if they are wanted."""
+        """Return the running managers that are not known yet, if they are wanted."""
         from rtkit.link.running import managers
 
         known = set(self.names.values())
@@ -211,7 +212,7 @@ class Observers(Closing):
             self._folder = Folder(make_private(runtime_path()))
 
     def _enter(self, name: str) -> bool:
-        """Listen to a manager if it answers; whether it does."""
+        """Subscribe to a manager; return whether it answers."""
         try:
             self._open(name)
         except (Unreachable, Refused) as error:
@@ -243,7 +244,7 @@ class Observers(Closing):
 
 
 def _quietly(end: Callable[[], object]) -> None:
-    """End a connection of which the other end may be gone."""
+    """End a connection whose other end may be gone."""
     try:
         end()
     except RtkitError:
@@ -251,7 +252,7 @@ def _quietly(end: Callable[[], object]) -> None:
 
 
 def write_now(lines: Sequence[str]) -> None:
-    """Write lines on stdout at once, for who reads them as they come."""
+    """Write lines on stdout and flush it, for readers that follow them live."""
     from rtkit.cli import _out
 
     _out.write(lines)
@@ -275,7 +276,7 @@ def place_of(
 
 
 def scopes_of(app: App, paths: Sequence[str]) -> list[Scope]:
-    """Return what paths are about.
+    """Return the scopes that paths name.
 
     Raises:
         NotFound: One of them leads nowhere.
@@ -292,7 +293,7 @@ def scopes_of(app: App, paths: Sequence[str]) -> list[Scope]:
 def is_covered(
     scopes: Iterable[Scope], manager: str, what: UserEvent | ComponentFacts, hostname: str
 ) -> bool:
-    """Whether one of the scopes is about that, which is at a manager; "" for the one asked."""
+    """Return whether a scope covers an object of a manager; "" for the manager asked."""
     return any(
         scope.covers(what, hostname) and not (manager and scope.is_one_manager) for scope in scopes
     )

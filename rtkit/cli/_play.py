@@ -28,10 +28,10 @@ class PlaybackPace(NamedTuple):
     """How fast a recording is played.
 
     Attributes:
-        factor: How many times as fast; untimed: how many entries each cycle.
+        factor: Speed relative to the recording; untimed: entries per cycle.
         cycles_hz: Cycles a second, untimed.
         is_absolute: Whether time stamps stay as they were recorded.
-        duration_s: After how long it ends; None for the end of the recording.
+        duration_s: Duration of the playback [s]; None for all of the recording.
     """
 
     factor: float
@@ -48,7 +48,7 @@ class PlaybackPace(NamedTuple):
 
 
 def describe(app: App, name: str, *, is_json: bool) -> None:
-    """Print what is in a recording."""
+    """Print the content of a recording."""
     from rtkit.recording.mcap_file import RecordingReader
 
     info = RecordingReader(name).info()
@@ -112,7 +112,7 @@ def _lines(name: str, info: Info) -> Iterator[str]:
 
 
 def _size(count: int) -> str:
-    """Return a number of bytes in the words of the tools of old."""
+    """Return a number of bytes in the words of rtshell."""
     for exponent, unit in ((3, "GiB"), (2, "MiB"), (1, "KiB")):
         if count >= 1024**exponent:
             return f"{count / 1024**exponent:.2f} {unit} ({count} bytes)"
@@ -176,7 +176,7 @@ def play(
 
 
 def _announcement(part: RecordingSelection, pace: PlaybackPace) -> str:
-    """Return what will be played, in the words of the tools of old."""
+    """Return the announcement of a playback, in the words of rtshell."""
     if pace.duration_s is not None:
         return f"Playing for {pace.duration_s}s."
     unit = "entry " if part.is_by_index else ""
@@ -246,7 +246,7 @@ def _write(
     part: RecordingSelection,
     count: Callable[[int], None],
 ) -> bool:
-    """Write entries when they are due; return whether it came to the end of the recording.
+    """Write entries when they are due; return whether the recording came to its end.
 
     Raises:
         Refused: There was nothing in the part that is wanted, or nobody is left to write to.

@@ -21,7 +21,7 @@ _COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue")
 
 
 class PrintOptions(NamedTuple):
-    """How values are to be shown; `fields` are those of them that are wanted."""
+    """Options of the display of values; `fields` selects some of their fields."""
 
     fields: tuple[str, ...] = ()
     is_full: bool = False
@@ -29,10 +29,10 @@ class PrintOptions(NamedTuple):
 
 
 class Sink(Protocol):
-    """Where values go.
+    """Destination of values.
 
     Attributes:
-        count: How many came.
+        count: Number of values received.
     """
 
     @property
@@ -42,16 +42,16 @@ class Sink(Protocol):
         """Take values."""
 
     def finish(self, lost: int) -> None:
-        """Say what remains to be said; so many values were lost."""
+        """Print the rest at the end; `lost` values were lost."""
 
 
 class Printer:
     """Prints every value."""
 
     def __init__(
-        self, streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+        self, streams: Sequence[Stream], types: Mapping[str, type], options: PrintOptions
     ) -> None:
-        self._lines = lines_of(streams, types, wish)
+        self._lines = lines_of(streams, types, options)
         self.count = 0
 
     def take(self, piece: Sequence[Arrival]) -> None:
@@ -65,23 +65,23 @@ class Printer:
 
 
 class Counter:
-    """Tells at the end how values came."""
+    """Counts values and prints statistics at the end."""
 
     def __init__(
-        self, streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+        self, streams: Sequence[Stream], types: Mapping[str, type], options: PrintOptions
     ) -> None:
         from rtkit.probe.stats import Stats, stamp_reader
 
         self._streams = streams
-        self._is_json = wish.is_json
+        self._is_json = options.is_json
         self._stats = {
-            name: Stats(stamp_reader(cls), _numbers(cls, wish.fields))
+            name: Stats(stamp_reader(cls), _numbers(cls, options.fields))
             for name, cls in types.items()
         }
 
     @property
     def count(self) -> int:
-        """How many values came."""
+        """Number of values received."""
         return sum(stats.count for stats in self._stats.values())
 
     def take(self, piece: Sequence[Arrival]) -> None:
@@ -102,10 +102,10 @@ class Counter:
 
 
 class Plotter:
-    """Draws numbers over time: on a terminal as they come, else once at the end."""
+    """Plots numbers over time: on a terminal live, else once at the end."""
 
     def __init__(
-        self, streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+        self, streams: Sequence[Stream], types: Mapping[str, type], options: PrintOptions
     ) -> None:
         from rtkit.component.codec import codec_for
         from rtkit.probe.plot import Chart
@@ -113,7 +113,7 @@ class Plotter:
         self._chart = Chart(_SPAN_S)
         self._decode = {name: codec_for(cls).decode for name, cls in types.items()}
         self._labels = labels_of(streams)
-        self._readers = _readers(wish.fields)
+        self._readers = _readers(options.fields)
         self._is_live = _out.is_terminal()
         self._shown = 0
         self._next = 0.0
@@ -165,7 +165,7 @@ def _readers(fields: tuple[str, ...]) -> dict[str, Callable[[Any], Any]]:
 
 
 def _numbers(cls: type, fields: tuple[str, ...]) -> Mapping[str, Callable[[bytes], float]]:
-    """Return what takes the number in each of these fields out of a value in CDR."""
+    """Return a function that extracts the numbers in these fields from a value in CDR."""
     from rtkit.component.codec import codec_for
     from rtkit.errors import Malformed
     from rtkit.probe.text import field_reader
@@ -187,27 +187,27 @@ def _numbers(cls: type, fields: tuple[str, ...]) -> Mapping[str, Callable[[bytes
 
 
 def labels_of(streams: Sequence[Stream]) -> dict[str, str]:
-    """Return what tells the values of several streams apart; nothing for a single one."""
+    """Return labels that tell the values of several streams apart; none for a single stream."""
     if len(streams) == 1:
         return {streams[0].name: ""}
     return {s.name: ",".join(end.path.typed.partition("#")[0] for end in s.ends) for s in streams}
 
 
 def lines_of(
-    streams: Sequence[Stream], types: Mapping[str, type], wish: PrintOptions
+    streams: Sequence[Stream], types: Mapping[str, type], options: PrintOptions
 ) -> dict[str, Line]:
-    """Return what makes a line of an arrival, by stream."""
+    """Return the function that formats an arrival as a line, by stream."""
     from rtkit.component.codec import codec_for
 
     made: dict[str, Line] = {}
     labels = labels_of(streams)
     for stream in streams:
         decode = codec_for(types[stream.name]).decode
-        if wish.is_json:
-            made[stream.name] = json_line(stream, decode, wish.fields)
+        if options.is_json:
+            made[stream.name] = json_line(stream, decode, options.fields)
         else:
             label = _out.printable(labels[stream.name])
-            made[stream.name] = _text_line(decode, _shower(stream, wish), label)
+            made[stream.name] = _text_line(decode, _shower(stream, options), label)
     return made
 
 
@@ -217,7 +217,7 @@ def _text_line(decode: Callable[[bytes], Any], show: Callable[[Any], str], label
 
 
 def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str, ...]) -> Line:
-    """Return what makes a record of an arrival."""
+    """Return a function that formats an arrival as a record."""
     from rtkit.probe.text import field_reader, plain
 
     readers = {text: field_reader(text) for text in fields}
@@ -238,14 +238,14 @@ def json_line(stream: Stream, decode: Callable[[bytes], Any], fields: tuple[str,
     return line
 
 
-def _shower(stream: Stream, wish: PrintOptions) -> Callable[[Any], str]:
+def _shower(stream: Stream, options: PrintOptions) -> Callable[[Any], str]:
     from rtkit.probe.formatters import formatter
     from rtkit.probe.text import text_of
 
     if stream.formatter:
         form = formatter(stream.formatter)
         return lambda value: _out.printable(form(value))
-    readers = list(_readers(wish.fields).values())
+    readers = list(_readers(options.fields).values())
     return lambda value: "\t".join(
-        _out.printable(text_of(read(value), is_full=wish.is_full)) for read in readers
+        _out.printable(text_of(read(value), is_full=options.is_full)) for read in readers
     )

@@ -23,21 +23,21 @@ def prepare() -> None:
 
 
 def _closed() -> TextIO:
-    """Return what fails on writing, as a closed stdout does, but is no free descriptor."""
+    """Return a stream that fails on writing, as a closed stdout does, and occupies a descriptor."""
     return open(os.open(os.devnull, os.O_RDONLY), "w")
 
 
 def hear_interrupts() -> None:
-    """Have Ctrl-C raise KeyboardInterrupt, which `rtkit.cli` has put off until now."""
+    """Make Ctrl-C raise KeyboardInterrupt, which `rtkit.cli` has put off until now."""
     if _signal.getsignal(_signal.SIGINT) == _signal.SIG_DFL:
         sys.unraisablehook = _not_lost
         _signal.signal(_signal.SIGINT, _signal.default_int_handler)
 
 
 def _not_lost(failure: sys.UnraisableHookArgs) -> None:
-    """Interrupt again, a moment later, where an interruption fell into what cannot raise.
+    """Interrupt again, a moment later, after an interruption of code that cannot raise.
 
-    Such are the callbacks with which the import of a module ends.
+    The callbacks at the end of a module's import are such code.
     """
     if failure.exc_type is KeyboardInterrupt:
         _signal.signal(_signal.SIGALRM, _signal.default_int_handler)
@@ -55,11 +55,11 @@ def die_interrupted() -> NoReturn:
         stream.flush()
     _signal.signal(_signal.SIGINT, _signal.SIG_DFL)
     _signal.raise_signal(_signal.SIGINT)
-    os._exit(INTERRUPTED)  # somebody blocks the signal
+    os._exit(INTERRUPTED)  # the signal is blocked, so the kill above had no effect
 
 
 def end(status: int) -> NoReturn:
-    """End now that all is said and flushed.
+    """End the process now; all output must be flushed.
 
     An orderly end of the interpreter looks for cycles first, a sixth of the time of a whole rtls,
     and aborts where a thread of the transport comes back to it meanwhile.
@@ -68,13 +68,13 @@ def end(status: int) -> NoReturn:
 
 
 def leave_pipe() -> None:
-    """Forget what is still to be written: nobody reads it, and at exit it would fail aloud."""
+    """Discard unwritten output: nobody reads it, and flushing it at exit would fail loudly."""
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
 def give_up() -> None:
-    """Forget what cannot be written, once that is told."""
+    """Discard output that cannot be written, once that is reported."""
     try:
         sys.stdout.flush()
     except OSError:

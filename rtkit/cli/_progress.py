@@ -22,7 +22,7 @@ Show = Callable[[float, float | None, str], None]
 def metered(app: App, title: str, *, is_writing: bool = False) -> Iterator[Show]:
     """Show progress on stderr while inside, if that is a terminal; lines go above it.
 
-    What `is_writing` its results on a terminal meanwhile shows by that how far it is.
+    A command that `is_writing` its results on a terminal shows its progress by them.
     """
     if not _is_terminal() or (is_writing and sys.stdout.isatty()):
         yield _nothing
@@ -52,12 +52,12 @@ def metered(app: App, title: str, *, is_writing: bool = False) -> Iterator[Show]
 
 
 def counted(show: Show) -> Callable[[int, int], None]:
-    """Return what shows so many of so many."""
+    """Return a function that shows a count out of a total."""
     return lambda done, total: show(done, total, f"{done}/{total}")
 
 
 def _paced(show: Show) -> Show:
-    """Return what shows not more often than eyes can follow: there may be thousands a second."""
+    """Return a function that shows progress at a readable rate: thousands a second may come."""
     due = 0.0
 
     def paced(done: float, total: float | None, told: str) -> None:

@@ -28,12 +28,12 @@ _ROOT = "RTM_ROOT"
 
 @dataclass(slots=True)
 class Project:
-    """What is to be on disk.
+    """The desired files of a component on disk.
 
     Attributes:
         files: By path.
-        notes: What the user should know.
-        remarks: What the user may want to know.
+        notes: Notes that the user should read.
+        remarks: Notes that are shown on request.
         other: Type of the component to which the folder belongs, if that is another one.
     """
 
@@ -45,7 +45,7 @@ class Project:
 
 
 class FileChange(NamedTuple):
-    """What becomes of a file."""
+    """The change of one file."""
 
     path: str
     merged: Merged
@@ -66,7 +66,7 @@ class FileChange(NamedTuple):
         return self.merged.why
 
     def assignment_when(self, *, is_forced: bool) -> str:
-        """Return what becomes of it, in a word."""
+        """Return the assignment of the file in a word."""
         is_written = is_forced and self.merged.assignment in (
             MergeOutcome.CONFLICT,
             MergeOutcome.KEEP,
@@ -104,7 +104,7 @@ class _Idl:
             yield from (p for p in paths if p.lower().endswith(".idl") and p not in self.read)
 
     def text(self, path: str) -> str:
-        """Return what a file says; comments may be of any encoding."""
+        """Return the text of a file; comments may be of any encoding."""
         self.read[path] = read_bytes(path).decode("utf-8", "replace")
         return self.read[path]
 
@@ -112,7 +112,7 @@ class _Idl:
 def read(
     typed: str, output: str | None, folders: Sequence[str], *, has_mirror: bool = False
 ) -> Project:
-    """Read a profile or an IDL file and generate what it asks for.
+    """Read a profile or an IDL file and generate its files.
 
     Raises:
         NotFound: A file cannot be read.
@@ -183,7 +183,7 @@ def _listed(notes: Sequence[str]) -> str:
 
 
 def _definitions(paths: Iterable[str], idl: _Idl) -> Definitions:
-    """Return what IDL files declare, together."""
+    """Return the declarations of all IDL files together."""
     text = "".join(f'#include "{path}"\n' for path in dict.fromkeys(paths))
     return read_idl(text, "", lambda name, file: _included(idl, name, file), KNOWN)
 
@@ -235,7 +235,7 @@ def _is_same(one: str, other: str) -> bool:
 
 
 def compare(project: Project) -> list[FileChange]:
-    """Return what is to become of each file.
+    """Return the change of each file.
 
     Raises:
         NotFound: A file that is there cannot be read.
@@ -261,7 +261,7 @@ def _merged(path: str, file: File) -> Merged:
 
 
 def write(changes: Sequence[FileChange], *, is_forced: bool) -> None:
-    """Write what is to be written: all of it, or nothing where something cannot be written."""
+    """Write all changed files, or none where one cannot be written."""
     wanted = [
         each
         for each in changes

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 
 
 class StdoutReader:
-    """Who reads stdout.
+    """State of the reader of stdout.
 
     Attributes:
-        is_gone: Whether nobody does any more.
+        is_gone: Whether the reader has left.
     """
 
     is_gone = False

@@ -87,12 +87,12 @@ def _name(_number: int, ref: PortRef) -> str:
 
 
 class _Terminated(BaseException):
-    """A TERM came."""
+    """Raised when SIGTERM arrives."""
 
 
 @contextmanager
 def _ended_in_order() -> Iterator[None]:
-    """Let a TERM unwind what is inside, so that the file is finished, and then end the process."""
+    """Unwind the body on SIGTERM, so that the file is finished, and then end the process."""
 
     def unwind(_number: int, _frame: object) -> None:
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -128,7 +128,7 @@ def opened(name: str, form: str) -> Iterator[IO[bytes]]:
 
 
 class _Counted:
-    """Stdout that tells how much was written, which a pipe cannot."""
+    """Stdout that counts the bytes written; a pipe cannot tell its position."""
 
     def __init__(self) -> None:
         self._count = 0
@@ -145,16 +145,16 @@ class _Counted:
 
 
 def _reading(name: str, probe: Probe) -> AbstractContextManager[_reader.StdoutReader]:
-    """Watch who reads stdout, where the recording goes there."""
+    """Watch the reader of stdout, where the recording goes there."""
     return _reader.while_read(probe.stop) if name == STDOUT else nullcontext(_reader.StdoutReader())
 
 
 class _Sink(Protocol):
-    """What entries are written to.
+    """Destination of entries.
 
     Attributes:
-        count: How many were.
-        flush_at: When `flush` is due, monotonic [s]; None while nothing waits.
+        count: Number of entries written.
+        flush_at: Due time of `flush`, monotonic [s]; None while nothing waits.
     """
 
     count: int
@@ -217,7 +217,7 @@ class _TextSink:
 
 
 class _Limit:
-    """When a recording ends: after some time, at a time, after a number of entries, or never."""
+    """End of a recording: after some time, at a time, after a number of entries, or never."""
 
     def __init__(self, part: RecordingSelection, duration_s: float | None) -> None:
         self.count = part.end if part.is_by_index and duration_s is None else None
@@ -236,7 +236,7 @@ class _Limit:
             self.announcement = "Recording until interrupted."
 
     def progress(self, count: int, now: float) -> tuple[float, float | None, str]:
-        """Return how much of how much is recorded, entries or [s], and the number of entries."""
+        """Return the part recorded and the whole, as entries or [s], and the number of entries."""
         told = f"{count} entries"
         if self.until is None:
             return count, self.count, told
@@ -246,7 +246,7 @@ class _Limit:
 def _take(
     probe: Probe, sink: _Sink, limit: _Limit, stamps: Mapping[str, Stamp], show: Show
 ) -> None:
-    """Write what arrives until the limit; what waits in the file's buffer is written in time."""
+    """Write arrivals until the limit, and flush the file's buffer when that is due."""
     from rtkit.recording.entries import RecordedValue
 
     while limit.count is None or sink.count < limit.count:

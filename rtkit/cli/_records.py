@@ -28,7 +28,7 @@ def line(kind: str, fields: Mapping[str, Any], indent: int | None = None) -> str
         text = dumps(record, ensure_ascii=False, allow_nan=False, indent=indent)
     if text.isprintable():
         return text
-    # Something in it could steer a terminal.
+    # A control character in the text could steer a terminal: JSON escapes hide it.
     return dumps(record, indent=indent)
 
 
@@ -44,7 +44,7 @@ def time_text(time_ns: int) -> str:
 
 
 def _named(value: Any) -> Any:
-    """Return the same with texts for numbers that JSON does not know."""
+    """Return a value with texts in place of numbers that JSON does not know."""
     if isinstance(value, float) and not math.isfinite(value):
         return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     if isinstance(value, Mapping):

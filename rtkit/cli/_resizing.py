@@ -12,7 +12,7 @@ _DISTURBANCES = (signal.SIGWINCH, signal.SIGCONT)
 
 
 class ResizeWakeup:
-    """Something to wait for: its descriptor is readable from the ringing until it is heard."""
+    """Wakeup event: its descriptor is readable from `ring` until `heard`."""
 
     def __init__(self) -> None:
         self._event = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -22,12 +22,12 @@ class ResizeWakeup:
         return self._event
 
     def ring(self) -> None:
-        """Ring, from any thread or a signal handler; nobody hears one that is no more."""
+        """Set the event, from any thread or a signal handler; a closed one is ignored."""
         with suppress(OSError, ValueError):
             os.eventfd_write(self._event, 1)
 
     def heard(self) -> bool:
-        """Return whether it has rung since this was asked last."""
+        """Return whether the event was set since the last call, and clear it."""
         try:
             os.eventfd_read(self._event)
         except BlockingIOError:
@@ -35,14 +35,14 @@ class ResizeWakeup:
         return True
 
     def close(self) -> None:
-        """Be no more."""
+        """Close the descriptor."""
         os.close(self._event)
         self._event = -1
 
 
 @contextmanager
 def resizing(is_terminal: bool) -> Iterator[ResizeWakeup]:
-    """Have a bell ring when all is to be written anew, if there is a terminal to write on."""
+    """Yield an event that is set when a terminal on stdout must be written anew."""
     wakeup = ResizeWakeup()
     before = {
         number: signal.signal(number, lambda *_: wakeup.ring())

@@ -35,12 +35,12 @@ def service_at(typed: str) -> PropertyTarget | None:
 
 
 class ServiceListing:
-    """What is shown of a place in a service.
+    """Listing of a place in a service.
 
     Attributes:
         app: The run of the command.
         place: The place.
-        is_deep: What is below the names there is shown, too.
+        is_deep: Names further below are shown, too.
         has_values: Values are shown.
         names: Of the properties whose values were shown last.
     """
@@ -63,7 +63,7 @@ class ServiceListing:
         self._is_single = is_single
 
     def look(self) -> list[str]:
-        """Ask the service, and return what is to be shown.
+        """Ask the service, and return the lines to show.
 
         Raises:
             PropertyError: As the service answers.
@@ -91,7 +91,7 @@ class ServiceListing:
 
 
 def _completed(end: ProviderConnectionEnd, above: str, rows: Sequence[Value]) -> Iterator[Value]:
-    """Yield rows with the values that code of a user has to tell, where that is quick.
+    """Yield rows with the values that user code computes, where that is quick.
 
     The service itself calls no such code to list what there is.
     """

@@ -24,7 +24,7 @@ def watch_service(listing: ServiceListing, sight: WatchedScreen) -> None:
     Raises:
         PropertyError: The service has gone.
     """
-    with _Ears(listing) as subscriptions, resizing(_out.is_terminal()) as wakeup:
+    with _ServiceSubscriptions(listing) as subscriptions, resizing(_out.is_terminal()) as wakeup:
         while True:
             if wakeup.heard():
                 sight.forget()
@@ -36,8 +36,8 @@ def watch_service(listing: ServiceListing, sight: WatchedScreen) -> None:
             wait_for([wakeup.fileno(), *subscriptions.sources], sight.due())
 
 
-class _Ears:
-    """Hears that there are other names, and other values of those that are shown."""
+class _ServiceSubscriptions:
+    """Subscriptions to the names below a place, and to the values of those shown."""
 
     def __init__(self, listing: ServiceListing) -> None:
         self._listing = listing
@@ -45,7 +45,7 @@ class _Ears:
         self._heard: list[PropertySubscription] = []
         self._known: set[str] = set()
 
-    def __enter__(self) -> _Ears:
+    def __enter__(self) -> _ServiceSubscriptions:
         self._hear([self._listing.place.typed], ["mode=diff"] if self._listing.is_deep else [])
         return self
 
@@ -54,11 +54,11 @@ class _Ears:
 
     @property
     def sources(self) -> Iterable[int]:
-        """Descriptors of which one is readable when there is news."""
+        """Descriptors, one of which is readable when there is a change."""
         return [heard.fileno() for heard in self._heard]
 
     def has_changes(self) -> bool:
-        """Take all news, and tell whether there was some.
+        """Take all changes, and return whether there were any.
 
         Raises:
             PropertyError: The service has gone.
@@ -70,7 +70,7 @@ class _Ears:
         return taken
 
     def listen_to(self, names: Sequence[str]) -> None:
-        """Listen to the values of properties, if not so already."""
+        """Subscribe to the values of properties, unless that is done already."""
         new = [name for name in names if name not in self._known]
         self._known = set(names)
         place = self._listing.place.typed.rstrip("/")
@@ -80,7 +80,7 @@ class _Ears:
             except PropertyError as error:
                 if error.code != "unknown":
                     raise
-                # One of them has gone meanwhile, which the ear for names hears.
+                # A property has gone meanwhile; the subscription to names reports that.
                 self._known.clear()
 
     def _hear(self, targets: Sequence[str], parameters: Sequence[str]) -> None:

@@ -48,7 +48,7 @@ def static_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def this_host() -> Capacity:
-    """Return what the host has on which a system is to run."""
+    """Return the resources of the host on which a system is to run."""
     from rtkit.manager.processes.capacity import capacity
 
     return capacity()
@@ -64,7 +64,7 @@ def check(
     options: Options,
     is_quiet: bool = False,
 ) -> int:
-    """Check systems, tell what was found, and return the exit status.
+    """Check systems, report the findings, and return the exit status.
 
     Folders among the paths, and RTC profiles beside systems, are where components are looked for.
 

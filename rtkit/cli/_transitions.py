@@ -99,7 +99,7 @@ def _asked(
     from rtkit.tree.resolve import component, supervised
     from rtkit.tree.view import build
 
-    # The short listing tells the first context.
+    # The short listing only has the first context.
     listing = app.tree.listing()
     root = build(listing)
     find = component if transition is Transition.ACTIVATE else supervised
@@ -127,6 +127,6 @@ def _first_context(node: TreeNode) -> list[str]:
 def _error(path: Path, action: ChangeState, result: Result) -> RtkitError | None:
     if result.ok:
         return None
-    # What the user typed stands in place of the name by which the manager knows it.
+    # The message names the component as the user typed it, not as the manager does.
     why = result.why.removesuffix(f": {action.instance}")
     return from_kind(result.kind, f"{why}: {path.typed}")

@@ -14,8 +14,8 @@ def wait_for(sources: Iterable[int], until: float | None) -> set[int]:
     """Wait until descriptors are readable and return those; none when the time is up.
 
     Args:
-        sources: Of what is waited for.
-        until: When to give up, monotonic [s]; None for never.
+        sources: Descriptors to wait for.
+        until: Deadline, monotonic [s]; None for none.
 
     Raises:
         BrokenPipeError: Nobody reads stdout any more.

@@ -32,7 +32,7 @@ class MayWatch(click.Command):
 
 
 class WatchedScreen:
-    """What is shown: on a terminal in place of the last time, else behind a `gap`.
+    """Repeated output: on a terminal in place of the last one, else behind a `gap`.
 
     It begins stale, and is shown at most once in a period as long as it stands there.
     """
@@ -45,12 +45,12 @@ class WatchedScreen:
         self._is_stale = True
 
     def due(self) -> float | None:
-        """Return when it is to be shown, monotonic [s]; None if nothing has changed."""
+        """Return the time of the next output, monotonic [s]; None if nothing has changed."""
         return self._shown_at + self._period_s if self._is_stale else None
 
     @property
     def is_due(self) -> bool:
-        """Return whether it is to be shown now."""
+        """Return whether the output is due now."""
         due = self.due()
         return due is not None and time.monotonic() >= due
 
@@ -59,11 +59,11 @@ class WatchedScreen:
         self._is_stale = True
 
     def forget(self) -> None:
-        """Note that what was written may no longer stand there."""
+        """Note that the last output may have been overwritten."""
         self._before, self._is_stale, self._shown_at = None, True, -self._period_s
 
     def show(self, look: Callable[[], Iterable[str]]) -> None:
-        """Look, and write what is seen if that is not what was written last."""
+        """Render the output, and write it if it differs from the last one."""
         self._shown_at = time.monotonic()
         lines = list(look())
         if lines != self._before:
@@ -74,7 +74,7 @@ class WatchedScreen:
 
 
 def watch(look: Callable[[], Iterable[str]], period_s: float) -> None:
-    """Look again in each period, and show what has changed, until nobody reads it."""
+    """Render again in each period, and show changes, until nobody reads them."""
     from rtkit.cli._resizing import resizing
     from rtkit.cli._wait import wait_for
 

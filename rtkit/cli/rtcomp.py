@@ -121,7 +121,7 @@ def _added(root: TreeNode, listing: Listing, path: Path) -> MemberChange:
 
 
 def _removed(root: TreeNode, listing: Listing, path: Path) -> MemberChange:
-    """Return what to remove; what is not there any more is known by the last part of its path."""
+    """Return the member to remove; one that has gone is known by the last part of its path."""
     from rtkit.tree.resolve import find
 
     node = find(root, path, listing.host)

@@ -87,7 +87,7 @@ def _host(server: str, snapshot: Snapshot) -> str:
 
 
 def _tell_gaps(app: App, snapshot: Snapshot) -> None:
-    """Say what could not be saved, or only as it was last heard of."""
+    """Report parts that could not be saved, or only as they were last reported."""
     for component in snapshot.components:
         if component.zombie:
             app.fail(f"not saved, zombie ({component.zombie}): {component.instance}")

@@ -51,7 +51,7 @@ def _place(app: App, typed: str) -> str:
 
 
 def _line(place: str) -> str:
-    # What is set already would win over the variable that scripts know.
+    # A variable that is set already would take precedence over the one that scripts know.
     variable = "RTKIT_CWD" if os.environ.get("RTKIT_CWD") else "RTCSH_CWD"
     shell = os.path.basename(os.environ.get("SHELL", ""))
     if shell in _C_SHELLS:

@@ -49,7 +49,7 @@ def main(app: App, paths: tuple[str, ...], zombies: bool) -> None:
 
 
 def _remove_zombies(app: App) -> None:
-    """Remove the zombies of every manager that is known; one that is silent holds up no other."""
+    """Remove the zombies of every known manager; a silent manager holds up no other."""
     from rtkit.tree.connect import connect
 
     failures = _remove(app.tree, _all_zombies(app.tree.listing()))
@@ -110,13 +110,13 @@ def _all_zombies(listing: Listing) -> list[Action]:
     for row in listing.rows:
         if row.zombie:
             actions += [Unregister(name, is_zombie=True) for name in row.names]
-            # One that lost its name while it lived is only below its manager.
+            # A component that lost its name while it lived is only below its manager.
             actions += [] if row.names else [Delete(row.instance)]
     return actions
 
 
 def _remove(tree: Tree, actions: Sequence[Action]) -> list[_Failure]:
-    """Have all of it removed and return what remains."""
+    """Remove all names and return those that remain."""
     from rtkit.deployment.actions import Delete, Unregister
 
     if not actions:
@@ -124,7 +124,7 @@ def _remove(tree: Tree, actions: Sequence[Action]) -> list[_Failure]:
     results = tree.apply(actions, is_ordered=False)
     failures: list[_Failure] = []
     for action, result in zip(actions, results, strict=True):
-        # Who removed it in the meantime did what was asked for.
+        # Somebody else removed it in the meantime: the request is fulfilled.
         if not result.ok and result.kind != NotFound.kind:
             assert isinstance(action, Unregister | Delete)
             what = f"/{action.name}" if isinstance(action, Unregister) else action.instance

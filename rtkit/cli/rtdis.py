@@ -68,7 +68,7 @@ def _remove(app: App, wires: Sequence[ConnectorProfile]) -> None:
     failures = [
         (wire.connector_id, from_kind(result.kind, f"{result.why}: {wire.connector_id}"))
         for wire, result in zip(wires, results, strict=True)
-        # Who removed it in the meantime did what was asked for.
+        # Somebody else removed it in the meantime: the request is fulfilled.
         if not result.ok and result.kind != NotFound.kind
     ]
     if failures:

@@ -109,7 +109,7 @@ def _of_tree(app: App, typed: str) -> DocumentedComponent:
 
 
 def _from_profile(app: App, type: TypeProfile) -> tuple[Section, ...]:
-    """Return what the RTC profile of a type documents besides ports and parameters."""
+    """Return the documentation in the RTC profile of a type besides ports and parameters."""
     from rtkit.cli._components import profiles
     from rtkit.errors import RtkitError
     from rtkit.profile.read import read_profile
@@ -140,7 +140,7 @@ def _rst(page: Page, dot: str = "") -> str:
 
 
 def _with_picture(page: Page, output: str) -> str:
-    """Return a page in Markdown, its picture in an SVG file beside it.
+    """Return a page in Markdown, its drawing in an SVG file beside it.
 
     Raises:
         UsageProblem: There is no file beside which it could be.

@@ -124,7 +124,7 @@ def _watch(app: App, path: Path, look: Callable[[], Iterable[str]], sight: Watch
                 continue
             try:
                 sight.show(look)
-            except Unreachable as error:  # it is ending, of which the ears will hear
+            except Unreachable as error:  # it is ending: the subscriptions report that
                 app.tell(str(error))
 
 
@@ -168,10 +168,10 @@ def _json(nodes: list[TreeNode]) -> Iterator[str]:
 
 
 def entry_record(node: TreeNode) -> dict[str, object]:
-    """Return what a listing tells of an entry, for JSON."""
+    """Return the record of an entry in a listing, for JSON."""
     row = {} if node.row is None else node.row._asdict()
     if node.kind is NodeKind.ZOMBIE:
-        row["state"] = None  # the last one known is that of nobody
+        row["state"] = None  # the last known state is that of a dead process
     kind = node.kind.name.lower()
     return {"path": node.path, "kind": kind, **row, "remark": node.remark}
 

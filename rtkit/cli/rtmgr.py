@@ -131,7 +131,7 @@ def main(
 
 
 def _check_no_word(typed: str) -> None:
-    """Refuse what was meant for a word: the path of a manager looks otherwise."""
+    """Refuse a mistyped word: the path of a manager looks otherwise."""
     from rtkit.rtc.names import MANAGER_SUFFIX
     from rtkit.rtc.nearest import did_you_mean
 

@@ -122,15 +122,15 @@ def main(
 
 
 def _sink(
-    form: str, streams: tuple[Stream, ...], types: dict[str, type], wish: PrintOptions
+    form: str, streams: tuple[Stream, ...], types: dict[str, type], options: PrintOptions
 ) -> Sink:
     from rtkit.cli import _printing
 
     if form == STATS:
-        return _printing.Counter(streams, types, wish)
+        return _printing.Counter(streams, types, options)
     if form == PLOT:
-        return _printing.Plotter(streams, types, wish)
-    return _printing.Printer(streams, types, wish)
+        return _printing.Plotter(streams, types, options)
+    return _printing.Printer(streams, types, options)
 
 
 def _limited(

@@ -34,7 +34,7 @@ def main(
     document = read_document(app, files)
     with document.naming():
         orders = start_orders(document.profile)
-        stop_orders(document.profile)  # what cannot be stopped as written is not started
+        stop_orders(document.profile)  # a system that cannot be stopped as written is not started
     is_followed = not (dry_run or draws) and following.is_wanted(document)
     starting.run(
         app,

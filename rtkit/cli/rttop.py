@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from rtkit.cli._observers import ManagerTold
     from rtkit.tree.scope import Scope
 
-_PATIENCE = 5
-"""How many figures are passed over at first in which a process is missing."""
+_MOST_SKIPPED = 5
+"""Number of first readings that are skipped while a process is missing in them."""
 
 SILENT_S = 3.0
-"""After that time without figures they are told to be old [s]."""
+"""Time without metrics after which the page calls them old [s]."""
 
 
 @command("rttop")
@@ -88,14 +88,14 @@ def _is_live() -> bool:
 
 
 def _write_pages(top: Top, look: Look, number: int | None, *, is_json: bool) -> None:
-    left, patience = number, _PATIENCE
+    left, skips_left = number, _MOST_SKIPPED
     for told in top.subscriptions.listen(None):
         if not top.take(told) or not top.has_rates:
             continue
-        if patience and not top.is_whole:
-            patience -= 1
+        if skips_left and not top.is_whole:
+            skips_left -= 1
             continue
-        patience = 0
+        skips_left = 0
         rows = ordered(top.rows(), look)
         if is_json:
             write_now([_json(row, top.time) for row in rows])
@@ -109,12 +109,12 @@ def _write_pages(top: Top, look: Look, number: int | None, *, is_json: bool) -> 
 
 
 class Top:
-    """What is known of the components of some managers.
+    """Metrics and states of the components of some managers.
 
     Attributes:
-        ears: At the managers.
-        time: Of the last figures [s since 1970].
-        heard_at: When they came, monotonic [s].
+        subscriptions: Subscriptions to the managers.
+        time: Time of the last metrics [s since 1970].
+        heard_at: Time of their arrival, monotonic [s].
     """
 
     def __init__(self, app: App, subscriptions: Observers, scopes: Sequence[Scope]) -> None:
@@ -127,7 +127,7 @@ class Top:
         self._raters: dict[str, Rater] = {}
 
     def take(self, told: Sequence[ManagerTold]) -> bool:
-        """Take what was heard in; whether there were figures."""
+        """Take events in; return whether there were metrics among them."""
         from rtkit.deployment.metrics import Metrics
 
         has_metrics = False
@@ -143,7 +143,7 @@ class Top:
 
     @property
     def has_rates(self) -> bool:
-        """Return whether all managers have told figures twice."""
+        """Return whether all managers have reported metrics twice."""
         raters = self._raters
         return bool(raters) and all(
             name in raters and raters[name].has_rates for name in self.subscriptions.subscriptions

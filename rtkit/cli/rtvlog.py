@@ -165,7 +165,7 @@ def _after(since_s: float | None) -> Wanted:
 
 
 def _about(app: App, typed: Sequence[str]) -> Wanted:
-    """Return what tells whether a record is about one of the paths."""
+    """Return a predicate: whether a record is about one of the paths."""
     read = [app.path(each) for each in typed]
     for path in read:
         if path.port is not None:
@@ -197,7 +197,7 @@ def _about_node(app: App, path: Path) -> Wanted:
 
 
 def _about_name(path: Path) -> Wanted:
-    """Return what tells of a path by its last name, where no manager can be asked."""
+    """Return a predicate on the last name of a path, where no manager can be asked."""
     from rtkit.rtc.names import COMPONENT_SUFFIX, MANAGER_SUFFIX
 
     if len(path.elements) < 2:
@@ -216,7 +216,7 @@ def _of_file(name: str, *, is_deep: bool = False) -> Wanted:
 
 
 def _of_components(manager: str, instances: Iterable[str]) -> Wanted:
-    """Return what tells whether components, or loggers below theirs, say something."""
+    """Return a predicate: whether a record is from components, or loggers below theirs."""
     names = set(instances)
     is_near = _of_file(manager, is_deep=True) if manager else lambda _entry: True
 

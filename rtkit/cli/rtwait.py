@@ -25,13 +25,13 @@ _DEFAULT_S = 30.0
 
 
 class WaitGoal(NamedTuple):
-    """What is to become of one path."""
+    """Desired state of one path."""
 
     path: Path
     wanted: str
 
     def problem(self, node: TreeNode | None) -> str:
-        """Return what keeps it from being so, "" when it is."""
+        """Return the reason why the goal does not hold, "" when it does."""
         row = node.row if node is not None else None
         if row is None:
             return "" if self.wanted == GONE else "does not exist"
@@ -124,7 +124,7 @@ def _goals(app: App, words: Sequence[str]) -> list[WaitGoal]:
 
 
 def _check_path(word: str) -> None:
-    """Refuse what is rather a state that was mistyped than a path, which would never exist."""
+    """Refuse a path that is probably a mistyped state: it would never exist."""
     from rtkit.rtc.nearest import did_you_mean
 
     if not set(word) & set("/.:") and (meant := did_you_mean(word, WORDS)):
@@ -162,7 +162,7 @@ def _reach(app: App, goals: Sequence[WaitGoal], until: float) -> Sequence[Proble
 
 
 def _problems(goals: Sequence[WaitGoal], subscriptions: Observers) -> list[Problem]:
-    """Return what is the matter with each goal, as far as is known."""
+    """Return the unmet condition of each goal, as far as is known."""
     from rtkit.deployment.listing import listing_of
     from rtkit.tree.resolve import find
     from rtkit.tree.view import build

@@ -135,10 +135,10 @@ def _states(app: App, file: str) -> tuple[States, Managers | None]:
 
 
 class _Watch:
-    """Makes records of what is heard and wanted.
+    """Makes records of the wanted events.
 
     Attributes:
-        count: How many.
+        count: Number of records made.
     """
 
     def __init__(
@@ -190,19 +190,19 @@ class _Watch:
                 yield self._record(manager, moment, each)
 
     def _is_seen(self, user_event: UserEvent) -> bool:
-        """Return whether it is told all the same that a system came to a state."""
+        """Return whether the arrival of a system in a state is reported all the same."""
         told = user_event.system
         is_own = self._states is not None and told is not None and told.system == self._states.name
         return is_own and told is not None and user_event.event == told.state
 
     def begin(self) -> None:
-        """Note in which state the system is before anything happens."""
+        """Record the state of the system before anything happens."""
         facts = self._facts("")
         if self._states is not None and facts is not None:
             self._state = self._states.now(facts)
 
     def _facts(self, manager: str) -> Snapshot | None:
-        """Return what is known of the system, if this manager has to do with it."""
+        """Return the facts of the system, if this manager has a part in it."""
         if self._managers is not None:
             return self._managers.joined(
                 [subscription.facts for subscription in self._subscriptions.subscriptions.values()]
@@ -211,7 +211,7 @@ class _Watch:
         return subscription.facts if subscription is not None and not manager else None
 
     def _came_to(self, manager: str, moment: float) -> Iterator[Record]:
-        """Yield that the system is in another state than it was seen in before."""
+        """Yield a record when the system is in another state than before."""
         facts = self._facts(manager)
         if self._states is None or facts is None or SYSTEM_STATE not in self._wanted:
             return

@@ -89,7 +89,7 @@ def _differences(before: Things, after: Things) -> Iterator[Difference]:
 
 
 def _owner_is_gone(key: ThingKey, here: Things, there: Things) -> bool:
-    """Whether the thing that this one belongs to is not there either, and is told of instead."""
+    """Return whether the owner of a thing is gone, too, and is reported instead."""
     owner = here[key].owner
     return owner is not None and owner not in there
 

@@ -30,12 +30,12 @@ What shells ask at TAB, through the functions that shell-init prints: TYPE and B
 COMP_TYPE and COMP_WORDBREAKS, LINE is what stands before the cursor."""
 PATIENCE = "RTKIT_COMPLETION_TIMEOUT"
 _PATIENCE_S = 1.0
-_LISTING = "63"  # what bash calls a second TAB: nothing is put in, ways to go on are shown
+_LISTING = "63"  # COMP_TYPE of a second TAB in bash: it lists candidates and inserts none
 _WORDS_OF = {"shell-init": ("bash", "zsh", "fish")}
 
 
 def complete(name: str, arguments: Sequence[str], tree: Tree | None = None) -> int:
-    """Answer on stdout; what keeps from it is told on stderr, which shells throw away."""
+    """Answer on stdout; errors go to stderr, which shells throw away."""
     try:
         lines = _lines(arguments, tree)
     except RtkitError as error:
@@ -87,7 +87,7 @@ def _for_bash(kind: str, breaks: str, text: str, tree: Tree | None) -> list[str]
 
 
 def shown(text: str) -> str:
-    """Return what a list shows of a word: the last name of a path, with its port."""
+    """Return the part of a word that a list shows: the last name of a path, with its port."""
     head, slash, name = text.rstrip("/").rpartition("/")
     return f"{name}{text[len(head) + len(slash) + len(name) :]}"
 
@@ -95,7 +95,7 @@ def shown(text: str) -> str:
 def candidates(
     words: Sequence[str], typed: str, tree: Tree | None = None
 ) -> list[Candidate] | Files:
-    """Return what may stand behind words of a command line, of which the first is the command.
+    """Return the candidates behind words of a command line; the first word is the command.
 
     Raises:
         RtkitError: Whoever is to be asked does not answer, or a word before cannot be read.

@@ -29,7 +29,7 @@ _COMPOSITES = ("PeriodicECSharedComposite", "PeriodicStateSharedComposite", "Gro
 
 
 def found(asked: CursorMeaning, live: CompletionSource) -> Found | Files:
-    """Return what may stand at the cursor."""
+    """Return the candidates at the cursor."""
     if asked.kind in ("option", "words"):
         return [each for each in asked.words if each.text.startswith(asked.typed)]
     maker = _MAKERS.get(asked.kind)
@@ -170,7 +170,7 @@ def _manager_or_word(asked: CursorMeaning, live: CompletionSource) -> Found:
 
 
 def _or_none(look: Callable[[], Found]) -> Found:
-    """Return what can be seen: words that need no manager are there without one, too."""
+    """Return the candidates of `look`, or none where the manager does not answer."""
     from rtkit.errors import RtkitError
 
     try:

@@ -13,7 +13,7 @@ class Candidate(NamedTuple):
 
     Attributes:
         text: The whole word as it would be, without quotes.
-        about: What it is, in a few words, for shells that show it.
+        about: Its description in a few words, for shells that show one.
     """
 
     text: str
@@ -26,7 +26,7 @@ class Candidate(NamedTuple):
 
 
 class Files(NamedTuple):
-    """That a file is to be named, which shells know best how to complete.
+    """Request for a file name, which the shell itself completes.
 
     Attributes:
         endings: Those of files that fit, ``.xml``; none when any does.

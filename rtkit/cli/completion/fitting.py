@@ -11,7 +11,7 @@ _SERVICE = "CorbaPort"
 
 
 def is_fit(one: Plain, other: Plain) -> bool:
-    """Whether two ports can be connected, as far as direction, data type and interfaces say."""
+    """Return whether direction, data type and interfaces let two ports be connected."""
     kinds = (one["port_type"], other["port_type"])
     if _SERVICE in kinds:
         return kinds[0] == kinds[1] and _meet(one, other)

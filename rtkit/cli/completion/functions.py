@@ -21,6 +21,6 @@ its start-up file:
 
 
 def script(shell: str) -> str:
-    """Return what a shell is to evaluate."""
+    """Return the script that a shell must evaluate."""
     with open(os.path.join(_FOLDER, f"rtkit.{shell}"), encoding="utf-8") as file:
         return file.read().replace("@COMMANDS@", " ".join(["rtkit", *COMMANDS.values()])).rstrip()

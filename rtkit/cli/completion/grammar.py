@@ -97,7 +97,7 @@ _ARGUMENT_METAVAR: dict[str, str] = {
 
 
 class CursorMeaning(NamedTuple):
-    """What is meant at the cursor.
+    """Meaning of the word at the cursor.
 
     Attributes:
         command: Name of the command, with its word where it has words: ``rtprofile show``.
@@ -119,7 +119,7 @@ class CursorMeaning(NamedTuple):
 
 
 def ask(name: str, words: Sequence[str], typed: str) -> CursorMeaning | None:
-    """Return what is meant by `typed` behind a command and `words`; None for no command of ours."""
+    """Return the meaning of `typed` behind a command and `words`; None for a foreign command."""
     if name not in COMMANDS.values():
         return None
     command: click.Command = importlib.import_module(f"rtkit.cli.{name}").main.command

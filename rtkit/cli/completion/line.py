@@ -11,7 +11,7 @@ _IN_DOUBLE = re.compile(r'([\\"$`])')
 
 
 class TypedLine(NamedTuple):
-    """What is typed before the cursor.
+    """The command line before the cursor.
 
     Attributes:
         words: The words before the last one, without quotes, assignments in front left out.
@@ -26,7 +26,7 @@ class TypedLine(NamedTuple):
     quote: str
 
     def replacement(self, text: str) -> str:
-        """Return what to put in for the word `text`, quoted as the line needs it."""
+        """Return the replacement for the word `text`, quoted as the line needs it."""
         return quoted(text.removeprefix(self.kept), self.quote)
 
 
@@ -41,7 +41,7 @@ def read(text: str, breaks: str) -> TypedLine:
     escaped = False
     for c in text:
         if escaped:
-            # Within double quotes a backslash stays where there is nothing to be escaped.
+            # Within double quotes bash keeps a backslash that escapes nothing.
             word = f"{word or ''}{'' if quote != chr(34) or c in _ESCAPABLE else chr(92)}{c}"
             escaped = False
         elif c == "\\" and quote != "'":

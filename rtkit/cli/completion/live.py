@@ -47,7 +47,7 @@ class CompletionSource:
         return self._tree
 
     def folder(self, typed: str) -> TreeNode | None:
-        """Return what is at a path as typed, as far as the next level shows it."""
+        """Return the entries at a path as typed, as far as the next level shows them."""
         return self._at(parse_path(typed, working_directory()))
 
     def component(self, typed: str) -> TreeNode | None:
@@ -63,20 +63,20 @@ class CompletionSource:
         return list(self.facts(instance).get("ports", ()))
 
     def facts(self, instance: str) -> Plain:
-        """Return what is known of a component, nothing when there is none of that name."""
+        """Return the facts of a component, none when there is none of that name."""
         return next(
             (each for each in self.part(instance)["components"] if each["instance"] == instance), {}
         )
 
     def part(self, *instances: str) -> Plain:
-        """Return what concerns components, with none the manager itself."""
+        """Return the facts about components; with none, about the manager itself."""
         if instances not in self._parts:
             self._parts[instances] = _whole(self.tree().plain(instances))
         return self._parts[instances]
 
     @cached_property
     def snapshot(self) -> Plain:
-        """Everything."""
+        """A snapshot of everything that the manager knows."""
         return _whole(self.tree().plain())
 
     def close(self) -> None:

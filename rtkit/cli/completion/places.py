@@ -16,7 +16,7 @@ PortFits = Callable[[str, Plain], bool]
 
 
 class WantedPath(NamedTuple):
-    """What a path is to lead to.
+    """Condition on the entry that a path leads to.
 
     Attributes:
         fits: Tells of an entry whether it can be named; of directories with a slash behind.
@@ -68,7 +68,7 @@ def _ways(node: TreeNode, above: str, wanted: WantedPath) -> Iterator[Candidate]
 
 
 def _leads_on(node: TreeNode, wanted: WantedPath) -> bool:
-    # What another manager holds is only asked when the path leads there.
+    # Another manager is only asked when the path leads to it: each costs a connection.
     is_unknown = not node.children and node.kind in (NodeKind.MANAGER, NodeKind.HOST)
     below = (each for each in node.walk() if each is not node)
     return (is_unknown and not node.is_slave) or any(wanted.fits(each) for each in below)
@@ -88,7 +88,7 @@ def _ports(live: CompletionSource, path: str, start: str, wanted: WantedPath) ->
 
 
 def described(port: Plain) -> str:
-    """Return what a port is in a few words: ``DataInPort TimedLong``."""
+    """Return the description of a port in a few words: ``DataInPort TimedLong``."""
     name = port.get("properties", {}).get("dataport.data_type", "")
     return f"{port['port_type']} {name.removeprefix('IDL:').removesuffix(':1.0')}".rstrip()
 
@@ -99,10 +99,10 @@ def living(node: TreeNode) -> bool:
 
 
 def in_state(state: str) -> Callable[[TreeNode], bool]:
-    """Return what tells whether a living component is in that state."""
+    """Return a predicate: whether a living component is in that state."""
     return lambda node: living(node) and node.row is not None and node.row.state == state
 
 
 def with_row(test: Callable[[ListingRow], bool]) -> Callable[[TreeNode], bool]:
-    """Return what tells whether the row of a living component passes a test."""
+    """Return a predicate: whether the row of a living component passes a test."""
     return lambda node: living(node) and node.row is not None and test(node.row)

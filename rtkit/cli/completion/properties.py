@@ -35,7 +35,7 @@ def targets(typed: str, live: CompletionSource) -> list[Candidate]:
 
 
 def values(target: str, typed: str, timeout_s: float) -> list[Candidate]:
-    """Return what a property may be set to, as far as that is known: what it is."""
+    """Return known candidates for the value of a property: its present one, and others."""
     from rtkit.tree.properties import PropertyConnections
 
     places = PropertyConnections(working_directory(), "", timeout_s)
@@ -100,7 +100,7 @@ def _of_services(typed: str) -> Iterator[Candidate]:
                     continue
                 listed = _listed(str(client.ask("properties?all").value()))
         except RtkitError:
-            continue  # nobody is behind the socket: the next one may be asked
+            continue  # the socket is stale: the next service may answer
         yield from _steps(f"{front}{name}.", listed, rest[len(name) + 1 :])
 
 

@@ -31,7 +31,7 @@ class SetDifference(NamedTuple):
 
 
 class SavedSets(NamedTuple):
-    """What a file holds: the active set, empty when it does not say, and the sets."""
+    """Content of a file: the active set, empty when it names none, and the sets."""
 
     active: str
     sets: Sets

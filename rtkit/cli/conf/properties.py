@@ -41,7 +41,7 @@ def of_manager(app: App, properties: Mapping[str, str], path: Path, asked: ConfR
 
 
 def _asked_for(app: App, name: str) -> str:
-    """Return what a manager tells besides its properties, as ``get_slave_managers``.
+    """Return a manager's report besides its properties, as ``get_slave_managers``.
 
     Raises:
         NotFound: It has nothing of that name.
@@ -62,6 +62,6 @@ def warn_of_vain(app: App, given: Mapping[str, str]) -> None:
 
     found = []
     for key, value in given.items():
-        with suppress(Malformed):  # the manager tells what it does not take
+        with suppress(Malformed):  # the manager itself refuses values that it does not take
             found.append(vain(key, value))
     app.warn(filter(None, found))

@@ -11,7 +11,7 @@ Sets = Mapping[str, Mapping[str, str]]
 
 
 class ConfRequest(NamedTuple):
-    """What to do with which set."""
+    """The operation, and the set that it is about."""
 
     verb: str
     arguments: tuple[str, ...]

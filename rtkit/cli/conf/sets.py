@@ -36,7 +36,7 @@ def of_component(app: App, facts: ComponentFacts, asked: ConfRequest) -> None:
 
 
 def seen(facts: ComponentFacts, asked: ConfRequest) -> tuple[Sets, Sets]:
-    """Return the sets that are to be seen, and those of them that were asked for.
+    """Return the visible sets, and those of them that were asked for.
 
     Raises:
         NotFound: There is no set of the name that was given, or is needed.
@@ -49,7 +49,7 @@ def seen(facts: ComponentFacts, asked: ConfRequest) -> tuple[Sets, Sets]:
 
 
 def visible(sets: Sets, asked: ConfRequest) -> Sets:
-    """Return those sets that are to be seen."""
+    """Return the visible sets."""
     return {name: sets[name] for name in sets if asked.has_hidden or not _hidden(name)}
 
 
@@ -82,7 +82,7 @@ def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) ->
     """Refuse parameters that do not exist, and texts that do not fit.
 
     What the component says of its parameters counts, and what an RTC profile found here says of
-    those of which the component says nothing. `tell` hears of places that cannot be looked at.
+    those of which the component says nothing. `tell` receives places that cannot be read.
 
     Raises:
         NotFound: No such parameter.
@@ -96,7 +96,7 @@ def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) ->
         for name, text in values.items():
             if name not in facts.sets[set_id]:
                 raise no_parameter(name, facts.sets[set_id])
-            # What a hidden set holds are hints, not values of the parameters.
+            # A hidden set holds hints, not values of the parameters.
             if _hidden(set_id):
                 continue
             why = misfit(facts.sets, name, text)
@@ -114,7 +114,7 @@ def check(facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]) ->
 def _declared(
     facts: ComponentFacts, wanted: Sets, tell: Callable[[str], object]
 ) -> Mapping[str, ParameterType]:
-    """Return what an RTC profile says of parameters for which the component gives no constraint."""
+    """Return the constraints that an RTC profile has where the component itself has none."""
     from rtkit.component.constraint_check import CONSTRAINT_SET
 
     told = facts.sets.get(CONSTRAINT_SET, {})

@@ -35,14 +35,14 @@ def show_sets(facts: ComponentFacts, sets: Sets, asked: ConfRequest) -> None:
 
 
 def no_parameter(name: str, known: Iterable[str]) -> NotFound:
-    """Return the error that there is no such parameter, with what may have been meant."""
+    """Return the error that there is no such parameter, with similar names."""
     from rtkit.rtc.nearest import did_you_mean
 
     return NotFound(f"No such configuration parameter: {name}{did_you_mean(name, known)}")
 
 
 def no_set(set_id: str, known: Iterable[str]) -> NotFound:
-    """Return the error that there is no such set, with what may have been meant."""
+    """Return the error that there is no such set, with similar names."""
     from rtkit.rtc.nearest import did_you_mean
 
     return NotFound(f"No such configuration set: {set_id}{did_you_mean(set_id, known)}")

@@ -49,7 +49,7 @@ class DocumentedComponent(NamedTuple):
 
 
 class Made(NamedTuple):
-    """A page, and what was odd in the documentation that it is made of."""
+    """A page, and warnings about the documentation that it is made of."""
 
     page: Page
     warnings: tuple[str, ...]

@@ -33,7 +33,7 @@ def data_link() -> Iterator[Diagnosis]:
             text = f"no connection can be tried: {error.strerror}: {error.filename}"
             found.append(Diagnosis("links", ERROR, text, "make room in the folder for sockets"))
 
-    # Zenoh opens sessions without hearing a Ctrl-C, and could hang where it is not at home.
+    # Zenoh ignores Ctrl-C while it opens a session, and may hang: the thread can be abandoned.
     thread = Thread(target=run, daemon=True)
     thread.start()
     thread.join(2 * _MOST_S)
@@ -43,7 +43,7 @@ def data_link() -> Iterator[Diagnosis]:
 def _tried(place: str) -> Diagnosis:
     try:
         from rtkit.link.streams import Streams
-    except ImportError as error:  # told as a wrong installation, too
+    except ImportError as error:  # the check of the installation reports it, too
         return _broken(str(error))
     arrived = Event()
     into, out = (Streams(os.path.join(place, name)) for name in ("into", "out"))
@@ -68,7 +68,7 @@ def judge(slow: str, free: int) -> Diagnosis:
 
     Args:
         slow: Why it has no shared memory, empty if it has.
-        free: How much of that there is [bytes].
+        free: Free shared memory [bytes].
     """
     if slow:
         text = f"large values between processes are copied, which is slower: {slow}"
@@ -83,7 +83,7 @@ def judge(slow: str, free: int) -> Diagnosis:
 
 
 def _free() -> int:
-    """Return how much shared memory can be had [bytes]."""
+    """Return the amount of free shared memory [bytes]."""
     try:
         status = os.statvfs(_SHM)
     except OSError:
@@ -108,9 +108,9 @@ def _shared_memory() -> list[str]:
 
 
 def _remove(paths: list[str]) -> None:
-    """Remove what zenoh leaves of closed sessions, so that looking changes nothing."""
+    """Remove files that zenoh leaves of closed sessions, so that the check changes nothing."""
     for path in paths:
         try:
             os.unlink(path)
         except OSError:
-            continue  # zenoh was first
+            continue  # zenoh has removed it first

@@ -8,14 +8,14 @@ OK, NOTE, WARNING, ERROR = "ok", "note", "warning", "error"
 
 
 class Diagnosis(NamedTuple):
-    """What was found.
+    """The outcome of one check.
 
     Attributes:
-        check: Which look it was: ``folders``, ``managers`` …
+        check: Name of the check: ``folders``, ``managers`` …
         severity: ``ok``, ``note``, ``warning`` or ``error``.
-        text: What was found, on one line.
-        cure: A command or a sentence that helps; empty where nothing is to be done.
-        subject: What it is about; empty for the set-up as a whole.
+        text: The outcome on one line.
+        cure: The fix, a command or a sentence; empty where nothing is to be done.
+        subject: The thing checked; empty for the set-up as a whole.
     """
 
     check: str

@@ -11,7 +11,7 @@ from rtkit.link import places, secret
 
 _LEAST_SPACE = 50 << 20
 _SOCKET = ".sock"
-_BEATS = ".beats"
+_HEARTBEATS = ".beats"
 _DEAD = ("", "Z", "X")
 
 
@@ -52,7 +52,7 @@ def _folder(what: str, path: str) -> Diagnosis:
 
 
 def is_trusted() -> bool:
-    """Whether the folder of sockets is one in which managers and services may be looked for."""
+    """Return whether the folder of sockets is safe to look for managers and services in."""
     try:
         places.runtime_dir()
     except Refused:
@@ -84,7 +84,7 @@ def _secret() -> Diagnosis:
 
 
 def remains() -> Iterator[Diagnosis]:
-    """Look for what killed managers and processes left: files, and slaves that live on."""
+    """Check for orphans of killed managers and processes: files, and slaves that live on."""
     try:
         entries = sorted(os.listdir(places.runtime_dir()))
     except OSError:
@@ -124,7 +124,7 @@ def _files_of_the_dead(entries: list[str]) -> Iterator[Diagnosis]:
 
 def _slaves(entries: list[str], name: str) -> set[int]:
     """Return the pids of processes that had heartbeats: slaves, not zygotes or attached ones."""
-    parts = (_parts(entry) for entry in entries if entry.endswith(_BEATS))
+    parts = (_parts(entry) for entry in entries if entry.endswith(_HEARTBEATS))
     return {pid for owner, pid in parts if owner == name and pid is not None}
 
 

@@ -44,9 +44,9 @@ def _versions() -> Iterator[Diagnosis]:
 
 
 def version_of(distribution: str, folders: Iterable[str]) -> str | None:
-    """Return the version of what is installed, by its name with underscores; None if it is not.
+    """Return the version of an installed package, by its name with underscores; None without it.
 
-    The name of its folder tells; `importlib.metadata`, which knows other ways to be installed,
+    The name of its folder has the version; `importlib.metadata`, which knows other installations,
     takes longer to import than all else here.
     """
     stem, end = f"{distribution}-", ".dist-info"
@@ -67,7 +67,7 @@ def version_of(distribution: str, folders: Iterable[str]) -> str | None:
 
 
 def transport(version: str) -> Diagnosis | None:
-    """Return what is wrong with a version of the transport, if anything."""
+    """Return the fault of a version of the transport, if it has any."""
     least, limit = _ZENOH
     parts = version.split(".")[:2]
     known = tuple(int(part) for part in parts if part.isdigit())
@@ -78,7 +78,7 @@ def transport(version: str) -> Diagnosis | None:
 
 
 def _commands(environment: Mapping[str, str]) -> Iterator[Diagnosis]:
-    """Tell where the shell finds commands of another installation than this one."""
+    """Report commands on the shell's path that belong to another installation."""
     from shutil import which
 
     own = os.path.dirname(os.path.abspath(sys.executable))
@@ -127,7 +127,7 @@ def _limits() -> Iterator[Diagnosis]:
 
 
 def files(soft: int, hard: int) -> Diagnosis:
-    """Judge how many files a process may have open."""
+    """Judge the limit on open files of a process."""
     if soft < 0 or soft >= _FEWEST_FILES:
         return Diagnosis("limits", OK, f"{soft} files may be open", "", "nofile")
     text = f"only {soft} files may be open: not enough for a manager of a hundred slaves"
@@ -145,7 +145,7 @@ def clock(now: float, installed: float) -> Iterator[Diagnosis]:
 
 
 def shell(environment: Mapping[str, str], home: str) -> Diagnosis:
-    """Tell whether the user's shell knows what rtkit offers it; a person is told, no script."""
+    """Check that the user's shell loads rtcwd and completion."""
     name = os.path.basename(environment.get("SHELL", ""))
     files = {
         "bash": (".bashrc", ".bash_profile"),

@@ -107,7 +107,7 @@ def _silent(name: str, timeout_s: float, why: str = "") -> Diagnosis:
 
 
 def judge(name: str, listing: Listing, facts: Snapshot) -> Iterator[Diagnosis]:
-    """Judge what a manager says of itself, its slaves and its components."""
+    """Judge a manager's report on itself, its slaves and its components."""
     from rtkit import __version__
 
     if facts.version != __version__:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibility:
-    """Return what is known of the components that do not live as wanted; no code is run.
+    """Return the known facts of components that do not live as wanted; no code is run.
 
     Raises:
         Unreachable: The manager does not answer.
@@ -43,7 +43,7 @@ def look_ahead(app: App, system: WantedSystem, snapshot: Snapshot) -> Feasibilit
 
 
 def _says_something(component: WantedComponent) -> bool:
-    """Whether what a type has is to be compared; what a composite has shows when it is made."""
+    """Return whether sets or ports are to be compared; those of a composite show once it lives."""
     is_composite = (
         "members" in parse_create(component.create).options if component.create else False
     )
@@ -51,7 +51,7 @@ def _says_something(component: WantedComponent) -> bool:
 
 
 def missing(app: App, system: WantedSystem, snapshot: Snapshot) -> dict[str, str]:
-    """Return why components cannot be made that are not there, by their names.
+    """Return the reasons why missing components cannot be created, by component name.
 
     Raises:
         Unreachable: The manager does not answer.
@@ -110,7 +110,7 @@ def _ports(
 
 
 def _described(app: App, wanted: Mapping[str, str]) -> dict[str, Blueprint]:
-    """Return what RTC profiles say of the types of components, where they say it of just that."""
+    """Return the RTC profiles of the types of components, where a profile is of just that type."""
     if not wanted:
         return {}
     from rtkit.cli._components import profiles
