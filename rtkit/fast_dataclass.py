@@ -121,7 +121,7 @@ def _made(cls: type, *, frozen: bool, order: bool, eq: bool) -> type:
 
 
 def _own(namespace: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a class says itself of how it is compared."""
+    """Return the comparison methods that a class defines itself."""
     return {name: namespace[name] for name in ("__eq__", "__hash__") if namespace.get(name)}
 
 
@@ -163,7 +163,7 @@ def _initialiser(cls: Any, columns: Mapping[str, _Field]) -> Callable[..., None]
                 is_good = False
         if not is_good or left:
             cls.__init__ = _compiled(cls, columns)
-            cls.__init__(self, *args, **named)  # which tells also what is wrong
+            cls.__init__(self, *args, **named)  # which also raises what is wrong
         elif is_checked:
             self.__post_init__()
 

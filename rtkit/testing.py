@@ -45,7 +45,7 @@ class Trial(Closing, Generic[C]):
             assert [value.data for value in trial.received("out")] == [6]
 
     With a `clock` it has a time of its own: each tick moves it on by a period, `wait` and
-    ``time.sleep`` by as much as they are told. Code that asks the module ``time`` sees it, as long
+    ``time.sleep`` by as much as their argument. Code that asks the module ``time`` sees it, as long
     as one of the methods here runs it.
 
     Attributes:
@@ -116,7 +116,7 @@ class Trial(Closing, Generic[C]):
     def tick(self, count: int = 1) -> None:
         """Have the execution context do its cycle.
 
-        A failure leads to Error, as always; `component.cause` tells why.
+        A failure leads to Error, as always; `component.cause` states why.
         """
         for _ in range(count):
             with self._time():
@@ -204,7 +204,7 @@ class Trial(Closing, Generic[C]):
         self._sinks[key](told)
 
     def received(self, port: str) -> list[Any]:
-        """Return what an out port has written since this was asked last.
+        """Return what an out port has written since the last call.
 
         Raises:
             NotFound: No such out port.
@@ -241,7 +241,7 @@ class _Clock:
 
     @contextmanager
     def installed(self) -> Iterator[None]:
-        """Have the module `time` tell this time."""
+        """Have the module `time` return this time."""
         told = {name: lambda: self._now_ns / 1e9 for name in ("time", "monotonic", "perf_counter")}
         told_ns = {f"{name}_ns": lambda: self._now_ns for name in told}
         with ExitStack() as stack:
@@ -256,7 +256,7 @@ def _text(value: Any) -> str:
 
 
 def _nothing() -> None:
-    """Hear of a call and do nothing about it."""
+    """Receive a call and do nothing about it."""
 
 
 @contextmanager

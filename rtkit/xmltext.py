@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-# Told by what it is rather than by what it is not: that compiles in a tenth of the time.
+# Detected by what it is rather than by what it is not: that compiles in a tenth of the time.
 _NOT_IN_XML = "[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]"
 
 

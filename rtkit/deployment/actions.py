@@ -48,7 +48,7 @@ class Unload:
 class Create:
     """Make a component from a create string (commands §20), or from a pattern.
 
-    With a pattern the create string only tells the instance name, the place and the properties.
+    With a pattern the create string only states the instance name, the place and the properties.
 
     Attributes:
         is_strict: Refuse where there would be a note, and leave nothing.
@@ -92,7 +92,7 @@ class Unregister:
     """Remove a name from the tree; what bears it lives on, a zombie goes with its last name.
 
     Attributes:
-        name: In full, as facts tell it: ``localhost/dir.host_cxt/Motor0.rtc``.
+        name: In full, as facts state it: ``localhost/dir.host_cxt/Motor0.rtc``.
         is_zombie: Refuse unless a zombie bears it.
     """
 
@@ -105,7 +105,7 @@ class Register:
     """Give a component that lives a further name in the tree.
 
     Attributes:
-        name: In full, as facts tell it: ``localhost/dir.host_cxt/Motor0.rtc``.
+        name: In full, as facts state it: ``localhost/dir.host_cxt/Motor0.rtc``.
     """
 
     instance: str
@@ -247,7 +247,7 @@ Action = (
 
 
 def strict(action: Action) -> Action:
-    """Return an action that is refused where it would be done with a note on what was asked for."""
+    """Return an action that is refused where it would be done, with a note on the request."""
     return replace(action, is_strict=True) if isinstance(action, Load | Create) else action
 
 
@@ -261,7 +261,7 @@ class Result:
         value: What was made: the instance name of a created component.
         note: What the user may not expect though it was done; mostly empty.
         left_out: What a component that died had and the one in its place has not; a plan of its
-            system makes that again, so only commands without a plan tell it.
+            system creates it again, so only commands without a plan state it.
         took_s: How long it took [s]; 0 where nobody measured it.
     """
 

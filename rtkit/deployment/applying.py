@@ -58,10 +58,10 @@ class Applier:
         Args:
             site: Where.
             goal: What.
-            report: Is told what went otherwise than planned.
-            progress: Is told each step when it is done.
+            report: Receives the differences from the plan.
+            progress: Receives each step when it is done.
             taken: Gets what the actions took that were done [s].
-            seen: What the plan was made from, if its notes are told already.
+            seen: What the plan was made from, if its notes are reported already.
             careful: Makes the calls; an interruption of the command waits for their end.
         """
         self.unmet = seen.unmet if seen is not None else ()
@@ -88,12 +88,12 @@ class Applier:
     ) -> None:
         """Carry a plan out that was made from what lived `before`; go back if that fails.
 
-        One that is to be carried out exactly is not made anew where the world differs.
+        One that is to be carried out exactly is not planned again where the world differs.
 
         Raises:
-            Refused: A step failed; the message tells what is left, or that it went back.
+            Refused: A step failed; the message states what is left, or that it went back.
             Unreachable: The manager does not answer.
-            KeyboardInterrupt: Interrupted; its text tells what is left.
+            KeyboardInterrupt: Interrupted; its text states what is left.
         """
         system = self._goal.system
         try:
@@ -108,7 +108,7 @@ class Applier:
             raise KeyboardInterrupt("; ".join(filter(None, (str(error), told)))) from error
 
     def _see(self, before: Snapshot, now: Snapshot) -> Model:
-        """Return the model of what lives now; tell what of the wanted system turned out not to be.
+        """Return the model of what lives now; report parts of the wanted system that do not exist.
 
         What nobody knew before is known as soon as a component lives.
         """
@@ -155,7 +155,7 @@ class Applier:
         raise Refused(f"what lives differed from {_MOST_PLANS} plans")
 
     def _differs(self, why: str) -> None:
-        """Tell that the world is not as planned.
+        """Report that the world is not as planned.
 
         Raises:
             Refused: The plan is to be carried out as it is, or not at all.
@@ -192,7 +192,7 @@ class Applier:
         return ""
 
     def _tell(self, moves: Iterable[Operator], awaited: Counter[str], where: str) -> list[Operator]:
-        """Tell the steps of which no action is awaited any more; return the others."""
+        """Report the steps of which no action is awaited any more; return the others."""
         left = []
         for move in moves:
             if awaited[move.text] > 0:
@@ -207,7 +207,7 @@ class Applier:
             yield Layer(layer.name, layer.steps[first : first + most])
 
     def _after(self, before: Snapshot, rolls_back: bool) -> str:
-        """Tell what is left after a failure, or go back; never fails itself."""
+        """Report what is left after a failure, or go back; never fails itself."""
         try:
             if rolls_back:
                 return self._go_back(before)
@@ -220,7 +220,7 @@ class Applier:
             return f"what is left is not known ({str(trouble) or 'interrupted again'})"
 
     def _go_back(self, before: Snapshot) -> str:
-        """Lead back to what was; what fails on the way is told, and the rest goes on."""
+        """Lead back to what was; what fails on the way is reported, and the rest goes on."""
         self._is_exact = False
         way = Rollback(lambda now: self._goal.survey(now, before, is_back=True).model, before)
         self._look = lambda: self._careful(self._site.remains)
@@ -287,7 +287,7 @@ def _obstacle(move: Operator, model: Model) -> str:
 
 
 def _told(model: Model, variable: str) -> str:
-    """Return what is wished of a variable as the step that reaches it."""
+    """Return what is desired of a variable as the step that reaches it."""
     wish = model.desired[variable]
     key = model.keys.get(variable.removeprefix("cfg:"))
     return f"{key.text}{wish}" if key is not None and isinstance(wish, str) else variable

@@ -39,18 +39,18 @@ class Batch:
 
 
 def stamped_id(boot: str, since_boot_us: int, random: str) -> str:
-    """Return the id of a request that tells when it was made, and is like no other.
+    """Return the id of a request that states when it was made, and is like no other.
 
     Args:
         boot: Which run of which machine it is.
         since_boot_us: How long that has run [us].
-        random: Tells requests of one moment apart.
+        random: Distinguishes requests of one moment.
     """
     return f"{boot[:8]}-{since_boot_us:x}-{random}"
 
 
 def stamp_of(id: str) -> tuple[str, int] | None:
-    """Return the run of a machine in which an id was made, and when [us]; None if it tells none."""
+    """Return the run of a machine in which an id was made, and when [us]; None if it has none."""
     found = _STAMPED.fullmatch(id)
     return None if found is None else (found[1], int(found[2], 16))
 

@@ -54,7 +54,7 @@ def capture(
     likewise whom its execution contexts drive, and who drives it.
 
     With `hosts` only components registered below one of these. Zombies are left out, and so are
-    guests: what a data tool shows for a while is no part of the system.
+    attached processes: what a data tool shows for a while is no part of the system.
     """
     own = _own(snapshot)
     chosen = _chosen(snapshot, own, takes_all, tuple(hosts))
@@ -195,7 +195,7 @@ def _contexts(
             context.id,
             options.get(f"{extension.STATED_KIND}{context.id}", "") or context.kind.value,
             context.rate,
-            # Those of a composite are its members, which it says by itself.
+            # Those of a composite are its members, which it states by itself.
             () if facts.composite_type else tuple(_refs(context.participants, snapshot)),
         )
         for context in own
@@ -203,7 +203,7 @@ def _contexts(
 
 
 def _origin(facts: ComponentFacts, snapshot: Snapshot) -> tuple[ExtensionProperty, ...]:
-    """Return the properties that tell how the component is made again."""
+    """Return the properties from which the component is created again."""
     properties = {}
     if facts.is_stand_in:
         properties[extension.STAND_IN] = "yes"

@@ -35,7 +35,7 @@ class Deviation:
             ``state``.
         path: The component, or the ports of a connection.
         item: What differs there; empty for the component or the connection itself.
-        wanted: What the profile says; empty where it says nothing.
+        wanted: What the profile states; empty where it states nothing.
         found: What lives; empty where nothing does.
     """
 
@@ -58,7 +58,7 @@ def deviations(
 
     With `state` None each component is to have no execution context at all (``Unknown``).
     `present_code` has the CRC-32 of files as they are: that one has changed since it was loaded is
-    told, and nothing required.
+    reported, and nothing required.
     """
     for component in system.components:
         why = absence(component, live)
@@ -99,7 +99,7 @@ def deviations(
 
 
 def diff_lines(deviations: Iterable[Deviation]) -> Iterator[str]:
-    """Yield what the profile says behind ``-``, what lives behind ``+``."""
+    """Yield what the profile states behind ``-``, what lives behind ``+``."""
     for each in deviations:
         where = f"{each.path} {each.item}".rstrip()
         if each.wanted or each.item:
@@ -254,7 +254,7 @@ def _manner(component: WantedComponent, facts: ComponentFacts) -> Iterator[Devia
     path, is_required = component.path, component.is_required
     for each in drift.constraint_differences(component, facts):
         yield _deviation("constraint", component, each)
-    # Of a stand-in its list of ports is told as a whole.
+    # Of a stand-in its list of ports is reported as a whole.
     for name in () if facts.is_stand_in else drift.lacking_ports(component, facts):
         text = f"Component {path} has no port {name}"
         yield Deviation("port", path, text, is_required, f"port {name}", name, "")

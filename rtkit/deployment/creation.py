@@ -26,7 +26,7 @@ def creation_plan(
 ) -> LayeredPlan:
     """Return the checks of what must be there, and the creation of what is not.
 
-    `lacks` says of components, by name, why they cannot be made.
+    `lacks` states why components, by name, cannot be made.
 
     Raises:
         NotFound: A component that is to be made names a host that nobody knows.
@@ -51,7 +51,7 @@ def creation_plan(
 
 
 def _lacking(missing: Iterable[WantedComponent], lacks: Mapping[str, str]) -> Iterator[Check]:
-    """Yield the checks of required components that cannot be made; of the others none is told."""
+    """Yield the checks of required components that cannot be made; others are left out."""
     for component in missing:
         why = lacks.get(component.instance)
         if why and component.is_required:
@@ -68,7 +68,7 @@ def _creations(
     name = "create"
     while left:
         ready = [c for i, c in left.items() if not any(m in left for m in members[i] if m != i)]
-        ready = ready or list(left.values())  # in a circle: the manager says what is wrong
+        ready = ready or list(left.values())  # in a circle: the manager reports what is wrong
         left = {instance: c for instance, c in left.items() if c not in ready}
         yield from layer(name, [_creation(c, live, lacks.get(c.instance)) for c in ready])
         name = "compose"
@@ -110,7 +110,7 @@ def checks(
             component = system.component(end.instance)
             facts = live.at(end.instance)
             failure = ""
-            # Of a component that is missing, or another one, that is told and nothing of its ports.
+            # A missing or different component is reported itself, and nothing of its ports.
             is_there = end.instance not in pending and not absence(component, live)
             if is_there and facts is not None and facts.port(end.port) is None:
                 failure = f"Required port not found: {end.port} (on {component.path})"

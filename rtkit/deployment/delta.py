@@ -29,9 +29,9 @@ class Delta:
     """Changes since the delta of the number before.
 
     Attributes:
-        run: Which life of the manager this is told in.
-        number: Counts the news of that life.
-        time: When it was told [s since 1970].
+        run: The life of the manager in which this is sent.
+        number: Counts the deltas of that life.
+        time: When it was sent [s since 1970].
         components: Those that are new or other than before.
         gone: Instance names of those that are not there any more.
         connectors: Those that were made or changed.
@@ -86,7 +86,7 @@ def delta_between(before: Snapshot, after: Snapshot, run: str, number: int) -> D
 
 
 def applied(facts: Snapshot, delta: Delta) -> Snapshot:
-    """Return the facts as they are after some news."""
+    """Return the facts as they are after a delta."""
     return replace(
         facts,
         components=_merged(facts.components, delta.components, delta.gone, "instance"),
@@ -123,12 +123,12 @@ def _merged(
 
 
 def snapshot_to_text(picture: FullSnapshot) -> str:
-    """Return a picture as the text that travels."""
+    """Return a snapshot as the text that travels."""
     return json.dumps(encode(picture), separators=(",", ":"))
 
 
 def snapshot_from_text(text: str) -> FullSnapshot:
-    """Rebuild a picture.
+    """Rebuild a snapshot.
 
     Raises:
         Malformed: The text is none.
@@ -137,7 +137,7 @@ def snapshot_from_text(text: str) -> FullSnapshot:
 
 
 def delta_from_text(text: str) -> Delta:
-    """Rebuild news.
+    """Rebuild a delta.
 
     Raises:
         Malformed: The text is none.

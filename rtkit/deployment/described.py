@@ -53,7 +53,7 @@ def data_port(
 def service_port(
     port: InstancePort, instance: str, wired: tuple[PortInterfaceProfile, ...]
 ) -> PortProfile:
-    """Return a service port; `wired` are the interfaces that its connections tell of."""
+    """Return a service port; `wired` are the interfaces that its connections name."""
     properties = _live_properties(port)
     properties["port.port_type"] = PortType.SERVICE.value
     text = properties_of(port.properties).get(extension.INTERFACES, "")
@@ -99,7 +99,7 @@ def interfaces_from_text(text: str) -> tuple[PortInterfaceProfile, ...]:
 
 
 def sets_of(sets: Iterable[ConfigurationSet]) -> dict[str, dict[str, str]]:
-    """Return configuration sets as tables; data that are absent are empty text."""
+    """Return configuration sets as tables; missing data are empty text."""
     made: dict[str, dict[str, str]] = {}
     for each in sets:
         made.setdefault(each.id, {}).update((d.name, d.data or "") for d in each.data)

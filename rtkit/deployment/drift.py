@@ -54,7 +54,7 @@ class Rate(NamedTuple):
 
 
 def rates(component: WantedComponent, facts: ComponentFacts) -> Iterator[Rate]:
-    """Yield the rates that a profile says of contexts that live, those that are so, too."""
+    """Yield the rates that a profile states for contexts that live, those that are so, too."""
     for number, wanted in enumerate(component.rates):
         context = own_context_of(facts, component, number) if wanted else None
         if context is not None and context.kind is ExecutionKind.PERIODIC:
@@ -67,7 +67,7 @@ def rate_text(rate: float) -> str:
 
 
 def policy_difference(component: WantedComponent, facts: ComponentFacts) -> Drift | None:
-    """Return in what the policy of a component differs; None where the profile says nothing of it.
+    """Return in what the policy of a component differs; None where the profile has none.
 
     Where it is the same in other words, both sides are.
     """
@@ -94,7 +94,7 @@ def _is_same_policy(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
     try:
         if read_limits(one) != read_limits(other):
             return False
-        # What is not said is what the manager says, so it must be the same whatever that is.
+        # The manager states what the profile does not, so it must be the same whatever that is.
         return set(read_rules(one)) == set(read_rules(other)) and all(
             read_policy(one, default) == read_policy(other, default) for default in RestartRule
         )
@@ -105,7 +105,7 @@ def _is_same_policy(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
 def otherwise_made(component: WantedComponent, facts: ComponentFacts) -> Iterator[Drift]:
     """Yield what nothing but making a component again can change.
 
-    Of one with code of its own that is its create string; a stand-in is all that its profile says.
+    Of one with code of its own that is its create string; a stand-in is what its profile states.
     """
     if component.pattern is not None and facts.is_stand_in:
         yield from _as_stand_in(component, facts)
@@ -160,7 +160,7 @@ def changed_code(facts: ComponentFacts, present: Mapping[str, str]) -> str:
 
 
 def data_types(component: WantedComponent, facts: ComponentFacts) -> Iterator[Drift]:
-    """Yield the data types of ports that are others than a profile says."""
+    """Yield the data types of ports that differ from those of a profile."""
     for port in component.ports:
         found = facts.port(port.name)
         if found is not None and not is_same_type(port.data_type, found.data_type):

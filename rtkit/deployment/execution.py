@@ -73,7 +73,7 @@ class StartExecution:
 
     @property
     def watched(self) -> tuple[ScheduledAction, ...]:
-        """The actions whose state counts at present: to be looked at before `ready`."""
+        """The actions whose state counts at present: to be read before `ready`."""
         if self.failure or self._queue or (self._armed_at is None and self._running):
             return ()
         entries = ((c.preceding, c.is_sync) for _, c in self._entries())
@@ -122,9 +122,9 @@ class StartExecution:
         return told
 
     def next_moment(self) -> float | None:
-        """Return when `ready` is to be asked again though nothing happened; None for never.
+        """Return when `ready` is to be called again though nothing happened; None for never.
 
-        It may have passed already: what was not yet due when `ready` was asked last counts.
+        It may have passed already: what was not yet due when `ready` was called last counts.
         """
         if self.failure:
             return None

@@ -29,7 +29,7 @@ def pattern_of(type_name: str) -> ComponentPattern | None:
 
 
 def made(facts: ComponentFacts, create: CreateString) -> ComponentFacts:
-    """Return a component just made, as a composite with what its create string says if it is one.
+    """Return a component just made, as a composite with its members if it is one.
 
     Nothing is arranged yet.
     """
@@ -62,7 +62,7 @@ def home(components: Components, create: CreateString) -> str:
 
 
 def arranged(components: Components, whole: ComponentFacts) -> dict[str, ComponentFacts]:
-    """Return the facts that change when a composite becomes what its active set says.
+    """Return the facts that change when a composite becomes what its active set states.
 
     Raises:
         NotFound: There is no such component in its process, or no such port.

@@ -54,7 +54,7 @@ class FakeManager:
         performed: Every action performed, in order.
         changed: Called after facts of a component changed.
         lease: Who carries a plan out.
-        systems: What a manager would tell of those that it follows; nobody follows them here.
+        systems: What a manager would report of those that it follows; nobody follows them here.
     """
 
     def __init__(

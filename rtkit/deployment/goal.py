@@ -27,7 +27,7 @@ class DeploymentGoal:
         feasibility: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there.
-        replaces: What cannot be changed in place is made again.
+        replaces: What cannot be changed in place is created again.
         prunes: What is not in the system is not to be there.
         is_strict: What would be made with a note on it is to fail instead.
     """

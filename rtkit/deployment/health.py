@@ -65,7 +65,7 @@ class Sample:
 
     Attributes:
         at_s: When it was counted, monotonic [s].
-        is_active: Whether it is Active; rates and cycles say nothing of one that is not.
+        is_active: Whether it is Active; rates and cycles mean nothing otherwise.
         values: Its parameters in use.
         stuck: Which callback does not come back; empty for none.
     """
@@ -78,7 +78,7 @@ class Sample:
 
 
 def read_rules(options: Mapping[str, str]) -> tuple[HealthRule, ...]:
-    """Return the rules that the properties of a component say.
+    """Return the rules that the properties of a component state.
 
     Raises:
         Malformed: One makes no sense; names it.

@@ -54,7 +54,7 @@ class Odd(NamedTuple):
     Attributes:
         steps: Where it stands: by the fields of the model from the root on, each with a number.
         key: Its name.
-        text: What to tell of it.
+        text: The warning about it.
     """
 
     steps: tuple[tuple[str, int], ...]
@@ -79,7 +79,7 @@ def odd_options(
 ) -> Iterator[str]:
     """Yield what is `unknown` of the options of create strings, each with its component.
 
-    Those that nearly every create string has are not looked at, so that who has no others need not
+    Those that nearly every create string has are not checked, so that who has no others need not
     load what knows them all.
     """
     for each in profile.components:
@@ -103,7 +103,7 @@ def _among(
 
 
 def odd_key(key: str, known: Sequence[str]) -> str:
-    """Return what to tell of a key that looks like one of these and is not, empty for nothing."""
+    """Return a warning about a key that looks like one of these and is not, empty for nothing."""
     if _is_among(key, known) or (ext.RESTART in known and ext.is_policy(key)):
         return ""  # policies are judged with their values
     owner = next((w for w, keys in _OWNERS if keys is not known and _is_among(key, keys)), "")

@@ -76,7 +76,7 @@ class Lease:
 
         Raises:
             Malformed: It is none of these.
-            Refused: Somebody else has it; tells who.
+            Refused: Somebody else has it; names the holder.
         """
         if text is None:
             return json.dumps(encode(self.holder)) if self.holder is not None else ""

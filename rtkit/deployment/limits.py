@@ -84,7 +84,7 @@ class Capacity(NamedTuple):
 
 
 def read_limits(options: Mapping[str, str]) -> SlaveLimits:
-    """Return the limits that the properties of a component say.
+    """Return the limits that the properties of a component state.
 
     Raises:
         Malformed: One makes no sense; names it.

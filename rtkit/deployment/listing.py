@@ -23,12 +23,12 @@ class ListingRow(NamedTuple):
         ins: How many in ports it has; ``ins_connected`` … ``services_connected`` count likewise.
         context: Id of its first execution context.
         cause: What put it into Error, one line with file:line.
-        again: How often it was made again by its policy, and for what; what else was done about
+        again: How often its policy restarted it, and for what; what else was done about
             its health; empty for nothing.
-        restarts: How often it was made again after its loss.
+        restarts: How often it was restarted after its loss.
         restarted_for: For what its policy did so the last time; mostly empty.
-        due_s: When it is to be made again, on the monotonic clock of its host [s]; 0 for never.
-        given_up: Why it is made again no more; empty when it is not given up.
+        due_s: When it is to be restarted, on the monotonic clock of its host [s]; 0 for never.
+        given_up: Why it is restarted no more; empty when it is not given up.
     """
 
     instance: str

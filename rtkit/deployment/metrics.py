@@ -13,7 +13,7 @@ from rtkit.fast_dataclass import dataclass, field
 from rtkit.rtc.serde import decode
 
 FIGURES = "figures"
-"""The line on which figures are told."""
+"""The topic on which metrics are sent."""
 
 PERIOD_S = 1.0
 """How often [s]."""
@@ -28,7 +28,7 @@ class ContextMetrics:
         is_running: Whether the context is.
         ticks: Cycles of the context.
         busy_s: Time that they took together [s].
-        longest_s: Time of the longest one since the last figures [s].
+        longest_s: Time of the longest one since the last metrics [s].
     """
 
     id: str
@@ -59,8 +59,8 @@ class ProcessMetrics:
     """Metrics of a process.
 
     Attributes:
-        answered: Whether it told its components' figures; else there are none.
-        cpu_s: Processor time that it used [s]; None where the kernel does not tell.
+        answered: Whether it reported its components' metrics; else there are none.
+        cpu_s: Processor time that it used [s]; None where the kernel does not report it.
         memory_bytes: Memory that it occupies; None likewise.
     """
 
@@ -77,9 +77,9 @@ class Metrics:
     """All metrics of a manager, at one moment.
 
     Attributes:
-        run: Which life of the manager this is told in.
-        number: Counts the figures of that life.
-        time: When they were told [s since 1970].
+        run: The life of the manager in which this is sent.
+        number: Counts the metrics of that life.
+        time: When they were sent [s since 1970].
         at_s: The same, monotonic [s]; for differences.
     """
 
@@ -91,7 +91,7 @@ class Metrics:
 
 
 def metrics_from_text(text: str) -> Metrics:
-    """Rebuild figures.
+    """Rebuild metrics.
 
     Raises:
         Malformed: The text is none.

@@ -26,7 +26,7 @@ class JointSnapshot(Snapshot):
     """Joint facts of several managers at about one moment; never sent.
 
     Attributes:
-        others: Those beside the first: their components and connectors are told here too, their
+        others: Those beside the first: their components and connectors are listed here too, their
             processes and modules only there.
     """
 
@@ -36,7 +36,7 @@ class JointSnapshot(Snapshot):
 def joined(snapshots: Sequence[Snapshot], homes: Homes) -> Snapshot:
     """Return what several managers know as one; it is otherwise that of the first.
 
-    Of two components, or connectors, of one name that is told which is at home, else the first.
+    Of two components, or connectors, of one name the one at home is listed, else the first.
     """
     first, *others = snapshots
     if not others:
@@ -165,7 +165,7 @@ def sent(action: Action, manager: str) -> Action:
 def parted(wire: ConnectorProfile, homes: Homes, usual: str) -> str:
     """Return why a connector cannot be, as its ends are in two managers; empty when they are not.
 
-    Told as what is wrong with the second end.
+    Reported as what is wrong with the second end.
     """
     one, other = (homes.get(end.instance, usual) for end in (wire.ports[0], wire.ports[-1]))
     if one == other:

@@ -13,7 +13,7 @@ def part_of(snapshot: Snapshot, instances: Iterable[str]) -> Snapshot:
     """Return a snapshot with these components, their connectors, and who is at the other ends.
 
     Of those at the other ends, and of members and composites, only identity, place and names are
-    told, of members their ports, too.
+    included, of members their ports, too.
     """
     wanted = set(instances)
     chosen = [facts for facts in snapshot.components if facts.instance in wanted]
@@ -39,5 +39,5 @@ def _outline(facts: ComponentFacts, is_inner: bool) -> ComponentFacts:
     outline = ComponentFacts(
         facts.instance, facts.type, facts.process, names=facts.names, zombie=facts.zombie
     )
-    # Whose ports are shown is told by members and ports.
+    # Members and ports state whose ports are shown.
     return replace(outline, ports=facts.ports, members=facts.members) if is_inner else outline

@@ -18,7 +18,7 @@ class Hosts:
         hostname: Name of this machine.
         same: Hosts that stand for another one (``--map``).
         any_is_local: Unknown hosts stand for this machine (``--stand-in``).
-        managers: Managers of this host beside the first that is asked.
+        managers: Managers of this host beside the first one.
     """
 
     hostname: str

@@ -14,7 +14,7 @@ class Check:
     """A fact that must hold before anything is changed.
 
     Attributes:
-        text: What is looked at, for a dry run.
+        text: What is checked, for a dry run.
         failure: Why it does not hold; empty when it does.
     """
 
@@ -43,7 +43,7 @@ class PlannedAction:
     where: str = ""
 
     def told(self, why: str) -> str:
-        """Return why it failed, with where it was unless that is said already."""
+        """Return why it failed, with where it was unless that is stated already."""
         return why if not self.where or self.where in why else f"{self.where}: {why}"
 
     @property

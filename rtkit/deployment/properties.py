@@ -28,7 +28,7 @@ class Shown(NamedTuple):
     """One property.
 
     Attributes:
-        change: What is asked of the manager for a SET; None of what cannot be set.
+        change: The action of the manager for a SET; None of what cannot be set.
     """
 
     name: str
@@ -51,9 +51,9 @@ def of_component(
     metrics: ComponentMetrics | None = None,
     ends: Mapping[str, PortRef] | None = None,
 ) -> list[Shown]:
-    """Return what is shown of a component; counters only if its figures are known.
+    """Return what is shown of a component; counters only if its metrics are known.
 
-    Of a composite `ends` says whose ports it shows, by their names on it.
+    Of a composite `ends` states whose ports it shows, by their names on it.
     """
     kind = facts.type
     told = {

@@ -10,7 +10,7 @@ from rtkit.deployment.system import WantedSystem
 
 
 def wanted_limits(system: WantedSystem) -> dict[str, SlaveLimits]:
-    """Return the limits that a system says of its components, by instance; empty ones too."""
+    """Return the limits that a system states for its components, by instance; empty ones too."""
     said = {c.instance: c.policy for c in system.components if c.policy is not None}
     return {instance: read_limits(policy) for instance, policy in said.items()}
 

@@ -13,12 +13,12 @@ class RestartStatus:
         restarts: How often its policy made it again.
         why: For which end its policy made it again the last time.
         took_s: How long that took, from its end until it was as it had been [s].
-        returning: For which end it is to be made again, as long as it is not.
-        given_up: Why it is made again no more.
+        returning: For which end it is to be restarted, as long as it is not.
+        given_up: Why it is restarted no more.
         degraded: Which rule of health it breaks that says so.
         rested: Which rule it broke for which it was deactivated.
         halted: For which loss everything was deactivated, since it is critical.
-        due_s: When it is to be made again, on the monotonic clock of its host [s]; 0 for never.
+        due_s: When it is to be restarted, on the monotonic clock of its host [s]; 0 for never.
     """
 
     restarts: int = 0

@@ -40,10 +40,10 @@ class PlanRunner:
 
         Args:
             site: Where.
-            report: Is told failures that do not end the run.
-            progress: Is told each layer before it is done.
-            count: Is told how many steps are done, of how many that are known of.
-            taken: Gets what the actions took that were done [s], where the manager tells.
+            report: Receives failures that do not end the run.
+            progress: Receives each layer before it is done.
+            count: Receives how many steps are done, of how many that are known of.
+            taken: Gets what the actions took that were done [s], where the manager reports it.
             careful: Makes the calls; an interruption of the command waits for their end.
             is_strict: What would be done with a note is to fail instead.
         """
@@ -161,7 +161,7 @@ class PlanRunner:
         """Take back what was attempted since `before`; return what was removed and what remains.
 
         Raises:
-            RtkitError: The manager does not answer when it is asked what there is.
+            RtkitError: The manager does not answer the request for a snapshot.
         """
         removed: list[str] = []
         remaining: list[str] = []
@@ -186,7 +186,7 @@ def _has_note(result: Result) -> bool:
 
 
 def roll_back(runner: PlanRunner, before: Snapshot, error: BaseException) -> str:
-    """Take back what a failed run did and tell it in a few words; empty when it did nothing."""
+    """Take back what a failed run did and report it in a few words; empty when it did nothing."""
     if not runner.attempted:
         return ""
     try:

@@ -64,7 +64,7 @@ def teardown_plan(
 
 
 def active_now(system: WantedSystem, live: LiveIndex) -> str:
-    """Tell which components are active, for a user whose start or stop broke off."""
+    """Report which components are active, for a user whose start or stop broke off."""
     active = [
         component.path
         for component in system.components
@@ -75,7 +75,7 @@ def active_now(system: WantedSystem, live: LiveIndex) -> str:
 
 
 def left_now(system: WantedSystem, live: LiveIndex) -> str:
-    """Tell what of a system is still there, for a user whose teardown broke off."""
+    """Report what of a system is still there, for a user whose teardown broke off."""
     ids = [wire.profile.connector_id for wire in system.connectors]
     left = [f"connection {id}" for id in ids if live.wire(id) is not None]
     left += [c.path for c in system.components if live.entry(c.instance) is not None]

@@ -1,6 +1,6 @@
 """Ports that composites show: each is a port of a member, under ``MEMBER.PORT``.
 
-A connection is always one of the member's own port, by whichever name it was asked for.
+A connection is always one of the member's own port, whichever name the request has.
 """
 
 from __future__ import annotations

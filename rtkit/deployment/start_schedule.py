@@ -69,7 +69,7 @@ class StartPlan:
 
     @property
     def has_conditions(self) -> bool:
-        """Return whether the profile says anything of the order."""
+        """Return whether the profile states anything of the order."""
         return any(turn.conditions for turn in self.turns)
 
     @property

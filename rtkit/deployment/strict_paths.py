@@ -11,7 +11,7 @@ PATH_ID = "COMPONENT_PATH_ID"
 
 
 def check_paths(profile: RtsProfile) -> None:
-    """Refuse connectors whose ends tell another path than that of their component.
+    """Refuse connectors whose ends state another path than that of their component.
 
     Raises:
         InvalidDocument: Names connector, component and both paths.

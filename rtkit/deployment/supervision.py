@@ -70,7 +70,7 @@ class RestartPolicy:
 def read_policy(
     options: Mapping[str, str], default: RestartRule = RestartRule.NEVER
 ) -> RestartPolicy:
-    """Return the policy that the properties of a component say.
+    """Return the policy that the properties of a component state.
 
     Raises:
         Malformed: One makes no sense; names it.
@@ -90,7 +90,7 @@ def read_policy(
 
 
 def restart_of(key: str, text: str, default: RestartRule = RestartRule.NEVER) -> RestartRule:
-    """Return what a word says.
+    """Return the meaning of a word.
 
     Raises:
         Malformed: It is none of the three.

@@ -51,13 +51,13 @@ class WantedComponent:
         module: ``PATH:INIT`` of the module that it needs loaded; empty for none.
         pattern: What its stand-in is generated from; None when it is to be the real one.
         unknown_host: The host it names, when nobody knows that host.
-        guests: Context id and instance name of others that its contexts are to drive.
+        guests: Context id and instance name of other components that its contexts are to drive.
         hot: Parameters that may be changed while it is active; ``*`` for all.
-        costs: What kinds of steps cost that are done to it, where the profile says so.
+        costs: What kinds of steps cost that are done to it, where the profile states it.
         manager: Which of the other managers of this host is to hold it; empty for the first.
-        rates: Of the contexts [Hz], in their order; 0 where the profile says none.
-        policy: All that is done about its end and its health; None where nothing is said of it.
-        is_create_stated: The profile itself says the create string.
+        rates: Of the contexts [Hz], in their order; 0 where the profile states none.
+        policy: All that is done about its end and its health; None where nothing is stated of it.
+        is_create_stated: The profile itself states the create string.
         kept: Set and name of parameters that are only set in a component just made.
     """
 

@@ -59,7 +59,7 @@ class UserEvent(NamedTuple):
         event: What happened to that.
         detail: More about it.
         names: Names under which the component is registered, or was.
-        restart: Of one that was made again by its policy: how often, for what, how long it took.
+        restart: Of one that its policy restarted: how often, for what, how long it took.
         system: What became of a system that is followed.
     """
 
@@ -79,7 +79,7 @@ def _of(kind: str, facts: ComponentFacts, subject: str, event: str, detail: str 
 
 
 def user_events(before: Snapshot, delta: Delta) -> Iterator[UserEvent]:
-    """Yield what the news mean to who knew the facts `before`; what goes comes first."""
+    """Yield the events between the facts `before` and a delta; what goes comes first."""
     known = {facts.instance: facts for facts in before.components}
     places = {**known, **{facts.instance: facts for facts in delta.components}}
     wires = {wire.connector_id: wire for wire in before.connectors}

@@ -92,7 +92,7 @@ def wanted(
         host_map: Hosts that stand for another one.
         known_types: How components are made, by identity.
         stand_ins: Instances that are stand-ins, also after their process died.
-        managers: Managers of this host beside the first that is asked.
+        managers: Managers of this host beside the first one.
 
     Raises:
         BadComponent: Two components of one name, or a property of rtkit that cannot be read.
@@ -238,14 +238,14 @@ def _limited(create: CreateString) -> str:
 
 
 def _supervised(made: WantedComponent, own: Mapping[str, str]) -> WantedComponent:
-    """Return a component with its policy, if the profile says one, or all of how it is made."""
+    """Return a component with its policy, if the profile states one, or all of how it is made."""
     said = {**own, **extension.policy_in(made.create)}
     policy = {key: value for key, value in said.items() if value}
     return replace(made, policy=policy) if policy or made.is_create_stated else made
 
 
 def _policy(own: Mapping[str, str], create: CreateString, choices: _Choices) -> Mapping[str, str]:
-    """Return the policy of a component: its own, else what is said of its slave."""
+    """Return the policy of a component: its own, else what is stated of its slave."""
     of_slave = choices.restarts.get(create.place, "")
     if not of_slave or extension.RESTART in {**create.options, **own}:
         return own
@@ -253,7 +253,7 @@ def _policy(own: Mapping[str, str], create: CreateString, choices: _Choices) -> 
 
 
 def _restarts_of_slaves(profile: RtsProfile) -> dict[str, str]:
-    """Return which restarts are said of slaves, by name.
+    """Return which restarts are stated for slaves, by name.
 
     Raises:
         Malformed: One makes no sense.

@@ -126,7 +126,7 @@ def _supervision(
     if component.instance in pending:
         said = zip(component.contexts, component.rates, strict=True)
         left = [(context.id, rate) for context, rate in said if rate and component.pattern is None]
-        policy = None  # the create string says it
+        policy = None  # the create string states it
     elif facts is None or absence(component, live):
         return
     else:

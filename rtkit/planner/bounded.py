@@ -20,7 +20,7 @@ def plan_within(
     heuristic: Heuristic | None = None,
     limits: Limits = NO_LIMITS,
 ) -> Plan:
-    """Return a plan that costs at most `factor` times the cheapest; it tells what is proved.
+    """Return a plan that costs at most `factor` times the cheapest; it states what is proved.
 
     Args:
         problem: What is to be solved.
@@ -30,7 +30,7 @@ def plan_within(
         limits: How far the search may go.
 
     Raises:
-        Impossible: All that can be reached was looked at, and no goal is there.
+        Impossible: The search reached all that can be reached, and no goal is there.
         LimitReached: Nothing is known yet, as a limit was reached before.
         Malformed: `factor` is below 1.
     """

@@ -22,9 +22,9 @@ class Command:
     """An action that is possible in some states.
 
     Attributes:
-        name: Tells what is done; costs and messages refer to it.
+        name: States what is done; costs and messages refer to it.
         effect: From a state in which all conditions hold to the state after.
-        parameters: What it is done with, told behind the name.
+        parameters: What it is done with, shown behind the name.
     """
 
     name: str

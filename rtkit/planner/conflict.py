@@ -11,10 +11,10 @@ W = TypeVar("W")
 def minimal_conflict(
     wishes: Sequence[W], is_possible: Callable[[Sequence[W]], bool]
 ) -> tuple[W, ...]:
-    """Return wishes that cannot hold together, though they can when any one of them is left out.
+    """Return a minimal conflict: desired values that can hold together once any is left out.
 
-    It halves what it looks at (QuickXplain), so few wishes among many are found by few questions.
-    Empty when all can hold together, and also when it is impossible without any wish.
+    It halves the set (QuickXplain), so few questions find few values among many.
+    Empty when all can hold together, and also when it is impossible without any desired value.
     """
     if is_possible(wishes) or not is_possible(()):
         return ()

@@ -74,7 +74,7 @@ class CostTable:
         """Refuse a misspelt command: one that is not there, and looks like one without a cost.
 
         A table may serve several problems, so other commands that are not there pass. What a
-        function says cannot be known beforehand.
+        function yields cannot be known beforehand.
 
         Raises:
             Malformed: Names the command, and the nearest there is.

@@ -19,7 +19,7 @@ class Touch(NamedTuple):
 def predecessors(touches: Iterable[Touch]) -> list[set[int]]:
     """Return for each step, by its place, the steps that must be done before it.
 
-    Only those nearest before it for each variable are told; the others follow from these.
+    Only those nearest before it for each variable are listed; the others follow from these.
     """
     found: list[set[int]] = []
     changed_by: dict[Hashable, int] = {}

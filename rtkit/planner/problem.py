@@ -175,7 +175,7 @@ def _check_kinds(variables: Any, start: Any, goal: Any, commands: Any) -> None:
     """Refuse what cannot be taken for what it is handed in as.
 
     Raises:
-        Malformed: Tells which, and what it is to be.
+        Malformed: States which, and what it must satisfy.
     """
     if not isinstance(variables, Mapping):
         raise Malformed(f"variables are a mapping of names to domains, not {_kind(variables)}")

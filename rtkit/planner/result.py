@@ -59,7 +59,7 @@ class Plan:
 
     @property
     def commands(self) -> tuple[str, ...]:
-        """The commands, as they are told."""
+        """The commands, as they are shown."""
         return tuple(str(step.command) for step in self.steps)
 
 

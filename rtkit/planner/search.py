@@ -31,7 +31,7 @@ def plan(problem: Problem, heuristic: Heuristic | None = None, limits: Limits = 
     """Return the cheapest plan; of several that of fewest steps, then of first commands.
 
     Raises:
-        Impossible: All that can be reached was looked at, and no goal is there.
+        Impossible: The search reached all that can be reached, and no goal is there.
         LimitReached: Nothing is known yet, as a limit was reached before.
         Malformed: The heuristic is negative or not consistent, or a cost not above 0.
     """
@@ -47,7 +47,7 @@ def optimal_plans(
     """Return every cheapest plan, counted and to be listed; a float counts as the decimal it shows.
 
     Raises:
-        Impossible: All that can be reached was looked at, and no goal is there.
+        Impossible: The search reached all that can be reached, and no goal is there.
         LimitReached: Nothing is known yet, as a limit was reached before.
         Malformed: The heuristic is negative or not consistent, or a cost not above 0.
     """

@@ -29,7 +29,7 @@ def solved_in(
     solve: Callable[[Problem], Plan],
     parameters: tuple[Any, ...] = (),
 ) -> tuple[Command, Callable[[State], Plan | None]]:
-    """Return a command that is a whole plan in a section, and what tells that plan of a state.
+    """Return a command that is a whole plan in a section, and what yields that plan of a state.
 
     Both problems have the same variables. The command is possible where there is such a plan; its
     cost, for the price of the problem one level up, is that plan's.

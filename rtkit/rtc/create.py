@@ -38,17 +38,17 @@ class CreateString:
 
     @property
     def instance_name(self) -> str:
-        """The wished instance name, empty when the manager is to choose."""
+        """The desired instance name, empty when the manager is to choose."""
         return self.options.get("instance_name", "")
 
     @property
     def place(self) -> str:
-        """The slave that is to hold the component; empty for the manager that is asked."""
+        """The slave that is to hold the component; empty for the manager itself."""
         return self.options.get("manager_name", "")
 
     @property
     def address(self) -> str:
-        """``host:port`` of the manager that is to hold it; empty for the one that is asked."""
+        """``host:port`` of the manager that is to hold it; empty for the receiving manager."""
         return self.options.get("manager_address", "") or self.options.get("manager", "")
 
     def with_options(self, **options: str) -> CreateString:

@@ -31,7 +31,7 @@ def nearest(
 def is_slip(word: str, meant: str) -> bool:
     """Return whether two words differ by a slip: letters swapped, one left out or too many.
 
-    Short words, and those that only a digit tells apart, are none of each other.
+    Short words, and those that differ only in a digit, are none of each other.
     """
     short, long = sorted((word, meant), key=len)
     if len(short) < _SHORTEST or len(long) - len(short) > 1:

@@ -69,7 +69,7 @@ class Blueprint:
     rate: float
 
     def is_same(self, other: Blueprint) -> bool:
-        """Return whether another file says the same of the type."""
+        """Return whether another file states the same of the type."""
         return self.contents == other.contents
 
     @property
@@ -80,7 +80,7 @@ class Blueprint:
 
 
 def blueprint(profile: RtcProfile, type: TypeProfile, source: str) -> Blueprint:
-    """Return what a profile says of the components of `type`."""
+    """Return what a profile states of the components of `type`."""
     data: dict[str, tuple[DataPortType, ...]] = {}
     for port in profile.data_ports:
         data[port.name] = (*data.get(port.name, ()), _data_port(port))

@@ -36,7 +36,7 @@ _RULES = (
 def findings(
     profile: RtsProfile, catalogue: Catalogue, capacity: Callable[[], Capacity] = Capacity
 ) -> Iterator[StaticFinding]:
-    """Yield all that is wrong with a system, as far as the types in `catalogue` tell.
+    """Yield all that is wrong with a system, as far as the types in `catalogue` are known.
 
     `capacity` is called where components have limits, and returns what their host has.
     """

@@ -40,7 +40,7 @@ def limit_remarks(
 
 
 def _limits(part: CheckedComponent) -> SlaveLimits:
-    """Return the limits of a component; none where they make no sense, which is told elsewhere."""
+    """Return the limits of a component; none where they make no sense (another rule)."""
     own = properties_of(part.component.properties)
     said = {key: value for key, value in own.items() if key.startswith(LIMIT)}
     with suppress(Malformed):
@@ -51,7 +51,7 @@ def _limits(part: CheckedComponent) -> SlaveLimits:
 def _is_in_slave(part: CheckedComponent) -> bool:
     text = properties_of(part.component.properties).get(CREATE, "")
     if not text:
-        return True  # how it is made is not told here
+        return True  # how it is created is not stated here
     try:
         create = parse_create(text)
     except Malformed:

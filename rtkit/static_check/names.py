@@ -23,7 +23,7 @@ def _type(view: View, part: CheckedComponent) -> Iterator[StaticFinding]:
     id, where = part.component.id, part.place.at("id")
     if part.match is None:
         if part.component.participants:
-            return  # what a composite is like is for its members to say
+            return  # its members decide what a composite is like
         text = f"no RTC profile is known for {part.name} ({id})"
         others = view.catalogue.namesakes(id)
         text += f"; of that name there is {', '.join(others)}" if others else ""

@@ -20,8 +20,8 @@ from rtkit.report.finding import ERROR
 from rtkit.static_check.finding import TOP, ProfileLocation, StaticFinding
 from rtkit.static_check.view import View
 
-_MOST = 100  # circles of one order that are told
-_NAMES = 20  # of a circle that are told
+_MOST = 100  # circles of one order that are reported
+_NAMES = 20  # of a circle that are shown
 _Orders = dict[OrderTarget, tuple[StartCondition, ...]]
 
 

@@ -91,7 +91,7 @@ def _hinted(
     data: ConfigurationData,
     place: ProfileLocation,
 ) -> Iterator[StaticFinding]:
-    """Yield a value that breaks what the system profile itself says of the parameter."""
+    """Yield a value that violates what the system profile itself states of the parameter."""
     if data.data is None:
         return
     declared = hinted(hints, data.name)

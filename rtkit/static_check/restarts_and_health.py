@@ -46,11 +46,11 @@ def restart_findings(view: View) -> Iterator[StaticFinding]:
 
 
 def _slaves(view: View) -> set[str]:
-    """Return the slaves in which components are made, as far as the profile says so."""
+    """Return the slaves in which components are made, as far as the profile states it."""
     texts = (properties_of(part.component.properties).get(CREATE, "") for part in view.parts)
     found = set()
     for text in filter(None, texts):
-        with suppress(Malformed):  # told by another rule
+        with suppress(Malformed):  # reported by another rule
             found.add(parse_create(text).place)
     return found
 

@@ -49,7 +49,7 @@ def stocked(
 
 
 def _may_be_of(data: bytes, types: Collection[str]) -> bool:
-    """Return whether it may be a profile of one of these types, told without parsing."""
+    """Return whether it may be a profile of one of these types, without parsing."""
     if not may_be_component(data[:_HEAD]):
         return False
     is_plain = data.isascii() and not any(mark in data for mark in _ESCAPES)

@@ -22,7 +22,7 @@ class Options(NamedTuple):
 
     Attributes:
         strict: Warnings are errors, and so is what had to be repaired.
-        ignored: Ids of rules about which nothing is to be said.
+        ignored: Ids of rules whose findings are left out.
         capacity: Returns what the host has on which the system is to run.
     """
 
@@ -31,7 +31,7 @@ class Options(NamedTuple):
     capacity: Callable[[], Capacity] = Capacity
 
     def chosen(self, findings: Iterable[Finding]) -> tuple[Finding, ...]:
-        """Return those that are to be told, by line."""
+        """Return those that are to be shown, by line."""
         told = (each for each in findings if each.rule not in self.ignored)
         if self.strict:
             told = (
@@ -84,7 +84,7 @@ def opened(data: bytes, file: str, *, form: str | None = None, strict: bool = Fa
 
 
 def verdict(system: Opened, catalogue: Catalogue, options: Options = USUAL) -> Checked:
-    """Return the verdict on a system, as far as the component types in `catalogue` tell."""
+    """Return the verdict on a system, as far as the component types in `catalogue` are known."""
     if system.profile is None or system.positions is None:
         errors = (
             Finding(ERROR, n.rule, n.text, system.file, n.line, n.path, n.found, n.allowed)

@@ -48,8 +48,8 @@ class DataEnd(NamedTuple):
 
     Attributes:
         ports: What may stand behind the name; none where nobody knows.
-        is_declared: An RTC profile tells it, not only the system profile.
-        stated: What the system profile says that the port offers.
+        is_declared: An RTC profile states it, not only the system profile.
+        stated: What the port offers by the system profile.
     """
 
     name: str
@@ -142,7 +142,7 @@ class View:
         return part.is_composite and self._member(name)[0] is not None
 
     def _statements(self) -> Iterator[tuple[tuple[str, str, str], _Stated]]:
-        """Yield what the system profile says of data ports itself."""
+        """Yield what the system profile states of data ports itself."""
         for part in self.parts:
             for port in part.component.data_ports:
                 told = {each.name: each.value or "" for each in port.properties}
@@ -188,7 +188,7 @@ def kinds_of(ports: tuple[DataPortType, ...]) -> set[PortType]:
 def property_place(
     place: ProfileLocation, properties: Sequence[ExtensionProperty], name: str
 ) -> tuple[ProfileLocation, str] | None:
-    """Return where a property is written and its value; None where it is absent or empty."""
+    """Return where a property is written and its value; None where it is missing or empty."""
     for number, each in enumerate(properties):
         if each.name == name:
             found = place.below("properties", number).at("value")

@@ -39,7 +39,7 @@ class ByPath:
     """Scripting methods of a `Tree`: the commands as methods that take paths.
 
     Paths are absolute, as ``rtls`` shows them and `create` returns them. Every method is bounded by
-    the time-out. An execution context is told by its number (own ones first, then those taken part
+    the time-out. An execution context is given by its number (own ones first, then those taken part
     in) or id.
 
     Example::
@@ -78,7 +78,7 @@ class ByPath:
 
         Raises:
             NotFound: There is no such file, or no such function in it.
-            Refused: It does not import, or its init function raises; says where.
+            Refused: It does not import, or its init function raises; states where.
         """
         from rtkit.deployment.actions import Load
 

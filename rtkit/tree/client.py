@@ -43,7 +43,7 @@ class Tree(ByPath, Closing):
         manager: Its name.
         timeout_s: Bound on every call [s].
         has_ended: Whether the manager's process is known to have ended.
-        on_start: Is called with a manager that is started, before anything is asked of it.
+        on_start: Is called with a manager that is started, before any request to it.
     """
 
     def __init__(
@@ -83,14 +83,14 @@ class Tree(ByPath, Closing):
         return self._snapshot("snapshot")
 
     def at(self, manager: str) -> Tree:
-        """Return the connection to one of the managers that are asked; here there is only one."""
+        """Return the connection to one of the managers in use; here there is only one."""
         return self
 
     def start(self, manager: str) -> None:
         """Start a manager that does not run; this connection cannot.
 
         Raises:
-            Refused: It cannot; tells who can.
+            Refused: It cannot; names one that can.
         """
         raise Refused(f"manager {manager} does not run; start it with: rtmgr start {manager}")
 
@@ -109,7 +109,7 @@ class Tree(ByPath, Closing):
     def part(self, instances: Sequence[str]) -> Snapshot:
         """Return what concerns a few components, or with none only the manager itself.
 
-        Their connectors are told too, and of who is at the other ends identity and names.
+        Their connectors are included too, and of who is at the other ends identity and names.
 
         Raises:
             Unreachable: The manager does not answer in time.
@@ -125,7 +125,7 @@ class Tree(ByPath, Closing):
         return decode(Snapshot, self._plain(name))
 
     def plain(self, instances: Sequence[str] | None = None) -> dict[str, Any]:
-        """Return what `part` tells, or without instances `snapshot`, as the plain data it is.
+        """Return what `part` returns, or without instances `snapshot`, as the plain data it is.
 
         For whom the records are too heavy: fields that hold their default are left out.
 
@@ -153,7 +153,7 @@ class Tree(ByPath, Closing):
 
         Raises:
             Unreachable: The manager does not answer in time.
-            NotFound: It is of a version that cannot tell.
+            NotFound: It is of a version that cannot report it.
         """
         import json
 
@@ -206,19 +206,19 @@ class Tree(ByPath, Closing):
         """Perform one action and return what it made.
 
         Raises:
-            RtkitError: The action failed; the class tells how.
+            RtkitError: The action failed; the class states how.
         """
         (result,) = self.apply((action,), timeout_s=timeout_s)
         result.raise_for_error()
         return result.value
 
     def lease(self, request: Mapping[str, Any] | None = None) -> str:
-        """Ask for the lease of the manager, give it back, or tell who has it.
+        """Ask for the lease of the manager, give it back, or name its holder.
 
         For `rtkit.tree.lease`; see `rtkit.deployment.lease`.
 
         Raises:
-            Refused: Somebody has it; tells who.
+            Refused: Somebody has it; names the holder.
             NotFound: The manager is of a version that has none.
             Unreachable: The manager does not answer in time.
         """
@@ -233,7 +233,7 @@ class Tree(ByPath, Closing):
         return {self.manager: self}
 
     def picture(self) -> FullSnapshot:
-        """Return all facts, and to which news of the manager they lead up.
+        """Return all facts, and the number of the last delta in them.
 
         Raises:
             Unreachable: The manager does not answer in time.
@@ -243,7 +243,7 @@ class Tree(ByPath, Closing):
         return snapshot_from_text(self._ask(keys.extension_key(self._service, "picture")))
 
     def listen(self, line: str, heard: Callable[[str], object]) -> Callable[[], object]:
-        """Have `heard` called with what the manager tells on a line; return what ends that.
+        """Have `heard` called with what the manager sends on a topic; return what ends that.
 
         For `rtkit.tree.subscription`; it is called on threads of the transport.
         """
@@ -292,7 +292,7 @@ class Tree(ByPath, Closing):
 
     @contextmanager
     def _told(self, is_change: bool) -> Iterator[None]:
-        """Say which manager it was that could not be reached."""
+        """Name the manager that could not be reached."""
         try:
             yield
         except Unreachable as error:
@@ -304,7 +304,7 @@ class Tree(ByPath, Closing):
 
 
 def request_id() -> str:
-    """Return an id for one request, which tells the manager how old it is."""
+    """Return an id for one request, which states its age to the manager."""
     from rtkit.deployment.batch import stamped_id
     from rtkit.link.deadline import boot_id
 

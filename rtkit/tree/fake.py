@@ -56,7 +56,7 @@ class _Server:
         request.answer(reply)
 
     def _facts(self) -> Snapshot:
-        """Return what listeners are told; the manager is this process."""
+        """Return what subscribers receive; the manager is this process."""
         return replace(self._world.snapshot(), pid=os.getpid(), modules=(), properties={})
 
     def _publish(self) -> None:

@@ -27,9 +27,9 @@ class Leases(Closing):
         """Prepare to take leases.
 
         Args:
-            command: What they are for, as others are told.
+            command: What they are for, as others see it.
             wait_s: How long to wait for those who have them [s].
-            tell: Is told for whom it waits, and who gives none.
+            tell: Receives for whom it waits, and who gives none.
         """
         pid, user = os.getpid(), user_name(os.getuid())
         self._holder = LeaseHolder(uuid.uuid4().hex, command, user, os.uname().nodename, pid)

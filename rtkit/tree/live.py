@@ -47,7 +47,7 @@ DO = (
 
 _LEAST_S = 1e-3
 _FIGURES_S = 3.0
-"""How long the first figures are waited for; they come once a second [s]."""
+"""How long the first metrics are waited for; they come once a second [s]."""
 _ARGUMENT = (
     RequestParameter("argument", parse_type("string"), "", (), "as the operation takes it"),
 )
@@ -179,7 +179,7 @@ class LiveProperties:
         self._take(self._subscription.facts)
 
     def _await_metrics(self, subscription: ManagerSubscription) -> None:
-        """Take the next figures, so that counters are known.
+        """Take the next metrics, so that counters are known.
 
         Raises:
             Unreachable: The manager has ended.
@@ -318,7 +318,7 @@ class ThisHost:
         self.ask(f"{name}.listen{mark}{tail}", "self").value()
 
     def event(self, timeout_s: float | None = None) -> PropertyEvent | None:
-        """Return the next event; what a host tells is looked at once a second."""
+        """Return the next event; a host's properties are read once a second."""
         end = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
             self._service.listeners.poll()

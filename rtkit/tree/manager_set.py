@@ -194,7 +194,7 @@ class ManagerSet(Tree):
             words = [sent(action, name) for action in actions]
             return self.at(name).begin(words, is_ordered=is_ordered, timeout_s=timeout_s)
         except RtkitError as error:
-            failure = error  # told when it is this manager's turn: the others are asked first
+            failure = error  # raised at this manager's turn: the requests to others go first
 
             def fail() -> tuple[Result, ...]:
                 raise failure
@@ -285,7 +285,7 @@ class ManagerSetSubscription(Closing):
 
 
 def subscription_at(tree: Tree, *lines: Any) -> ManagerSubscription | ManagerSetSubscription:
-    """Return an ear at one manager, or at each of several."""
+    """Return a subscription to one manager, or to each of several."""
     return (
         ManagerSetSubscription(tree, *lines)
         if isinstance(tree, ManagerSet)

@@ -59,7 +59,7 @@ def stop(name: str, timeout_s: float) -> None:
 def restart(
     name: str, timeout_s: float, hear: Callable[[int, float], list[str] | None]
 ) -> tuple[int, list[str]]:
-    """Have a manager end everything and start again; return its pid and what `hear` heard of it.
+    """Have a manager end everything and start again; return its pid and what `hear` received of it.
 
     Raises:
         Unreachable: It does not run, or was not ready in time.

@@ -61,7 +61,7 @@ def _servers() -> tuple[str, list[str]]:
 
 
 def others(tree: Tree) -> list[str]:
-    """Return the managers that are known beside the one asked, each as `connect` takes it."""
+    """Return the managers that are known beside the present one, each as `connect` takes it."""
     return [*_others(tree.manager), *servers()]
 
 
@@ -101,7 +101,7 @@ def root_for(tree: Callable[[], Tree], path: Path, *, is_deep: bool) -> tuple[Tr
 def _without_manager(path: Path, trouble: str, *, is_deep: bool) -> TreeNode | None:
     """Return what there is beside the usual manager, which is in trouble; None if nothing is.
 
-    On its own host only if it does not run: one that hangs is to be told.
+    On its own host only if it does not run: one that hangs is to be reported.
     """
     hostname = os.uname().nodename
     if len(path.elements) > 1 or not all(is_local_host(each, hostname) for each in path.elements):
@@ -154,7 +154,7 @@ def add_others(root: TreeNode, tree: Tree, path: Path, *, is_deep: bool) -> None
 def _of(
     ask: Callable[..., TreeNode], names: Iterable[str], tree: Tree | None, *, is_deep: bool
 ) -> list[Callable[[], TreeNode]]:
-    """Return what asks each, as patient as the connection is that there is."""
+    """Return what sends a request to each, with the time-out of the present connection."""
     return [
         partial(ask, name, tree.timeout_s if tree else DEFAULT_TIMEOUT_S, is_deep=is_deep)
         for name in names
@@ -227,7 +227,7 @@ def _server(address: str, timeout_s: float, *, is_deep: bool) -> TreeNode:
 
 
 def shown(name: str, manager: str, place: str) -> str:
-    """Return the path that leads to a registered name of a manager that was asked at a place.
+    """Return the path that leads to a registered name of a manager that answered at a place.
 
     Empty if there is none: then the component is only found below its manager.
     """

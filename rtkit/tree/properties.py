@@ -82,7 +82,7 @@ class PropertyTarget(NamedTuple):
 def bound_of(
     end: ProviderConnectionEnd, typed: str | None, parameters: Sequence[str], timeout_s: float
 ) -> list[str]:
-    """Return the parameter by which a request to set says how long its client waits.
+    """Return the parameter by which a request to set states how long its client waits.
 
     For services behind a socket, which do not begin what was given up; devices do not know it.
     """
@@ -117,7 +117,7 @@ class PropertyConnections:
     """Finds properties and keeps one connection for each owner.
 
     Args:
-        at: ``HOST:PORT`` of a TCP door, ``http://HOST:PORT``, ``ice://HOST:PORT`` or
+        at: ``HOST:PORT`` of a TCP endpoint, ``http://HOST:PORT``, ``ice://HOST:PORT`` or
             ``serial:DEVICE``, else services of this user on this host are meant. Behind a serial
             line there is one service, which needs no name.
         timeout_s: Bound on each request [s].
@@ -228,7 +228,7 @@ class PropertyConnections:
     def _behind(
         endpoint: ProviderConnectionEnd, asked: str, path: str, typed: str
     ) -> tuple[PropertyTarget, ProviderConnectionEnd]:
-        """Return what a path behind a door is; services are known by asking for them."""
+        """Return what a path behind an endpoint is; a request shows whether it is a service."""
         services = str(endpoint.ask(asked).value()).strip("()").split()
         place = parse(path, "/", services, os.uname().nodename)
         if not place.service:
@@ -299,7 +299,7 @@ class OfService:
 
 
 def printed_error(typed: str, error: Exception) -> PropertyError:
-    """Return an error as commands tell it: ``TARGET: code: text``."""
+    """Return an error as commands show it: ``TARGET: code: text``."""
     code = "timeout" if _is_late(error) else code_of(error)
     return PropertyError(code, f"{typed}: {code}: {error}")
 
@@ -312,7 +312,7 @@ def asked(ask: Callable[[], Answer], typed: str) -> Payload:
     """Return the value of an answer.
 
     Raises:
-        PropertyError: As commands tell it.
+        PropertyError: As commands show it.
     """
     try:
         return ask().value()

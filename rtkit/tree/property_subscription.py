@@ -21,7 +21,7 @@ class PropertySubscription(Closing):
     Its descriptor is readable when there is something to `take`.
 
     Raises:
-        PropertyError: As commands tell it.
+        PropertyError: As commands show it.
     """
 
     def __init__(

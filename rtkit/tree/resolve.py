@@ -32,7 +32,7 @@ def absent(root: TreeNode, path: Path, hostname: str) -> NotFound:
 
 
 def _base_is_gone(path: Path, depth: int) -> str:
-    """Return what to tell if what is missing is not in what was typed, but in what it goes from."""
+    """Return a hint if what is missing is not in what was typed, but in what it goes from."""
     steps = [step for step in path.typed.split("/") if step not in ("", ".")]
     base = path.elements[: len(path.elements) - len(steps)]
     if path.typed.startswith("/") or ".." in steps or depth >= len(base):

@@ -23,11 +23,11 @@ def resurrect(
     may_create: bool = True,
     lacks: Mapping[str, str] = NOTHING_LACKS,
 ) -> None:
-    """Make what lives (`before`) the wanted system; `lacks` says why some cannot be made.
+    """Make what lives (`before`) the wanted system; `lacks` states why some cannot be made.
 
     Raises:
         Refused: Something required is missing or failed; what was made is removed again.
-        KeyboardInterrupt: Interrupted; what was made is removed again. Its text tells what remains.
+        KeyboardInterrupt: Interrupted; what was made is removed again. Its text has what remains.
     """
     live = LiveIndex(before, system)
     creation = creation_plan(system, live, may_create=may_create, lacks=lacks)

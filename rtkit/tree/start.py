@@ -44,11 +44,11 @@ class Starter:
         Args:
             tree: Where.
             plan: What.
-            announce: Is told each action before it is sent.
-            report: Is told failures that do not end the plan.
+            announce: Receives each action before it is sent.
+            report: Receives failures that do not end the plan.
             timeout_s: Bound on the whole [s]; None for none.
-            count: Is told how many actions are done, and how many there are.
-            taken: Gets what the actions took that were done [s], where the manager tells.
+            count: Receives how many actions are done, and how many there are.
+            taken: Gets what the actions took that were done [s], where the manager reports it.
         """
         self._tree = tree
         self._announce = announce
@@ -71,7 +71,7 @@ class Starter:
             Refused: A required action failed, or conditions were not met in time; what was not
                 begun by then is not done.
             Unreachable: The manager does not answer.
-            KeyboardInterrupt: Interrupted; its text tells what was not done.
+            KeyboardInterrupt: Interrupted; its text states what was not done.
         """
         self._wakeup = Wakeup()
         try:
@@ -178,7 +178,7 @@ class Starter:
         return failure
 
     def _settle(self) -> str:
-        """Wait a little for what is under way; tell what was not done."""
+        """Wait a little for what is under way; report what was not done."""
         with self._lock:
             self._is_broken_off = True
         end = monotonic() + grace.GRACE_S

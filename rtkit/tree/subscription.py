@@ -31,7 +31,7 @@ from rtkit.tree.client import Tree
 from rtkit.tree.wakeup import Wakeup
 
 QUEUE = 4096
-"""How many news a listener may be behind."""
+"""How many deltas a subscriber may be behind."""
 
 _HEAR_S = 0.5
 _TRIES = 20
@@ -41,8 +41,8 @@ class TreeChange(NamedTuple):
     """A change of the tree.
 
     Attributes:
-        time: When the manager told so [s since 1970].
-        lost: How many news were missed before; what they were is found by comparison.
+        time: When the manager sent it [s since 1970].
+        lost: How many deltas were missed before; their content is found by comparison.
     """
 
     time: float
@@ -71,7 +71,7 @@ class ManagerSubscription(Closing):
         """Begin to listen.
 
         Raises:
-            Unreachable: The manager does not answer, or what it tells does not arrive.
+            Unreachable: The manager does not answer, or what it sends does not arrive.
         """
         self.tree = tree
         self._heard: deque[tuple[str, str]] = deque(maxlen=QUEUE)
@@ -145,7 +145,7 @@ class ManagerSubscription(Closing):
         return [TreeChange(delta.time, told)] if told else []
 
     def _catch_up(self, delta: Delta) -> list[Heard]:
-        """Find out by a new picture what the news that were missed meant."""
+        """Derive the changes of missed deltas from a new snapshot."""
         lost = max(0, delta.number - self._number - 1) if delta.run == self._run else 0
         try:
             picture = self.tree.picture()
@@ -171,7 +171,7 @@ class ManagerSubscription(Closing):
         return take_in
 
     def _first_picture(self) -> FullSnapshot:
-        """Take a picture, again until news of the manager are seen to arrive."""
+        """Take a snapshot, again until deltas of the manager are seen to arrive."""
         for _ in range(_TRIES):
             picture = self.tree.picture()
             until = monotonic() + _HEAR_S

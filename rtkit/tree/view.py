@@ -29,11 +29,11 @@ class TreeNode:
     """An entry of the tree.
 
     Attributes:
-        row: What the listing tells of a component; None for what is a directory.
+        row: What the listing states of a component; None for what is a directory.
         process: Name of the process behind a manager or slave; empty for others.
         trouble: Why that process does not answer; empty when it does. Of the root: why the
-            manager did not that was asked.
-        pid: Of the manager that told of a component; 0 for what is a directory.
+            manager in use did not.
+        pid: Of the manager that reported a component; 0 for what is a directory.
     """
 
     __slots__ = ("children", "kind", "name", "parent", "pid", "process", "row", "trouble")

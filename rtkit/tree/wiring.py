@@ -76,7 +76,7 @@ def check_pair(one: ResolvedPort, other: ResolvedPort, properties: Mapping[str, 
     """Refuse ports that cannot be connected with these properties.
 
     Raises:
-        Refused: Tells why.
+        Refused: States why.
     """
     from rtkit.component.check import WRONG_TYPE, incompatible, refusal
 
@@ -115,7 +115,7 @@ def make_connector(
     """Return the connector of two ports, out port first, defaults filled in.
 
     Raises:
-        Refused: The ports cannot be connected with these properties; tells why.
+        Refused: The ports cannot be connected with these properties; states why.
     """
     check_pair(one, other, given)
     if one.port.port_type is PortType.SERVICE:

@@ -96,7 +96,7 @@ class Assignments:
         return cost + self._turning(name, now, is_rest_needed=is_cold)
 
     def _turning(self, name: str, now: str, *, is_rest_needed: bool) -> float:
-        """Return what it costs to come from one state to a wished one, by rest if need be."""
+        """Return what it costs to come from one state to a desired one, by rest if need be."""
         model = self._model
         if not is_rest_needed and model.allows(f"act:{name}", now):
             return 0

@@ -122,7 +122,7 @@ class Costs:
         kept = dict(self.values)
         origins = dict(self.origins)
         for kind in more.keys() & DEFAULT_COSTS.keys():
-            # What is said of a whole kind goes before what was measured of single types.
+            # A cost stated for a whole kind takes precedence over those measured for single types.
             for name in [each for each in kept if each.startswith(f"{kind} ")]:
                 if origins.get(name) == MEASURED:
                     del kept[name], origins[name]

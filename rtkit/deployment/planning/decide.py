@@ -49,7 +49,7 @@ class Decision:
 
     Attributes:
         gap: By how much it may be dearer than the cheapest; 0 when that is proved.
-        looked_at: Combinations that were looked at.
+        looked_at: Combinations that were tried.
     """
 
     assignments: Mapping[str, Assignment]
@@ -58,7 +58,7 @@ class Decision:
 
 
 def decide(model: Model) -> Decision:
-    """Return the cheapest fate of all components together.
+    """Return the cheapest assignments of all components together.
 
     Raises:
         Stuck: There is none; names components of which one must be otherwise.
@@ -253,7 +253,7 @@ class _Deciding:
     def _marginal(
         self, name: str, assignment: Assignment, settled: Mapping[str, Assignment]
     ) -> float:
-        """Return what a fate costs beside what is settled already."""
+        """Return what an assignment costs beside what is settled already."""
         used = frozenset().union(*(each.uses for each in settled.values()))
         cost = assignment.cost + sum(
             self._price(use) for use in assignment.uses - self._paid - used
@@ -270,7 +270,7 @@ class _Deciding:
     def _least(
         self, name: str, assignment: Assignment, before: Mapping[str, list[Assignment]]
     ) -> float:
-        """Return what a fate costs at least, beside any of the fates of those before it."""
+        """Return what an assignment costs at least, beside any of those before it."""
         cost = assignment.cost
         for pair in self._pairs[name]:
             if pair.other in before or len(self._left[pair.other]) == 1 or pair.other == name:
@@ -282,7 +282,7 @@ class _Deciding:
 class _Cluster:
     """The choices of one cluster as a problem: one component after the other is settled.
 
-    A state has the number of each fate that is chosen. Each choice costs 1 more than it does, as
+    A state has the number of each chosen assignment. Each choice costs 1 more than it does, as
     commands cost something; all ways have the same number of choices.
     """
 
@@ -388,10 +388,10 @@ def _with(state: State, number: int) -> State:
 
 
 def check_managers(model: Model) -> None:
-    """Refuse wishes of managers and modules that nothing can fulfil.
+    """Refuse desired managers and modules that nothing can bring about.
 
     Raises:
-        Impossible: Names the wish.
+        Impossible: Names the desired value.
     """
     for variable, wish in model.desired.items():
         kind, _, name = variable.partition(":")

@@ -16,10 +16,10 @@ class NoPlan(Impossible):
     """Nothing leads to the desired state.
 
     Attributes:
-        wishes: Of which each can be left out, and then the others can hold: ``VARIABLE=VALUE``.
-        variables: The same wishes by the variables that they are about.
+        wishes: Desired values; without any one of them the others can hold: ``VARIABLE=VALUE``.
+        variables: The same desired values by the variables that they are about.
         reasons: What stands in the way of them.
-        more: What else stands in the way, of other wishes.
+        more: What else stands in the way, of other desired values.
     """
 
     def __init__(
@@ -40,7 +40,7 @@ class NoPlan(Impossible):
 
 
 def explained(model: Model, error: Impossible) -> NoPlan:
-    """Return a minimal set of wishes that make it impossible, with reasons."""
+    """Return a minimal set of desired values that make it impossible, with reasons."""
     near = _near(model, error.units) if isinstance(error, Stuck) else None
     wishes = list(model.desired.items())
     local = [w for w in wishes if near is None or _concerns(model, w[0], near)]
@@ -83,7 +83,7 @@ def _told(wish: Wished) -> str:
 
 
 def _words(model: Model, wish: Wished) -> str:
-    """Return a wish as people would say it."""
+    """Return a desired value in words for people."""
     variable, values = wish
     kind, _, name = variable.partition(":")
     value = values if isinstance(values, str) else " or ".join(values)

@@ -24,9 +24,8 @@ class Feasibility:
 
     Attributes:
         lacks: By instance name, why it cannot be made: its module or its type is not found.
-        ports: By instance name the ports that it will have, where a profile of its type tells.
-        parameters: By instance name what parameters it will have, where a profile of its type
-            tells.
+        ports: By instance name the ports that it will have, where its type has a profile.
+        parameters: By instance name the parameters that it will have, where its type has a profile.
         code: CRC-32 of files of modules, as they are.
         described: Of which all ports and parameters are known so.
     """

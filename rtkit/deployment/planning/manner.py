@@ -135,7 +135,7 @@ def making(
 
 
 def unlike(component: WantedComponent, facts: ComponentFacts | None) -> list[str]:
-    """Return in what a component is another than wanted because its code says so."""
+    """Return in what a component is another than wanted because of its code."""
     if facts is None or facts.is_stand_in:
         return []
     found = drift.data_types(component, facts)

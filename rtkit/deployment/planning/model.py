@@ -18,7 +18,7 @@ ABSENT, LOADED = "absent", "loaded"
 INACTIVE, ACTIVE, ERROR = "inactive", "active", "error"
 NO, YES, OTHER = "no", "yes", "other"
 ANY = "*"
-"""As a wish: anything but absent."""
+"""As a desired value: anything but absent."""
 _DOT = "\1"  # stands for a dot in the name of a component
 UNKNOWN = "\0"
 """As a default: nobody knows which value a new component has."""
@@ -60,7 +60,7 @@ class ComponentVariable:
         places: Where it may be made.
         why_not: Why it cannot be made, where there is no place for it.
         members: Other components that must be there while it is, as it is composed of them.
-        mates: Others that must have ended before it is made again, as they share a process.
+        mates: Others that must have ended before it is created again, as they share a process.
     """
 
     name: str
@@ -78,8 +78,8 @@ class ParameterVariable:
     Attributes:
         default: What it is in a component just made; `UNKNOWN` if nobody knows.
         is_hot: It may be set while the component is active.
-        text: How setting it is told, up to the value; ``set C.KEY=`` if not told.
-        is_fixed: It is never set: only a component made again has the default.
+        text: Words for setting it, up to the value; ``set C.KEY=`` if empty.
+        is_fixed: It is never set: only a component created again has the default.
     """
 
     default: str = UNKNOWN
@@ -93,7 +93,7 @@ class ConnectionVariable:
     """A connection between two components, or that one drives the other.
 
     Attributes:
-        text: How it is told, if not by its name.
+        text: Words for it, if not its name.
         why_not: Why it cannot be made.
     """
 
@@ -110,7 +110,7 @@ class Model:
         managers: Modules that each manager finds; None where it may find any.
         keys: Parameters by ``C.KEY``.
         live: What is; a variable that is not named has its usual value (see `usual`).
-        desired: What is wished; what is not named may be anything.
+        desired: The desired values; what is not named may be anything.
         costs: Of each kind of command; ``KIND NAME`` for what concerns one component only, or one
             parameter, or one connection.
         slaves_need_modules: A module must be loaded also for what is made in a slave.
@@ -126,7 +126,7 @@ class Model:
     slaves_need_modules: bool = False
 
     def usual(self, variable: str) -> str:
-        """Return the value of a variable of which nothing is told."""
+        """Return the value of a variable of which nothing is known."""
         kind, _, name = variable.partition(":")
         if kind == "cfg":
             return self.keys[name].default
@@ -180,7 +180,7 @@ class Model:
         return f"{manager_of(place)}/{unit.module}"
 
     def wishing(self, desired: Iterable[tuple[str, Wish]]) -> Model:
-        """Return the same with other wishes."""
+        """Return the same with other desired values."""
         return replace(self, desired=dict(desired))
 
     def variables(self) -> Iterator[str]:

@@ -96,13 +96,13 @@ def build_model(
         feasibility: What is known of components that do not live yet.
         states: In which single components are to be, instead of `state`.
         absent: Components that are not to be there, by name.
-        replaces: What cannot be changed in place is made again.
+        replaces: What cannot be changed in place is created again.
         prunes: What is not in the wanted system is not to be there.
         is_back: For the way back: what turned out to be another than wanted is taken in too.
 
     Raises:
         Impossible: Something else lives where a required component belongs, or one would have to
-            be made again, and that is not allowed.
+            be created again, and that is not allowed.
     """
     began = began or live.snapshot
     surveying = _Surveying(system, live, state, costs, began, feasibility, states, absent)
@@ -230,7 +230,7 @@ class _Surveying:
     def _manner(
         self, component: WantedComponent, facts: ComponentFacts | None, wrong: str
     ) -> tuple[list[ComponentSetting], list[str]]:
-        """Return what a component is beside its parameters, and why it is made again."""
+        """Return what a component is beside its parameters, and why it is created again."""
         was = self._before.get(component.instance)
         found = list(manner.settings(component, None if wrong else facts, was))
         is_named = None if facts is None else self._live_facts.is_named(component)
@@ -254,14 +254,14 @@ class _Surveying:
         (self._problems if is_fatal else self._notes).append(why)
 
     def _reasons(self, component: WantedComponent, facts: ComponentFacts | None) -> list[str]:
-        """Return why a component would have to be made again."""
+        """Return why a component would have to be created again."""
         if facts is None or facts.zombie:
             return []
         wrong = mismatch(component, facts)
         return [wrong] if wrong else list(manner.reasons(component, facts))
 
     def _prune(self) -> None:
-        """Have components end that live and are not wanted; those of guests end by themselves."""
+        """Have live, unwanted components end; those of attached processes end by themselves."""
         alive = {facts.instance for facts in self._snapshot.components if not facts.zombie}
         both = {facts.instance: facts for facts in self._began.components}
         both.update((facts.instance, facts) for facts in self._snapshot.components)
@@ -402,7 +402,7 @@ class _Surveying:
         wire, live = wanted.profile, self._live_facts
         id = wire.connector_id
         if any(end.instance not in self._units for end in wire.ports):
-            return  # that an end is left out is told already
+            return  # that an end is left out is reported already
         known = live.wire(id)
         names = [end.instance for end in wire.ports]
         pending = [each for each in names if live.at(each) is None or each in self._replaced]

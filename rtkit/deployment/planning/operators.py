@@ -47,7 +47,7 @@ class Operator:
     Attributes:
         kind: Of the table of costs.
         subject: What it is done to: a manager, ``M/X``, a component, ``C.KEY``, a connection.
-        text: As it is told.
+        text: Words for it.
         needs: All of them must hold.
         changes: Values after it.
         value: Place or value that is given; empty for most.

@@ -69,11 +69,11 @@ def make_plan(model: Model, ranks: Mapping[str, int] = NO_RANKS) -> DeploymentPl
     """Return the cheapest plan, judged by carrying it out on the model.
 
     Args:
-        model: What is, what may be, what is wished.
+        model: What is, what may be, what is desired.
         ranks: Components with lower numbers are activated before those with higher ones.
 
     Raises:
-        NoPlan: Nothing leads there; names wishes that cannot hold together.
+        NoPlan: Nothing leads there; names desired values that cannot hold together.
     """
     begin = perf_counter()
     try:

@@ -40,7 +40,7 @@ def problem_of(model: Model, moves: Iterable[Operator] | None = None) -> Problem
 def judge(model: Model, moves: Iterable[Operator]) -> str:
     """Return the first thing that is wrong with a plan, by the number of its step; or nothing.
 
-    Says the same as verifying it on the whole problem, and looks only at what steps touch.
+    Has the same result as verifying it on the whole problem, and checks only what steps touch.
     """
     state = {variable: model.now(variable) for variable in model.variables()}
     for number, move in enumerate(moves, 1):

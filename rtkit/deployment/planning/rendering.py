@@ -16,7 +16,7 @@ NOTHING_TO_DO = "nothing to do"
 def lines(plan: DeploymentPlan, costs: Costs = USUAL) -> Iterator[str]:
     """Yield a plan for people: steps with costs and changes, what is done at once, what is kept.
 
-    Where not all costs are of the table, it is told where they come from.
+    Where not all costs are of the table, their sources are stated.
     """
     if not plan.moves:
         yield f"{NOTHING_TO_DO}: everything is as wanted"

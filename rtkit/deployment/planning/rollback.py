@@ -37,13 +37,13 @@ class Rollback:
         self._failures: Counter[str] = Counter()
 
     def model(self, now: Snapshot) -> Model:
-        """Return what lives now with all that lived before as its wishes, but what is given up."""
+        """Return what lives now with all that lived before as desired, but what is given up."""
         whole = self._whole(now)
         given_up = {v for name in self._failures for v in self._near(whole, name)}
         return whole.wishing((v, wish) for v, wish in whole.desired.items() if v not in given_up)
 
     def give_up(self, variables: Iterable[str]) -> None:
-        """Take back wishes that cannot be: the more of what is near, the more often it failed."""
+        """Withdraw impossible desired values: more of what is near, the more often it failed."""
         self._failures.update(variables)
 
     def unlike(self, now: Snapshot) -> Iterator[str]:
@@ -111,7 +111,7 @@ def _beside(model: Model, name: str) -> Iterator[str]:
 def _contexts_unlike(before: Snapshot, now: Snapshot) -> Iterator[str]:
     """Yield components that were Active in some of their contexts only, and now are in others.
 
-    A plan knows of each whether it is Active at all, so this is not led back, but told.
+    A plan knows of each whether it is Active at all, so this is not led back, but reported.
     """
     living = {facts.instance: facts for facts in now.components}
     for facts in before.components:
@@ -145,12 +145,12 @@ def difference(model: Model, variable: str, was: str) -> str:
 
 
 def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...]]) -> Model:
-    """Return the model of what lives now with all that lived before as its wishes.
+    """Return the model of what lives now with all that lived before as desired.
 
     What somebody else made meanwhile, and nobody knew of before, is left as it is.
 
     Args:
-        now: What lives, and what was wished.
+        now: What lives, and what was desired.
         before: What lived before.
         joined: The components that each connection joined before.
     """
@@ -172,7 +172,7 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
         variable = f"cfg:{key}"
         if variable in before.live:
             desired[variable] = before.live[variable]
-            if known.is_fixed:  # what is made again is made as it was
+            if known.is_fixed:  # what is created again is created as it was
                 keys[key] = replace(known, default=before.live[variable])
     for name in now.wires:
         if name not in before.wires:
@@ -180,7 +180,7 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
         variable = f"con:{name}"
         was = before.now(variable)
         if was == OTHER:
-            # What was there under its name is what is wished now, and what is there the other.
+            # What was there under its name is what is desired now, and what is there the other.
             live[variable] = {YES: OTHER, OTHER: YES}.get(now.now(variable), NO)
             if not all(end in units for end in joined[name]):
                 continue
@@ -193,7 +193,7 @@ def rollback_goal(now: Model, before: Model, joined: Mapping[str, tuple[str, ...
 
 
 def without(model: Model, before: Model, managers: Collection[str]) -> Model:
-    """Return the same model with no wishes of what was in managers that have ended."""
+    """Return the same model with nothing desired of what was in managers that have ended."""
     if not managers:
         return model
     lost = {name for name in model.units if _home(before, model, name) in managers}

@@ -40,7 +40,7 @@ class SavedPlan:
     Attributes:
         made: When, as people read it.
         about: What it was made from: the profile and the options.
-        model: What lived, what might be, what was wished.
+        model: What lived, what might be, what was desired.
         ranks: Components of lower numbers are activated before those of higher ones.
         steps: Kind, subject, value and cost of each step, in order.
         gap: By how much it may be dearer than the cheapest.
@@ -94,7 +94,7 @@ def from_text(text: bytes, source: str) -> SavedPlan:
     """Read a plan that was saved.
 
     Raises:
-        InvalidDocument: It is cut, was changed, or is of another version; says which.
+        InvalidDocument: It is cut, was changed, or is of another version; states which.
     """
     try:
         data = json.loads(text)
@@ -140,7 +140,7 @@ def changes(was: Model, now: Model) -> Iterator[str]:
         is_key = variable.startswith("cfg:")
         is_of_one = is_key or variable.startswith("act:")
         if is_of_one and (owner_of(variable[4:]) in come or owner_of(variable[4:]) not in units):
-            continue  # told already: all that is so shows when a component lives
+            continue  # reported already: all that is so shows when a component lives
         if not all(_knows(model, variable) for model in (was, now)):
             if is_key:
                 yield f"parameter {variable[4:]} is another"

@@ -30,7 +30,7 @@ def sequence(
 ) -> list[Operator]:
     """Return the steps, first what rests and ends, then what is made, joined, set, activated.
 
-    `ranks` says which components are activated before others: those of lower numbers.
+    `ranks` orders the activation of components: those of lower numbers.
     """
     return list(_Emitting(model, assignments, ranks).run())
 

@@ -45,18 +45,18 @@ class Stale:
         }
 
     def mates(self, instance: str) -> tuple[str, ...]:
-        """Return who else must have ended before a component is made again with its new code."""
+        """Return who else must have ended before a component is created again with its new code."""
         return tuple(each for each in self._together(instance) if each != instance)
 
     def reasons(self, facts: ComponentFacts) -> Iterator[str]:
-        """Yield why a component is to be made again: its own code, or that of others in a slave."""
+        """Yield why a component must be created again: its code, or that of others in its slave."""
         for each in self._together(facts.instance) if not self._hindrance(facts.instance) else ():
             if each in self._files:
                 whose = "its" if each == facts.instance else f"in its slave {each}'s"
                 yield f"{whose} code has changed since it was loaded ({self._files[each]})"
 
     def notes(self, facts: ComponentFacts, path: str) -> Iterator[str]:
-        """Yield what a user is told of a component that runs old code, and what helps."""
+        """Yield the text for a user about a component that runs old code, with a hint."""
         file = self._files.get(facts.instance)
         if file:
             helps = self._hindrance(facts.instance) or "--replace makes it again"

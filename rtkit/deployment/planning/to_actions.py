@@ -127,7 +127,7 @@ class ActionBuilder:
             yield from self._set(name, key, move.value, live)
 
     def _policy(self, name: str, told: str) -> Mapping[str, str]:
-        """Return the policy that is told so: the wanted one, else the one of before."""
+        """Return the policy that is sent: the wanted one, else the one of before."""
         wanted = self._wanted.get(name)
         if wanted is not None and wanted.policy is not None and policy_text(wanted.policy) == told:
             return wanted.policy
@@ -159,7 +159,7 @@ class ActionBuilder:
 
 
 def _module(move: Operator, live: LiveIndex) -> tuple[str, str]:
-    """Return a module with its manager, which is empty for the first one that is asked."""
+    """Return a module with its manager, which is empty for the first one."""
     manager, _, module = move.subject.partition("/")
     return "" if manager == live.snapshot.manager else manager, module
 

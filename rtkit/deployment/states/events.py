@@ -43,7 +43,7 @@ class EventCondition:
 
     @property
     def needs_metrics(self) -> bool:
-        """Return whether it can only be judged with figures."""
+        """Return whether it can only be judged with metrics."""
         return self.name.endswith(".count")
 
     def holds(

@@ -20,7 +20,7 @@ Holds = Callable[[str, Snapshot], bool]
 def state_now(machine: SystemStates, holds: Holds, snapshot: Snapshot, last: str = "") -> str:
     """Return the state that a system is in; empty for none.
 
-    Of several that hold it is the `last` one, else the one with the most wishes.
+    Of several that hold it is the `last` one, else the one with the most desired values.
     """
     held = [name for name in machine.table if holds(name, snapshot)]
     if last in held:

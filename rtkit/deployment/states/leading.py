@@ -35,7 +35,7 @@ class Leader:
         Args:
             states: Of the system.
             reach: Makes each transition.
-            failed: Is told transitions that failed and lead on.
+            failed: Receives transitions that failed and lead on.
             clock_s: A clock that is never set back [s].
         """
         self.follower = Follower(states.machine, states.holds)

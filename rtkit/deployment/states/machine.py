@@ -29,7 +29,7 @@ class SystemStates:
 
     Attributes:
         table: State to event to next state, in order; the first one is where it begins.
-        wishes: What is wished in each state.
+        wishes: What is desired in each state.
         conditions: By event; one without condition is a command, or `FAILED`.
     """
 
@@ -70,16 +70,16 @@ class SystemStates:
 def machine_of(
     properties: Mapping[str, str], sets: Mapping[str, Sequence[str]], chart: Table | None = None
 ) -> SystemStates | None:
-    """Return the states that the properties of a system profile tell; None where they tell none.
+    """Return the states that the properties of a system profile state; None where they state none.
 
     Args:
         properties: Of the system: ``rtkit.states``, ``rtkit.transitions``, ``rtkit.state.NAME``,
             ``rtkit.event.NAME``.
         sets: The components of the system by name, and the names of their configuration sets.
-        chart: States and transitions, where a state chart tells them.
+        chart: States and transitions, where a state chart states them.
 
     Raises:
-        Malformed: They make no sense; tells everything that does not.
+        Malformed: They make no sense; lists everything that does not.
     """
     told = {key: text for key, text in properties.items() if key.startswith(_PREFIXES)}
     if chart is None and not told:
@@ -164,7 +164,7 @@ class _Reading:
                 return
         for each in [name for name in table if name != target] if state == _ANY else [state]:
             if state == _ANY and event in table[each]:
-                continue  # what is told of one state goes before what is told of all
+                continue  # what is stated of one state takes precedence over what is stated of all
             if event in table[each]:
                 self.problems.append(
                     f"{extension.TRANSITIONS}: {event} leads from {each}"
@@ -201,7 +201,7 @@ class _Reading:
         self.problems.append(f"{text}{did_you_mean(name, known)}")
 
     def _check_distinct(self, machine: SystemStates) -> None:
-        """Refuse states that nobody could tell apart by what lives."""
+        """Refuse states that nobody could distinguish by what lives."""
         seen: dict[frozenset[StateDifference], str] = {}
         for name, wished in machine.wishes.items():
             known = seen.setdefault(frozenset(wished), name)

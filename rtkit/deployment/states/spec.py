@@ -18,7 +18,7 @@ def spec_to_text(states: States, about: Sequence[str], *, rolls_back: bool = Fal
 
     Args:
         states: Of the system.
-        about: The file of the profile, and what tells its content from any other.
+        about: The file of the profile, and what distinguishes its content from any other.
         rolls_back: When a step fails, go back to what was before.
     """
     base, machine = states.base, states.machine

@@ -23,7 +23,7 @@ class StateDifference(NamedTuple):
     """A desired difference from the profile.
 
     Attributes:
-        component: By name; ``*`` for all of which nothing else is said.
+        component: By name; ``*`` for all others.
         what: Empty for the life-cycle state, ``active_set``, or ``SET.PARAMETER``; with an empty
             SET for the set that is in use.
     """
@@ -48,10 +48,10 @@ class Variant:
 
 
 def differences_of(text: str, sets: Mapping[str, Sequence[str]]) -> tuple[StateDifference, ...]:
-    """Read wishes: ``Motor0=Active; Nav0.variant=bug2; Nav0.active_set=fast; *=Inactive``.
+    """Parse differences: ``Motor0=Active; Nav0.variant=bug2; Nav0.active_set=fast; *=Inactive``.
 
     Args:
-        text: Wishes, parted by semicolons.
+        text: Desired differences, separated by semicolons.
         sets: Names of the configuration sets of each component.
 
     Raises:
@@ -105,11 +105,11 @@ def variant(
     wished: Iterable[StateDifference],
     watched: Collection[tuple[str, str]] = (),
 ) -> Variant:
-    """Return a system as it is to be with these wishes.
+    """Return a system as it is to be with these differences.
 
     Args:
-        system: As its profile says.
-        wished: Differences from it.
+        system: As its profile states it.
+        wished: Desired differences from it.
         watched: Component and property of each value that leads from state to state. Who lives
             keeps it: it was changed so that something happens, not to be set back.
     """
